@@ -16,8 +16,8 @@ import sympy as sp
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import JOINT
-from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import evaluate_output
+from frictionlab.hybrid.tape.formulas import function_along_run
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
@@ -251,7 +251,7 @@ def terms_of(key: Structure) -> Terms:
     arguments = [*found.states, *parameter_symbols(key)]
 
     def compiled(expression: Any) -> Callable[..., Any]:
-        return array_function(arguments, sp.sympify(expression, strict=True))
+        return function_along_run(arguments, expression)
 
     given = (
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
@@ -321,7 +321,7 @@ def _contact(found: LagrangeSystem, i: int, compiled: Callable[..., Any], key: S
         terms,
         travel=None if contact.normal is None else compiled(travel),
         penetration=compiled(contact.penetration),
-        law=array_function([GAP, *parameter_symbols(key)], sp.sympify(force, strict=True)),
+        law=function_along_run([GAP, *parameter_symbols(key)], force),
     )
 
 

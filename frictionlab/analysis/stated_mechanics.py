@@ -14,9 +14,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
-from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.hybrid.tape.formulas import function_along_run
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import (
@@ -87,7 +86,7 @@ def _statement_of(key: Structure) -> Statement:
     states = [*q.values(), *v.values(), *([] if about.frequency is None else [symbol("phase")])]
 
     def compiled(expression: Any) -> Function:
-        return array_function([*states, *parameter_symbols(key)], sp.sympify(expression, strict=True))
+        return function_along_run([*states, *parameter_symbols(key)], expression)
 
     return Statement(
         tuple(map(str, states)),

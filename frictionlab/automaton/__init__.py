@@ -9,9 +9,7 @@ turns into numbers.
     are derived when a run first tries to enter them; `Regime`: what is known of a mode before that.
 ``expressions``
     `Combinations`: many sums of a few expressions, as numbers times these, for finite elements.  Also
-    products multiplied out, unless that gets too long, and parts of expressions that have no value.
-``straight_line``
-    `StraightLine`: a function that sympy has compiled, as data that a file can hold.
+    products multiplied out, unless that gets too long.
 ``hybrid_automaton``
     `HybridAutomaton`: the modes over one state space, with the values of the parameters; derived at once, or
     when they are needed.

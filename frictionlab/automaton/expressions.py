@@ -1,25 +1,23 @@
-"""Expressions: long sums as numbers times a few of them, products multiplied out, parts without a value.
+"""Expressions: long sums as numbers times a few of them, and products multiplied out.
 
 The equations of a structure of finite elements have some ten thousand terms such as -12.5 E w_3, made of some
 hundred expressions E w_i.  Where all terms are multiplied by a matrix, evaluated or differentiated, that is
 done with the numbers (`Combinations`); sympy sees only the few expressions.  Products are multiplied out
-unless that would take too long: a law may be a high power of a long sum.  A formula with the root of a
-negative number or the inverse of zero has no value in any state, which can be told before a run.
+unless that would take too long: a law may be a high power of a long sum.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import comb, inf, prod
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton.mode import Expr, Symbol
+from frictionlab.automaton.mode import Expr
 from frictionlab.lazy_names import sympy
 
 Array = NDArray[np.float64]
@@ -100,12 +98,6 @@ class Combinations:
         """The numbers as a matrix (sums, expressions)."""
         found = np.zeros((self.sums, len(self.expressions)))
         found[tuple(self.places.T)] = self.numbers
-        return found
-
-    def values(self, of_expressions: Array) -> Array:
-        """The sums (sums,) where the expressions have these values; each is added up from its first term."""
-        terms = self.numbers * of_expressions[self.places[:, 1]]
-        found: Array = np.bincount(self.places[:, 0], weights=terms, minlength=self.sums).astype(float)
         return found
 
 
@@ -191,53 +183,3 @@ def _term_count(expr: Any) -> float:
     else:
         total = 1
     return total if expr.is_Add or total <= MOST_TERMS else inf  # a sum needs no limit of its own
-
-
-class UndefinedPart(NamedTuple):
-    """A part of a formula that may have no value: its text, the names of its parameters, and its value as a
-    function of these."""
-
-    text: str
-    names: tuple[str, ...]
-    value: Callable[..., Any]
-
-    def words(self, values: Mapping[str, float]) -> str:
-        """The message that it has no real value at these parameter values; empty where it has one."""
-        if not self._is_undefined(values):
-            return ""
-        at = ", ".join(f"{name} = {values[name]:g}" for name in self.names)
-        return f"{self.text}, which has no real value at {at}"
-
-    def _is_undefined(self, values: Mapping[str, float]) -> bool:
-        try:
-            found = self.value(*(values[name] for name in self.names))
-        except (ArithmeticError, ValueError):
-            return True
-        return isinstance(found, complex) or math.isnan(found)
-
-
-def undefined_part(expression: Any, values: Mapping[Symbol, float]) -> str:
-    """The innermost part of an expression that has no real value; empty where there is none.
-
-    As text: "sqrt(a), which has no real value at a = -1".  Parts that hold a state are left out.
-    """
-    at = {symbol.name: value for symbol, value in values.items()}
-    words = (part.words(at) for part in doubtful_parts(expression, frozenset(values)))
-    return next(filter(None, words), "")
-
-
-@lru_cache(maxsize=4096)
-def doubtful_parts(expression: Any, symbols: frozenset[Symbol]) -> tuple[UndefinedPart, ...]:
-    """The parts that depend on parameters only and may have no value, the innermost first."""
-    return tuple(_parts(sympy.sympify(expression, strict=True), symbols))
-
-
-def _parts(expression: Any, symbols: frozenset[Symbol]) -> Iterator[UndefinedPart]:
-    part: Any
-    for part in dict.fromkeys(sympy.postorder_traversal(expression)):
-        exponent = integer_exponent(part) if part.is_Pow else 0
-        power = exponent is None or exponent < 0
-        if (power or part.is_Function) and part.free_symbols and part.free_symbols <= symbols:
-            names = tuple(sorted(part.free_symbols, key=str))
-            value = sympy.lambdify(names, part, "math")
-            yield UndefinedPart(str(part), tuple(symbol.name for symbol in names), value)

@@ -11,8 +11,6 @@ Data pass in this order, and each part imports only from those before it; only t
     Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
 ``elementary``
     exp, log, sin, powers and the like, with the same bits on every machine.
-``expression_functions``
-    Sympy expressions as Python functions of numbers or arrays, whose code sympy writes.
 ``tape``
     Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
     arrays of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.

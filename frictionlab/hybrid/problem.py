@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.elementary.parameter_functions import OF_OUTPUTS
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
 from frictionlab.validation import abbreviate, is_sequence
@@ -302,21 +302,18 @@ def evaluate_output(
     values, numbers = np.empty(len(states)), automaton.values.values()
     for i in np.unique(modes):
         chosen = modes == i
-        function = _output_function(automaton, mode_names[int(i)], name)
-        values[chosen] = function(*states[chosen].T, *numbers)
+        formulas = _output_formulas(automaton, mode_names[int(i)], name)
+        values[chosen] = formulas.along_run(*states[chosen].T, *numbers)[0]
     return values
 
 
-def _output_function(automaton: HybridAutomaton, mode: str, name: str) -> Callable[..., Any]:
-    def derive() -> Callable[..., Any]:
+def _output_formulas(automaton: HybridAutomaton, mode: str, name: str) -> Formulas:
+    def derive() -> Formulas:
         return _derived_output(automaton.mode(mode), name, automaton.states, tuple(automaton.parameters))
 
-    kept = automaton.kept()
-    return derive() if kept is None else kept.function(f"{name} in {mode}", OF_OUTPUTS, derive)
+    return kept_formulas(automaton.kept(), f"{name} in {mode}", derive)
 
 
 @lru_cache(maxsize=1024)
-def _derived_output(mode: Mode, name: str, states: tuple, parameters: tuple) -> Callable[..., np.ndarray]:
-    from frictionlab.hybrid.expression_functions import array_function  # which loads sympy
-
-    return array_function([*states, *parameters], mode.outputs[name])
+def _derived_output(mode: Mode, name: str, states: tuple, parameters: tuple) -> Formulas:
+    return formulas_of([*states, *parameters], [mode.outputs[name]])

@@ -30,7 +30,6 @@ from zipfile import BadZipFile, ZipFile
 
 import frictionlab
 from frictionlab import cache_folder
-from frictionlab.automaton.straight_line import StraightLine, straight_line_data
 from frictionlab.components.component import Component, parameters_of, structure_of
 from frictionlab.validation import MAX_CHARACTERS, abbreviate
 
@@ -208,7 +207,6 @@ class Derivations:
     def __init__(self, path: Path | None) -> None:
         self._path = path
         self._known: dict[str, Any] | None = None
-        self._functions: dict[str, Callable[..., Any]] = {}
 
     @property
     def keeps(self) -> bool:
@@ -238,37 +236,6 @@ class Derivations:
             known = derive()
             self.keep(name, known)
         return known
-
-    def function(
-        self, name: str, functions: Mapping[str, Any], derive: Callable[[], Callable[..., Any]]
-    ) -> Callable[..., Any]:
-        """A function of numbers or arrays: the one kept under a name, else the one that `derive` gives.
-
-        Their results are the same to the last bit.
-
-        Parameters
-        ----------
-        name : str
-        functions : mapping of str to callable
-            The functions that it may call.
-        derive : callable
-            Makes the function with sympy's `lambdify`.
-        """
-        if name not in self._functions:
-            self._functions[name] = self._function(name, functions, derive)
-        return self._functions[name]
-
-    def _function(
-        self, name: str, functions: Mapping[str, Any], derive: Callable[[], Callable[..., Any]]
-    ) -> Callable[..., Any]:
-        known = self.get(f"{name}()")
-        if known is not None:
-            return StraightLine(known, functions)
-        found = derive()
-        data = straight_line_data(found, functions) if self.keeps else None
-        if data is not None:
-            self.keep(f"{name}()", data)
-        return found
 
     def _read(self) -> dict[str, Any]:
         if self._path is None:

@@ -11,6 +11,7 @@ derivatives of a term only by the symbols that it contains.  They are the same e
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
@@ -19,16 +20,12 @@ from inspect import signature
 from typing import Any
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.expressions import (
-    UndefinedPart,
-    doubtful_parts,
-    multiply_out,
-    unsorted_product,
-)
+from frictionlab.automaton.expressions import multiply_out, unsorted_product
 from frictionlab.automaton.hybrid_automaton import Late, late_automaton
-from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
+from frictionlab.hybrid.tape.undefined_parts import doubtful_parts, undefined_words
 from frictionlab.lazy_names import sympy
 from frictionlab.validation import abbreviate
 
@@ -74,30 +71,36 @@ def structure_values(model: Any) -> tuple[float, ...]:
 
 def check_laws(key: Structure, values: Mapping[str, float]) -> None:
     """Raise ValueError if a law of this structure has no real value at these values of its parameters."""
-    for place, part in _doubtful_parts(key):
-        if what := part.words(values):
+    parts, formulas = _doubtful_parts(key)
+    numbers = formulas.numbers(*(values[name] for name in key.parameters))
+    for (place, text, names), number in zip(parts, numbers.tolist(), strict=True):
+        if not math.isfinite(number):
             raise ValueError(
-                f"{place} of this {key.component.__name__} has {what}: give it another value; in a law of "
-                "your own, fl.parameter(..., minimum=...) says which are allowed"
+                f"{place} of this {key.component.__name__} has {undefined_words(text, names, values)}: "
+                "give it another value; in a law of your own, fl.parameter(..., minimum=...) says which are "
+                "allowed"
             )
 
 
 @cache
-def _doubtful_parts(key: Structure) -> tuple[tuple[str, UndefinedPart], ...]:
-    """Parts of the laws' formulas that may have no value, each with the name of the law's method."""
+def _doubtful_parts(key: Structure) -> tuple[list[Any], Formulas]:
+    """Parts of the laws' formulas that may have no value, and these values as formulas of the parameters.
+
+    Of each part there are the name of the law's method, its text and the names of its parameters.
+    """
     kept = derivations_of(key, key.parameters)
-    known = kept.get("laws")
-    if known is not None:
-        return tuple(
-            (place, UndefinedPart(text, tuple(names), StraightLine(program, MATH)))
-            for place, text, names, program in known
-        )
-    symbols = frozenset(parameter_symbols(key))
-    found = [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, symbols)]
-    rows = [[place, part.text, part.names, straight_line_data(part.value, MATH)] for place, part in found]
-    if all(program is not None for *_, program in rows):
-        kept.keep("laws", rows)
-    return tuple(found)
+
+    def parts() -> list[tuple[str, Any]]:
+        known = frozenset(parameter_symbols(key))
+        return [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, known)]
+
+    words = kept.value(
+        "laws", lambda: [[place, str(part), sorted(map(str, part.free_symbols))] for place, part in parts()]
+    )
+    values = kept_formulas(
+        kept, "laws", lambda: formulas_of(parameter_symbols(key), [part for _, part in parts()])
+    )
+    return words, values
 
 
 def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:

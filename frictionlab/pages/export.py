@@ -21,11 +21,11 @@ from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.ahead_of_time.manifest import WEB, changed_sources, read_manifest, read_object
-from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.tape.formulas import ELEMENTARY
 from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model, require_model
@@ -157,7 +157,7 @@ def method_data() -> dict[str, Any]:
         "tol": method.tol,
         "rounding": COEFFICIENT_ROUNDING,
         "chatter": method.chatter_limit,
-        "elementary": [function.__name__ for function in ELEMENTARY],
+        "elementary": [function.__name__ for function in ELEMENTARY.values()],
         "least_ratio": LOG2_LEAST_RATIO,
         "exp2": EXP2_COEFFICIENTS,
         "kinds": {function.name: function.kind for function in FUNCTIONS},

@@ -1,6 +1,6 @@
-"""Sympy expressions as JavaScript that computes what Python computes, and the rules that parameters keep.
+"""Formulas as JavaScript that computes what Python computes, and the rules that parameters keep.
 
-Sums and products are printed in the order in which Python computes them, so that numbers are the same to the
+Each operation is a statement, in the order in which Python computes them, so that numbers are the same to the
 last bit.  Powers and functions are calls of the kernels that Python calls too, through the object ``F`` of
 ``functions.js``.
 
@@ -14,68 +14,42 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, cast
+from math import isfinite
+from typing import Any
 
 import sympy as sp
 
 from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
-from frictionlab.hybrid.elementary.parameter_functions import KERNELS
-from frictionlab.hybrid.expression_functions import ParameterPrinter
-from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.hybrid.tape.formulas import (
+    ABS,
+    AND,
+    ATAN2,
+    CEILING,
+    EQUAL,
+    FLOOR,
+    INTEGER_POWER,
+    LESS,
+    LESS_OR_EQUAL,
+    MAXIMUM,
+    MINIMUM,
+    NOT,
+    OR,
+    REAL_POWER,
+    SELECT,
+    SIGN,
+    STEP,
+    Formulas,
+    formulas_of,
+)
+from frictionlab.hybrid.tape.formulas import NAMES as OPERATION_NAMES
+from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, SQUARE
+from frictionlab.hybrid.tape.tape import Tape
 from frictionlab.models import Model
 from frictionlab.models.symbols import symbol
 
 MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
 MARK = "\0"  # encloses the places of values in a message
 RELATIONS = {"lt": sp.Lt, "le": sp.Le, "gt": sp.Gt, "ge": sp.Ge, "eq": sp.Eq, "ne": sp.Ne}
-
-
-class JavaScriptPrinter(ParameterPrinter):
-    """Prints what the two languages write differently; sums and products read the same in both."""
-
-    root, prefix = "Math.sqrt", "F."
-
-    def _print_Function(self, expr: Any) -> str:
-        return f"F.{type(expr).__name__}({', '.join(map(self._print, expr.args))})"
-
-    def _print_Abs(self, expr: Any) -> str:
-        return f"Math.abs({self._print(expr.args[0])})"
-
-    def _print_sign(self, expr: Any) -> str:
-        return f"Math.sign({self._print(expr.args[0])})"
-
-    def _print_Min(self, expr: Any) -> str:
-        return f"Math.min({', '.join(map(self._print, expr.args))})"
-
-    def _print_Max(self, expr: Any) -> str:
-        return f"Math.max({', '.join(map(self._print, expr.args))})"
-
-    def _print_Piecewise(self, expr: Any) -> str:
-        text = "NaN"
-        for value, condition in reversed(expr.args):
-            if condition == sp.true:
-                text = f"({self._print(value)})"
-            else:
-                text = f"(({self._print(condition)}) ? ({self._print(value)}) : {text})"
-        return text
-
-    def _print_Pi(self, expr: Any) -> str:
-        return "Math.PI"
-
-    def _print_Exp1(self, expr: Any) -> str:
-        return "Math.E"
-
-
-def _named_function(name: str) -> Any:
-    def printed(printer: JavaScriptPrinter, expr: Any) -> str:
-        return f"F.{name}({printer._print(expr.args[0])})"
-
-    return printed
-
-
-# Python's printer knows these by methods of their own, which would write math.exp.
-for _name in {function.name for function in FUNCTIONS} | {function.__name__ for function in KERNELS}:
-    setattr(JavaScriptPrinter, f"_print_{_name}", _named_function(_name))
 
 
 def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> str:
@@ -92,44 +66,76 @@ def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequenc
     >>> import sympy
     >>> k, m = sympy.symbols("k m")
     >>> javascript_function([(k, m)], [sympy.sqrt(k / m)])
-    '([a0, a1]) => {return [Math.sqrt(a0/a1)];}'
+    '([v0,v1]) => {const v2=v0/v1,v3=Math.sqrt(v2);return [v3];}'
     """
-    # The same common subexpressions, in the same order, as sympy's lambdify finds.
-    common, reduced = sp.cse(list(map(sp.sympify, expressions)), list=False)
-    return _function(arguments, common, cast(list, reduced))
+    inputs = [symbol for some in arguments for symbol in some]
+    return javascript_of_formulas(formulas_of(inputs, expressions), list(map(len, arguments)))
 
 
-def javascript_function_apart(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> str:
-    """As :func:`javascript_function`, but each expression is evaluated on its own, as in modes on demand."""
-    return _function(arguments, [], list(map(sp.sympify, expressions)))
+def javascript_of_formulas(formulas: Formulas, lengths: Sequence[int]) -> str:
+    """Formulas as a JavaScript function of arrays of these lengths, which together are the inputs."""
+    names = iter(f"v{i}" for i in range(formulas.tape.inputs))
+    head = ", ".join(f"[{','.join(next(names) for _ in range(length))}]" for length in lengths)
+    tape = formulas.tape
+    lines = [f"v{tape.inputs + i}={_operation(tape, i)}" for i in formulas.needed]
+    body = f"const {','.join(lines)};" if lines else ""
+    return f"({head}) => {{{body}return [{','.join(f'v{slot}' for slot in formulas.outputs)}];}}"
 
 
-def _function(arguments: Sequence[Sequence[Any]], common: Sequence[Any], reduced: Sequence[Any]) -> str:
-    names = iter(f"a{i}" for i in range(sum(map(len, arguments))))
-    arrays = [[next(names) for _ in some] for some in arguments]
-    renamed = {s: n for some, array in zip(arguments, arrays) for s, n in zip(some, array, strict=True)}
-    printer = _Renaming(renamed | {symbol: f"c{i}" for i, (symbol, _) in enumerate(common)})
-    lines = [f"const c{i} = {printer.text(value)};" for i, (_, value) in enumerate(common)]
-    values = ", ".join(map(printer.text, reduced))
-    head = ", ".join(f"[{', '.join(array)}]" for array in arrays)
-    return f"({head}) => {{{''.join(lines)}return [{values}];}}"
+def _operation(tape: Tape, i: int) -> str:
+    kind, a, b = tape.ops[i]
+    number = tape.constants[i]
+    if kind == AFFINE:
+        return _affine(number, [(factor, f"v{slot}") for slot, factor in tape.terms[a:b]])
+    template = TEMPLATES.get(kind) or f"F.{OPERATION_NAMES[kind]}({{a}})"
+    if kind == POWER and abs(number) == 0.5:
+        template = "Math.sqrt({a})" if number > 0.0 else "1/Math.sqrt({a})"
+    return template.format(a=f"v{a}", b=f"v{b}", number=_number(number), condition=f"v{int(number)}")
 
 
-class _Renaming(JavaScriptPrinter):
-    """Prints symbols by short names, as their own need not be names in JavaScript."""
+def _affine(constant: float, terms: Sequence[tuple[float, str]]) -> str:
+    """A sum, added up in the order in which Python does."""
+    (factor, first), *others = terms or [(0.0, "")]
+    if not terms:
+        return _number(constant)
+    text = first if factor == 1.0 else f"{_number(factor)}*{first}"
+    if constant != 0.0:
+        text = f"{_number(constant)}+{text}"
+    for factor, name in others:
+        part = name if abs(factor) == 1.0 else f"{_number(abs(factor))}*{name}"
+        text += f"{'-' if factor < 0.0 else '+'}{part}"
+    return text
 
-    def __init__(self, names: dict[Any, str]) -> None:
-        super().__init__()
-        self._names_of_symbols = names
 
-    def text(self, expr: Any) -> str:
-        """An expression as JavaScript."""
-        return str(self.doprint(expr))
+def _number(number: float) -> str:
+    text = repr(number) if isfinite(number) else "NaN" if number != number else "Infinity"
+    return f"({text})" if number < 0.0 else text
 
-    def _print_Symbol(self, expr: Any) -> str:
-        return self._names_of_symbols[expr]
 
-    _print_Dummy = _print_Symbol
+# Operations of formulas as JavaScript; others are calls of the kernels by their names.
+TEMPLATES = {
+    PRODUCT: "{a}*{b}",
+    SQUARE: "{a}*{a}",
+    QUOTIENT: "{a}/{b}",
+    POWER: "F.real_power({a},{number})",
+    INTEGER_POWER: "F.integer_power({a},{number})",
+    REAL_POWER: "F.real_power({a},{b})",
+    ABS: "Math.abs({a})",
+    SIGN: "Math.sign({a})",
+    FLOOR: "Math.floor({a})",
+    CEILING: "Math.ceil({a})",
+    ATAN2: "Math.atan2({a},{b})",
+    MAXIMUM: "Math.max({a},{b})",
+    MINIMUM: "Math.min({a},{b})",
+    STEP: "0.5*(1+Math.sign({a}))",
+    LESS: "{a}<{b}",
+    LESS_OR_EQUAL: "{a}<={b}",
+    EQUAL: "{a}==={b}",
+    AND: "{a}&&{b}",
+    OR: "{a}||{b}",
+    NOT: "!{a}",
+    SELECT: "{condition}?{a}:{b}",
+}
 
 
 @dataclass(frozen=True)
@@ -163,7 +169,7 @@ def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
         for rule in rules
     ]
     numbers = [number for rule in rules for number in rule.numbers]
-    return {"numbers": javascript_function_apart([parameters], numbers), "words": words}
+    return {"numbers": javascript_function([parameters], numbers), "words": words}
 
 
 def _rules(component: Component | Model) -> Iterator[Rule]:

@@ -18,18 +18,18 @@ import sympy as sp
 
 from frictionlab.analysis.simulate import model_initial_state
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.components.component import Parameter
 from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.solve import with_chatter_limit
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
 from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
-from frictionlab.pages.javascript import javascript_function, javascript_function_apart, rule_data
+from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.plotting.appearance import mode_colours
 from frictionlab.stability import equilibrium
 from frictionlab.validation import (
@@ -74,7 +74,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         "colours": _colours(program),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
-        "numbers": tape_numbers(program, parameters, isinstance(automaton.modes, ModesOnDemand)),
+        "numbers": javascript_of_formulas(program.formulas, [len(parameters)]),
         "release": javascript_function([parameters], _release(model, automaton)),
         "arrays": run_arrays(program, method),
         "outputs": _outputs(modes, automaton, parameters),
@@ -84,13 +84,6 @@ def structure_data(model: Model) -> dict[str, Any]:
         "rules": rule_data(model, parameters),
         "near": _known_equilibrium(model, automaton),
     }
-
-
-def tape_numbers(program: Program, parameters: tuple[Any, ...], apart: bool) -> str:
-    """A JavaScript function of the parameters that gives the constants and term coefficients of all tapes."""
-    every = (*program.tapes, *program.resets)
-    exprs = [c for tape in every for c in tape.constants] + [c for tape in every for _, c in tape.terms]
-    return (javascript_function_apart if apart else javascript_function)([parameters], exprs)
 
 
 def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
@@ -153,13 +146,23 @@ def _may_rest(mode: Mode) -> bool:
 def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:
     """Flow, its Jacobian and the event functions of a mode, from which the page finds equilibria."""
     arguments, flow = (automaton.states, parameters), list(mode.flow)
-    jacobian = sp.Matrix(flow).jacobian(sp.Matrix(automaton.states))
+    lengths = [len(flow), len(parameters)]
+    formulas = formulas_of([*automaton.states, *parameters], flow)
     return {
         "mode": number,
         "flow": javascript_function(arguments, flow),
-        "jacobian": javascript_function(arguments, list(jacobian)),
+        "jacobian": javascript_of_formulas(_whole_jacobian(formulas, len(flow)), lengths),
         "guards": javascript_function(arguments, [event.function for event in mode.events]),
     }
+
+
+def _whole_jacobian(formulas: Formulas, size: int) -> Formulas:
+    """All entries of the Jacobian by the states, row after row, zeros too."""
+    places, entries = formulas.jacobian(range(size))
+    known = dict(zip(places, entries.outputs, strict=True))
+    zero = entries.with_number(0.0)
+    slots = (known.get((i, j), zero.outputs[-1]) for i in range(size) for j in range(size))
+    return Formulas(zero.tape, tuple(slots))
 
 
 def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:

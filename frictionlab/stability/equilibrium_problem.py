@@ -14,16 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
+from frictionlab.hybrid.tape.formulas import Formulas
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, check_parameter_name
-from frictionlab.stability.flow import Flow, Jacobian
+from frictionlab.stability.flow import Flow
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
 
 Array = NDArray[np.float64]
@@ -153,11 +153,9 @@ class EquilibriumProblem:
     solve : callable
         Takes values of the parameters (numbers or arrays (N,)) and N; gives the states (m, N) of the
         equilibrium, NaN where there is none.
-    state_matrix : callable
-        Gives the Jacobian of the flow; for the library's models it is kept in files and needs no sympy.
-    derive : callable
-        Gives the flow as expressions, and the functions that are positive while the motion stays in this
-        mode: v_r, the penetration.
+    flow : Flow
+    derive_guards : callable
+        Gives the functions that are positive while the motion stays in this mode: v_r, the penetration.
     """
 
     model: Any
@@ -165,13 +163,8 @@ class EquilibriumProblem:
     parameter_names: tuple[str, ...]
     values: tuple[float, ...]
     solve: Callable[[Sequence[Any], int], Array]
-    state_matrix: Callable[[], Jacobian]
-    derive: Callable[[], tuple[Flow, tuple[Any, ...]]]
-
-    @cached_property
-    def flow(self) -> Flow:
-        """The flow as expressions, of which further derivatives are taken."""
-        return self.derive()[0]
+    flow: Flow
+    derive_guards: Callable[[], Formulas]
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -188,7 +181,7 @@ class EquilibriumProblem:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
         values, count = self.at(changes)
         x = self.solve(values, count)
-        matrices = self.state_matrix().at(x, values)
+        matrices = self.flow.jacobian(x, values)
         matrices[np.isnan(x).any(axis=0)] = np.nan  # entries that do not depend on x are still numbers
         return x, matrices
 

@@ -5,227 +5,135 @@ With x' = f(x, p) and its Jacobian A = f_x at the equilibrium f = 0,
     dx/dp = -A^-1 f_p,    d(lambda)/dp = l (f_xp + f_xx dx/dp) r,
 
 for the right vector r and the left vector l of a simple eigenvalue, l r = 1.  The second term needs one
-solution of A^T w = l f_xx r, however many parameters there are (the adjoint equation).  sympy derives the
-entries of f_p, f_xp and f_xx that are not zero, once for a flow.  Equilibria and eigenvalues need only the
-flow and its Jacobian as functions; for models of the library these are kept in files (`late_flow`).
+solution of A^T w = l f_xx r, however many parameters there are (the adjoint equation).  All derivatives are
+those of the flow's formulas.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton.expressions import combinations_of, within_floats
-from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
-from frictionlab.lazy_names import sympy
-from frictionlab.models.serialisation import Derivations
-from frictionlab.models.symbols import derivatives
+from frictionlab.hybrid.tape.formulas import Formulas
 
 Array = NDArray[np.float64]
-# From so many terms on, Python code of each takes seconds: they become sums of a few expressions instead.
-MANY_TERMS = 1000
+ComplexArray = NDArray[np.complex128]
+# Of the largest singular value: below it the equilibrium is no function of the parameters.
+SINGULAR_RTOL = 1e-13
 
 
-def _real_derivatives(row: Any, states: set[Any]) -> dict[Any, Any]:
-    """Derivatives by the states, which are real: to sympy Abs(x) has none unless it is told so."""
-    row = sympy.sympify(row, strict=True)
-    if not row.has(sympy.Abs, sympy.sign):
-        return derivatives(row, states)
-    real = {x: sympy.Dummy(x.name, real=True) for x in row.free_symbols if not x.is_real}
-    back = {dummy: x for x, dummy in real.items()}
-    found = derivatives(row.xreplace(real), {real.get(x, x) for x in states})
-    return {back.get(x, x): entry.xreplace(back) for x, entry in found.items()}
-
-
-class Jacobian(NamedTuple):
-    """The state matrix of a flow as its entries that are not zero.
+class Entries(NamedTuple):
+    """The entries of a matrix of derivatives that are not zero everywhere: where they are, and their values.
 
     Parameters
     ----------
-    size : int
-        How many states there are.
+    shape : (rows, columns)
     places : sequence of (row, column)
-    entries : callable
-        Their values, as a function of all states, then all parameters.
+    formulas : Formulas
+        Their values, as functions of all states, then all parameters.
     """
 
-    size: int
+    shape: tuple[int, int]
     places: Sequence[tuple[int, int]]
-    entries: Callable[..., Any]
+    formulas: Formulas
 
     def at(self, x: Any, values: Sequence[Any]) -> Array:
-        """d x'/d x as (..., m, m), at states `x` (m, ...)."""
-        matrix = np.zeros((self.size, self.size, *np.shape(x[0])))
-        entries = self.entries(*x, *values)
-        if isinstance(entries, np.ndarray):
-            rows, columns = zip(*self.places)
-            matrix[rows, columns] = entries.reshape(len(rows), -1) if matrix.ndim > 2 else entries
-        else:
-            for (row, column), entry in zip(self.places, entries):
-                matrix[row, column] = entry
+        """The matrix (..., rows, columns) at states `x` (m, ...)."""
+        matrix = np.zeros((*self.shape, *np.shape(x[0])))
+        for (row, column), entry in zip(self.places, self.formulas.arrays(*x, *values), strict=True):
+            matrix[row, column] = entry
         return np.moveaxis(matrix, (0, 1), (-2, -1))
 
-
-class LateFlow(NamedTuple):
-    """A flow whose expressions are derived when they are asked for.
-
-    Parameters
-    ----------
-    kept : Derivations
-        What has been derived of its model's structure and is kept in files.
-    name : str
-        Tells it from other flows of that structure.
-    derive : callable
-        Gives the flow with its expressions.
-    """
-
-    kept: Derivations
-    name: str
-    derive: Callable[[], Flow]
+    def bounds(self, x: Any, values: Sequence[Any]) -> dict[tuple[int, int], Any]:
+        """The entries by their places, where states are numbers or intervals."""
+        return dict(zip(self.places, self.formulas.arrays(*x, *values), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
 class Flow:
-    """x' = rhs(x) and its Jacobian, for N states and N values of the parameters.
+    """x' = f(x, p) with its Jacobian, for N states and N values of the parameters.
 
     Parameters
     ----------
-    states, parameters : tuple of sympy.Symbol
-    expressions : tuple of sympy.Expr
-        The right-hand sides.
-    margins : tuple of sympy.Expr
+    parameters : tuple of str
+    rates : Formulas
+        f (m,), functions of the states, then the parameters.
+    margins : Formulas
         Positive where the mode can last: its event functions, its normal force.
-    coordinates : int
-        How many states are coordinates.
     """
 
-    states: tuple[Any, ...]
-    parameters: tuple[Any, ...]
-    expressions: tuple[Any, ...]
-    margins: tuple[Any, ...]
-    coordinates: int
-    _late: ClassVar[LateFlow | None] = None
-
-    def __getattr__(self, name: str) -> Any:  # for the fields that are derived late
-        if self._late is None or name not in self.__match_args__:
-            raise AttributeError(f"a Flow has no attribute {name!r}")
-        derived = self._late.derive()
-        for each in self.__match_args__:
-            object.__setattr__(self, each, getattr(derived, each))
-        return getattr(derived, name)
-
-    @cached_property
-    def _partial(self) -> dict[tuple[int, int], Any]:
-        places, states = {x: j for j, x in enumerate(self.states)}, {*self.states}
-        return {
-            (i, places[x]): entry
-            for i, row in enumerate(self.expressions)
-            for x, entry in sorted(_real_derivatives(row, states).items(), key=lambda item: places[item[0]])
-        }
-
-    @cached_property
-    def _outline(self) -> dict[str, Any]:
-        """All that is known of the flow, except its functions, as data that JSON can hold."""
-
-        def derive() -> dict[str, Any]:
-            states, partial = {*self.states}, self._partial
-            changing = {j for (_, j), entry in partial.items() if not states.isdisjoint(entry.free_symbols)}
-            return {
-                "size": len(self.states),
-                "places": [*partial],
-                "nonlinear": sorted(changing),
-                "bounded": bool(self.margins),
-            }
-
-        late = self._late
-        return derive() if late is None else late.kept.value(f"flow of {late.name}", derive)
+    parameters: tuple[str, ...]
+    rates: Formulas
+    margins: Formulas
 
     @property
     def size(self) -> int:
         """How many states there are."""
-        return self._outline["size"]
+        return len(self.rates.outputs)
+
+    @cached_property
+    def derivative(self) -> Entries:
+        """The Jacobian by the states."""
+        return self._entries(range(self.size))
+
+    @cached_property
+    def by_parameter(self) -> Entries:
+        """f_p."""
+        return self._entries(range(self.size, self.rates.tape.inputs))
+
+    def _entries(self, inputs: range) -> Entries:
+        places, formulas = self.rates.jacobian(inputs)
+        moved = [(row, column - inputs.start) for row, column in places]
+        return Entries((self.size, len(inputs)), moved, formulas)
 
     @cached_property
     def free(self) -> list[int]:
         """The states whose rates depend on no state."""
-        return sorted({*range(self.size)} - {row for row, _ in self._outline["places"]})
+        return sorted({*range(self.size)} - {row for row, _ in self.derivative.places})
 
     @cached_property
     def unseen(self) -> list[int]:
         """The states on which no rate depends."""
-        return sorted({*range(self.size)} - {column for _, column in self._outline["places"]})
+        return sorted({*range(self.size)} - {column for _, column in self.derivative.places})
 
     @property
     def linear(self) -> bool:
         """Whether the Jacobian is the same at every state."""
         return not self.nonlinear
 
-    @property
+    @cached_property
     def nonlinear(self) -> list[int]:
         """The states that enter nonlinearly: columns of the Jacobian that are not the same at every state."""
-        return self._outline["nonlinear"]
+        states = frozenset(range(self.size))
+        known = zip(self.derivative.places, self.derivative.formulas.dependences, strict=True)
+        return sorted({column for (_, column), inputs in known if inputs & states})
 
     @cached_property
-    def derivative(self) -> Jacobian:
-        """The Jacobian as a function."""
-        entries = self._function("Jacobian", lambda: tuple(self._partial.values()))
-        return Jacobian(self.size, self._outline["places"], entries)
-
-    @cached_property
-    def _nonlinear_places(self) -> list[tuple[int, int]]:
-        return [(i, j) for i, j in self._outline["places"] if j in self.nonlinear]
-
-    @cached_property
-    def _nonlinear_entries(self) -> Callable[..., Any]:
-        places = self._nonlinear_places
-        return self._function("nonlinear columns", lambda: [self._partial[place] for place in places])
-
-    @cached_property
-    def _rhs(self) -> Callable[..., Any]:
-        return self._function("rates", lambda: self.expressions)
-
-    @cached_property
-    def _margins(self) -> Callable[..., Any]:
-        return self._function("margins", lambda: self.margins)
-
-    def _function(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Callable[..., Any]:
-        """A function as `compiled` gives it, or as it is kept in a file."""
-        late, derive = self._late, lambda: self.compiled(expressions())
-        return derive() if late is None else late.kept.function(f"{name} of {late.name}", OF_ARRAYS, derive)
-
-    def compiled(self, expressions: Sequence[Any]) -> Callable[..., Any]:
-        """A numpy function of all states, then all parameters."""
-        from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
-
-        arguments = [*self.states, *self.parameters]
-        expressions = [within_floats(one) for one in expressions]
-        if sum(len(sympy.Add.make_args(one)) for one in expressions) < MANY_TERMS:
-            return numpy_function(arguments, list(expressions))
-        from scipy.sparse import csr_array  # imported here, as few flows need it
-
-        sums = combinations_of(expressions, self.states)
-        of = numpy_function(arguments, list(sums.expressions))
-        matrix = csr_array((sums.numbers, tuple(sums.places.T)), (sums.sums, len(sums.expressions)))
-        return lambda *values: matrix @ np.stack(np.broadcast_arrays(*of(*values)))
+    def _nonlinear_entries(self) -> Entries:
+        columns = {j: k for k, j in enumerate(self.nonlinear)}
+        known = zip(self.derivative.places, self.derivative.formulas.outputs, strict=True)
+        chosen = [((i, columns[j]), slot) for (i, j), slot in known if j in columns]
+        formulas = Formulas(self.derivative.formulas.tape, tuple(slot for _, slot in chosen))
+        return Entries((self.size, len(columns)), [place for place, _ in chosen], formulas)
 
     def rhs(self, x: Any, values: Sequence[Any]) -> Array:
         """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""
-        return _stacked(self._rhs(*x, *values), np.shape(x[0]))
+        return _stacked(self.rates.arrays(*x, *values), np.shape(x[0]))
 
     def bounds(self, x: Sequence[Any], values: Sequence[Any]) -> Sequence[Any]:
         """x' where states are numbers or intervals."""
-        return self._rhs(*x, *values)
+        return self.rates.arrays(*x, *values)
 
     def margin(self, x: Any, values: Sequence[Any]) -> Array:
         """The least of the margins, (...)."""
-        if not self._outline["bounded"]:
+        if not self.margins.outputs:
             return np.full(np.shape(x[0]), np.inf)
-        return _stacked(self._margins(*x, *values), np.shape(x[0])).min(axis=0)
+        return _stacked(self.margins.arrays(*x, *values), np.shape(x[0])).min(axis=0)
 
     def jacobian(self, x: Any, values: Sequence[Any]) -> Array:
         """d x'/d x as (..., m, m)."""
@@ -233,84 +141,28 @@ class Flow:
 
     def nonlinear_columns(self, x: Array, values: Sequence[Any]) -> Array:
         """The columns `nonlinear` of the Jacobian as (N, m, k), at states (m, N)."""
-        columns = {j: k for k, j in enumerate(self.nonlinear)}
-        found = np.zeros((x.shape[1], self.size, len(columns)))
-        for (i, j), entry in zip(self._nonlinear_places, self._nonlinear_entries(*x, *values)):
-            found[:, i, columns[j]] = entry
-        return found
-
-
-def late_flow(late: LateFlow) -> Flow:
-    """A flow whose functions are kept in files; its expressions are derived when they are needed."""
-    made = object.__new__(Flow)
-    object.__setattr__(made, "_late", late)
-    return made
+        return self._nonlinear_entries.at(x, values)
 
 
 def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
-    found = np.empty((len(parts), *shape))
+    values = np.empty((len(parts), *shape))
     for i, part in enumerate(parts):
-        found[i, ...] = part
-    return found
+        values[i, ...] = part
+    return values
 
 
-ComplexArray = NDArray[np.complex128]
-Places = NDArray[np.intp]
-SINGULAR_RTOL = (
-    1e-13  # of the largest singular value: below it the equilibrium is no function of the parameters
-)
-
-
-class Entries(NamedTuple):
-    """The entries of an array of derivatives that are not zero: where they are, and their values."""
-
-    places: Places
-    values: Callable[..., Array]
-
-    def at(self, x: Array, parameters: Sequence[float]) -> Array:
-        """Their values (k,) at a state and values of the parameters."""
-        if not len(self.places):
-            return np.zeros(0)
-        return np.array([float(v) for v in self.values(*x, *parameters)])
-
-
-class FlowDerivatives(NamedTuple):
-    """f_p, f_xp and f_xx of a flow: places are (i, k), (i, j, k) and (i, j, l)."""
-
-    by_parameter: Entries
-    mixed: Entries
-    second: Entries
+@lru_cache(maxsize=256)
+def along(formulas: Formulas, inputs: range) -> Formulas:
+    """The derivatives along a direction in some inputs; its components are further inputs, at the end."""
+    return formulas.along(inputs)
 
 
 @lru_cache(maxsize=64)
-def flow_derivatives(flow: Flow) -> FlowDerivatives:
-    """The derivatives of a flow, derived by sympy."""
-    states = {x: j for j, x in enumerate(flow.states)}
-    parameters = {p: k for k, p in enumerate(flow.parameters)}
-    by_parameter, mixed, second = {}, {}, {}
-    for i, rate in enumerate(flow.expressions):
-        for symbol, slope in _derivatives(rate, {*states, *parameters}).items():
-            if symbol in parameters:
-                by_parameter[i, parameters[symbol]] = slope
-                continue
-            for other, curvature in _derivatives(slope, {*states, *parameters}).items():
-                table, places = (mixed, parameters) if other in parameters else (second, states)
-                table[i, states[symbol], places[other]] = curvature
-    return FlowDerivatives(
-        _entries(flow, by_parameter, 2), _entries(flow, mixed, 3), _entries(flow, second, 3)
-    )
-
-
-def _derivatives(expression: Any, symbols: set[Any]) -> dict[Any, Any]:
-    # No equilibrium lies at a kink, such as that of |v_r|; elsewhere the delta function there is zero.
-    found = derivatives(expression, symbols).items()
-    return {x: d.replace(sympy.DiracDelta, lambda *_: 0) if d.has(sympy.DiracDelta) else d for x, d in found}
-
-
-def _entries(flow: Flow, table: dict[tuple[int, ...], Any], dimensions: int) -> Entries:
-    known = {place: entry for place, entry in table.items() if entry != 0}
-    places = np.array(list(known), dtype=np.intp).reshape(-1, dimensions)
-    return Entries(places, flow.compiled(tuple(known.values())) if known else lambda *_: np.zeros(0))
+def _slopes_of_product(flow: Flow) -> Entries:
+    """The derivatives of A r by all states and parameters; r is given behind these."""
+    product = along(flow.rates, range(flow.size))
+    places, formulas = product.jacobian(range(flow.rates.tape.inputs))
+    return Entries((flow.size, flow.rates.tape.inputs), places, formulas)
 
 
 class EquilibriumDerivatives(NamedTuple):
@@ -344,26 +196,24 @@ class EquilibriumDerivatives(NamedTuple):
         """
         return -solve_regular(self.matrix, self.by_parameter)
 
+    def slopes_of_product(self, right: Any) -> ComplexArray:
+        """The derivatives (m, m + P) of A r by the state and the parameters, with r (m,) held."""
+        known = _slopes_of_product(self.flow)
+        slopes: Any = np.zeros(known.shape, dtype=complex)
+        for place, entry in known.bounds(self.x, [*self.values, *right]).items():
+            slopes[place] = entry
+        return slopes
+
     def bilinear(self, left: Any, right: Any) -> ComplexArray:
         """l (dA/dp) r (P,), including the shift of the equilibrium."""
-        found = flow_derivatives(self.flow)
-        mixed, second = found.mixed, found.second
-        total: Any = np.zeros(len(self.flow.parameters), dtype=complex)
-        i, j, k = mixed.places.T
-        np.add.at(total, k, left[i] * mixed.at(self.x, self.values) * right[j])
-        if len(second.places):
-            force: Any = np.zeros(len(self.x), dtype=complex)
-            i, j, k = second.places.T
-            np.add.at(force, k, left[i] * second.at(self.x, self.values) * right[j])
-            total = total - solve_regular(self.matrix.T, force) @ self.by_parameter
-        return total
+        slopes, m = left @ self.slopes_of_product(right), len(self.x)
+        force, total = slopes[:m], slopes[m:]
+        return total - solve_regular(self.matrix.T, force) @ self.by_parameter if force.any() else total
 
 
 def equilibrium_derivatives(flow: Flow, x: Array, values: Sequence[float]) -> EquilibriumDerivatives:
     """The derivatives at an equilibrium (m,)."""
-    entries = flow_derivatives(flow).by_parameter
-    by_parameter = np.zeros((len(x), len(flow.parameters)))
-    by_parameter[tuple(entries.places.T)] = entries.at(x, values)
+    by_parameter = flow.by_parameter.at(x, values)
     return EquilibriumDerivatives(flow, x, values, flow.jacobian(x, values), by_parameter)
 
 

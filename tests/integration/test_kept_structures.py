@@ -142,7 +142,7 @@ def test_a_damaged_file_is_derived_anew(filled, tmp_path):
     assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
     (path,) = structure_files(tmp_path)
     whole = path.read_bytes()
-    for damaged in (b"", whole[:-1], whole.replace(b'"operations"', b'"0perations"', 1)):
+    for damaged in (b"", whole[:-1], whole.replace(b'"program"', b'"pr0gram"', 1)):
         path.write_bytes(damaged)
         assert in_a_process(RUN.format(models=model), tmp_path) == [True, first[:2]]
         assert path.read_bytes() == whole

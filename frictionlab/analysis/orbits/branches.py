@@ -17,7 +17,7 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
 from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.hybrid.tape.lowering import sign_normal_form
 from frictionlab.presentation import Kind
 
@@ -168,7 +168,7 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.mode(run.mode_names[i]).events:
-            found = array_function(arguments, event.function)(*states.T, *numbers)
+            found = formulas_of(arguments, [event.function]).along_run(*states.T, *numbers)[0]
             if _has_zero_minimum(np.where(modes == i, found, np.nan)):
                 return True
     return False
@@ -194,9 +194,9 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
         for event in modes[target].events:
             if sign_normal_form(event.function) in zero:
                 continue
-            value = array_function(arguments, event.function)
-            along = value(*point.shot.run.states.T, *numbers)
-            if abs(value(*state, *numbers)) < GRAZING_RTOL * np.abs(along).max():
+            value = formulas_of(arguments, [event.function])
+            along = value.along_run(*point.shot.run.states.T, *numbers)[0]
+            if abs(value.along_run(*state, *numbers)[0]) < GRAZING_RTOL * np.abs(along).max():
                 return True
     return False
 
@@ -227,7 +227,7 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
     without = replace(left, events=tuple(event for event in left.events if event.name != guard))
     modes = tuple(without if other.name == mode else other for other in automaton.modes)
     free = replace(automaton, modes=modes)
-    least = array_function([*automaton.states, *automaton.parameters], function)
+    least = formulas_of([*automaton.states, *automaton.parameters], [function]).along_run
     resting = point._replace(tangent=np.zeros_like(point.tangent))  # so that only the value is moved
     numbers, at = tuple(automaton.parameters.values()), [resting]
 
@@ -235,9 +235,9 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
         at[0] = continuation_step(free, at[0], MAX_TOUCH_DISTANCE, value)._replace(tangent=resting.tangent)
         run = at[0].shot.run
         t = np.linspace(0.0, run.raw.t, SAMPLES_PER_PERIOD)
-        i = int(np.argmin(least(*run(t).T, *numbers)))
+        i = int(np.argmin(least(*run(t).T, *numbers)[0]))
         near = minimize_scalar(
-            lambda s: float(least(*run(s % run.raw.t), *numbers)),
+            lambda s: float(least(*run(s % run.raw.t), *numbers)[0]),
             bounds=(t[i] - t[1], t[i] + t[1]),
             method="bounded",
             options={"xatol": 1e-9 * run.raw.t},

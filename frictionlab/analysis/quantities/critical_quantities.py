@@ -35,7 +35,6 @@ from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_
 from frictionlab.stability.flow import (
     EquilibriumDerivatives,
     equilibrium_derivatives,
-    flow_derivatives,
     null_vectors,
 )
 from frictionlab.validation import check_limits, check_text
@@ -129,12 +128,8 @@ def _newton(
     row, numbers, size = right.copy(), list(numbers), np.abs(x).max()
     for _ in range(MAX_STEPS):
         at = equilibrium_derivatives(flow, x, numbers)
-        found = flow_derivatives(flow)
-        curved, mixed = np.zeros((m, m)), np.zeros(m)
-        i, j, k = found.second.places.T
-        np.add.at(curved, (i, k), found.second.at(x, numbers) * right[j])
-        i, j, k = found.mixed.places.T
-        np.add.at(mixed, i, np.where(k == place, found.mixed.at(x, numbers) * right[j], 0.0))
+        slopes = at.slopes_of_product(right).real
+        curved, mixed = slopes[:, :m], slopes[:, m + place]
         system = np.zeros((2 * m + 1, 2 * m + 1))
         system[:m, :m], system[:m, -1] = at.matrix, at.by_parameter[:, place]
         system[m:-1, :m], system[m:-1, m:-1], system[m:-1, -1] = curved, at.matrix, mixed

@@ -19,7 +19,7 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.steady_state.poincare_sections import phase_on_circle, phase_resets
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.expression_functions import array_function
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.lazy_names import sympy
 
@@ -160,23 +160,32 @@ def _values(automaton: HybridAutomaton, mode: Mode, turning: list[int], states: 
 
 def _gradients(automaton: HybridAutomaton, mode: Mode, places: list[int], states: Array) -> list[Array]:
     """Derivatives by some states: for each of the mode's functions (N, k)."""
-    symbols = [automaton.states[i] for i in places]
     functions = _functions(mode, automaton.states, tuple(places))
-    slopes = [sympy.diff(function, x) for function in functions for x in symbols]
-    values = _evaluate(automaton, tuple(slopes), states)
-    return list(np.moveaxis(values.reshape(len(states), len(functions), len(places)), 1, 0))
+    entries, slopes = _formulas(automaton, functions).jacobian(places)
+    columns = {place: k for k, place in enumerate(places)}
+    values = np.zeros((len(functions), len(states), len(places)))
+    for (row, place), slope in zip(entries, _evaluated(automaton, slopes, states), strict=True):
+        values[row, :, columns[place]] = slope
+    return list(values)
 
 
 def _evaluate(automaton: HybridAutomaton, functions: tuple[Any, ...], states: Array) -> Array:
-    compiled = _compiled((*automaton.states, *automaton.parameters), functions)
-    with np.errstate(all="ignore"):
-        values = compiled(*states.T, *automaton.parameters.values())
+    values = _evaluated(automaton, _formulas(automaton, functions), states)
     return np.stack([np.broadcast_to(value, len(states)) for value in values], axis=1).astype(float)
 
 
+def _evaluated(automaton: HybridAutomaton, formulas: Formulas, states: Array) -> list[Any]:
+    with np.errstate(all="ignore"):
+        return formulas.along_run(*states.T, *automaton.parameters.values())
+
+
+def _formulas(automaton: HybridAutomaton, functions: tuple[Any, ...]) -> Formulas:
+    return _remembered_formulas((*automaton.states, *automaton.parameters), functions)
+
+
 @lru_cache(maxsize=64)
-def _compiled(arguments: tuple[Any, ...], functions: tuple[Any, ...]) -> Callable[..., Any]:
-    return array_function(list(arguments), list(functions))
+def _remembered_formulas(inputs: tuple[Any, ...], functions: tuple[Any, ...]) -> Formulas:
+    return formulas_of(inputs, functions)
 
 
 def _functions(mode: Mode, states: Sequence[Any], places: tuple[int, ...]) -> tuple[Any, ...]:

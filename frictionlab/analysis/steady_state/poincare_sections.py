@@ -13,9 +13,9 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
 from frictionlab.automaton.mode import JOINT, ModeNames
-from frictionlab.hybrid.expression_functions import array_function
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.tape.arguments import read_expression
+from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.validation import abbreviate, check_number, check_text
 
@@ -232,5 +232,5 @@ def _section_values(run: Trajectory, function: Any) -> Any:
     if isinstance(function, str):
         return lambda t: run.output(function, t)
     parameters = run.automaton.parameters
-    compiled = array_function([*run.automaton.states, *parameters], function)
-    return lambda t: compiled(*run(t).T, *parameters.values())
+    formulas = formulas_of([*run.automaton.states, *parameters], [function])
+    return lambda t: formulas.along_run(*run(t).T, *parameters.values())[0]

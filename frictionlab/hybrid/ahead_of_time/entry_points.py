@@ -17,7 +17,6 @@ import sympy as sp
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.hybrid.accuracy import StoredSteps, measure_defects, new_defect_scratch
 from frictionlab.hybrid.codegen.jet_codegen import KERNELS
-from frictionlab.hybrid.elementary.parameter_functions import KERNELS as ELEMENTARY
 from frictionlab.hybrid.ensemble import lanes
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels import jets, mode_selection, taylor_steps
@@ -34,6 +33,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.methods import runge_kutta, taylor
 from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.tape.formulas import ELEMENTARY
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Demand, system_of
 from frictionlab.hybrid.variational import tangent_flow, tangent_jets
@@ -71,7 +71,9 @@ def entry_points() -> list[EntryPoint]:
 def symbols() -> list[Symbol]:
     """The kernels that native code calls, and the elementary functions, which pages in a browser call."""
     called = [Symbol(name, each.function, each.signature) for name, each in KERNELS.items()]
-    return called + [Symbol(f"frictionlab_{each.__name__}", each, "float64(float64)") for each in ELEMENTARY]
+    return called + [
+        Symbol(f"frictionlab_{each.__name__}", each, "float64(float64)") for each in ELEMENTARY.values()
+    ]
 
 
 _KERNELS = (

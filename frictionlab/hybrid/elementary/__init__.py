@@ -13,8 +13,6 @@ matters.
     exp, expm1, sinh, cosh, tanh, 1/cosh^2; log, log1p, asinh, acosh, atanh, and powers.
 ``trigonometry``
     sin, cos, tan, and atan, asin, acos.
-``parameter_functions``
-    These functions under the names that sympy prints, for expressions of parameters as Python.
 
 Arguments and results are plain numbers.  Inside a file an argument becomes a pair once and is reduced to a
 short interval, on which a series gives the result.  Sources: Dekker, Numer. Math. 18 (1971) 224-242, for

@@ -6,6 +6,11 @@
 ``tape``
     `Tape`, operations on numbered slots, and `TapeBuilder`, which lowers expressions onto one; equal
     subexpressions share a slot.
+``formulas``
+    `Formulas`: expressions of states and parameters as functions of numbers, arrays and intervals, with their
+    derivatives; a tape whose coefficients are numbers.
+``undefined_parts``
+    Which part of a formula has no real value at some values of the parameters.
 ``program``
     `Program`: the arrays of a whole automaton (`Code`), and `Numbers`, its coefficients for one set of
     values; a program as data that is kept for later processes, and back.

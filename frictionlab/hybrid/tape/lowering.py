@@ -3,43 +3,29 @@
 A mode or a reset is lowered to its tape, with the slots of its functions as arrays.  The numbers in tapes,
 constants and coefficients, are functions of the parameters.  Some functions are zero after a reset whatever
 the numbers, so that their zeros there are no events.
-
-A program of modes on demand has a separate function for each number.  It is kept for later processes with all
-its modes: the data of any program, and what kernels need to choose among modes (`Demand`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from itertools import chain
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from frictionlab.automaton import Event, Mode, Reset
-from frictionlab.automaton.expressions import combinations_of, multiply_out, undefined_part, within_floats
+from frictionlab.automaton.expressions import multiply_out, within_floats
 from frictionlab.automaton.mode import Expr
-from frictionlab.automaton.straight_line import side_by_side, straight_line_data
-from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
+from frictionlab.hybrid.tape.formulas import FormulaBuilder, Formulas
 from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.program import (
-    NOT_POLYNOMIAL,
-    Demand,
-    Program,
-    Section,
-    program_from_data,
-    program_to_data,
-)
+from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL, Section
 from frictionlab.hybrid.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
+from frictionlab.hybrid.tape.undefined_parts import undefined_part
 from frictionlab.lazy_names import sympy as sp
-
-# With so many numbers, printing each as Python code takes seconds; they are then sums of a few expressions.
-MANY_NUMBERS = 1000
-ON_DEMAND = "program on demand"  # the name under which such a program is kept
-_KEPT: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # programs by the `kept` of their structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,108 +189,33 @@ def _numbers_of(every: Sequence[LoweredTape]) -> list[Any]:
     return [c for one in every for c in one.tape.constants] + [c for one in every for _, c in one.tape.terms]
 
 
-def fill_function(
-    parameters: tuple[Any, ...], every: Sequence[LoweredTape], apart: bool
-) -> Callable[..., Any]:
-    """Function of the parameters that gives all constants, then the coefficients of all terms.
+class NumberFormulas:
+    """The numbers in tapes as formulas of the parameters.
 
-    With `apart` each number has a function of its own.
-    """
-    from frictionlab.hybrid.expression_functions import function_of_parameters  # which loads sympy
-
-    if not apart:
-        exprs = _numbers_of(every)
-        if len(exprs) >= MANY_NUMBERS:
-            sums = combinations_of(exprs, ())
-            function = function_of_parameters(parameters, list(sums.expressions))
-            return lambda *values: sums.values(np.array(function(*values), dtype=float))
-        return function_of_parameters(parameters, exprs)
-    numbers = _number_list(parameters)
-    constants, terms = zip(*(numbers.places(one) for one in every))
-    used, where = np.unique(np.concatenate([*constants, *terms]), return_inverse=True)
-    return FunctionsApart(tuple(numbers.functions[i] for i in used), where)
-
-
-class FunctionsApart(NamedTuple):
-    """Functions that give one number each, and for each of many numbers the function that gives it."""
-
-    functions: tuple[Callable[..., float], ...]
-    where: np.ndarray
-
-    def __call__(self, *values: float) -> np.ndarray:
-        """All numbers."""
-        return np.array([function(*values) for function in self.functions], dtype=float)[self.where]
-
-
-class _NumberList:
-    """Functions of the parameters for the numbers in tapes.
-
-    The bits of a number do not depend on the others: the functions share no subexpressions.
+    What is known of them is shared by all programs of the same parameters: modes that are derived one by one
+    are packed again and again.
     """
 
     def __init__(self, parameters: tuple[Any, ...]) -> None:
-        self._parameters = parameters
-        self._numbers: dict[Any, int] = {}
-        self._places: WeakKeyDictionary[LoweredTape, tuple[np.ndarray, np.ndarray]] = WeakKeyDictionary()
-        self.functions: list[Callable[..., float]] = []
+        self._builder = FormulaBuilder(parameters)
+        self._slots: WeakKeyDictionary[LoweredTape, tuple[list[int], list[int]]] = WeakKeyDictionary()
 
-    def places(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of the functions that give a tape's constants, and its coefficients."""
-        if lowered not in self._places:
-            tape = lowered.tape
-            exprs = tape.constants, [coefficient for _, coefficient in tape.terms]
-            constants, terms = (int_array([self._number(expr) for expr in some]) for some in exprs)
-            self._places[lowered] = constants, terms
-        return self._places[lowered]
+    def of(self, every: Sequence[LoweredTape]) -> Formulas:
+        """All constants, then the coefficients of all terms."""
+        constants, terms = zip(*map(self._slots_of, every))
+        return Formulas(self._builder.tape, (*chain.from_iterable(constants), *chain.from_iterable(terms)))
 
-    def _number(self, expr: Any) -> int:
-        from frictionlab.hybrid.expression_functions import function_of_parameters
-
-        if expr not in self._numbers:
-            self._numbers[expr] = len(self.functions)
-            self.functions.append(function_of_parameters(self._parameters, expr))
-        return self._numbers[expr]
+    def _slots_of(self, lowered: LoweredTape) -> tuple[list[int], list[int]]:
+        if lowered not in self._slots:
+            tape, slot = lowered.tape, self._builder.slot
+            self._slots[lowered] = [*map(slot, tape.constants)], [slot(c) for _, c in tape.terms]
+        return self._slots[lowered]
 
 
 @lru_cache(maxsize=64)
-def _number_list(parameters: tuple[Any, ...]) -> _NumberList:
-    return _NumberList(parameters)
-
-
-def kept_program_on_demand(kept: Any, packed: Callable[[], Program]) -> Program:
-    """The program in the files of a structure, `kept`; if there is none yet, `packed` makes it."""
-    if kept not in _KEPT:
-        data = kept.get(ON_DEMAND)
-        if data is not None:
-            _KEPT[kept] = _from_data(data, lambda values: packed()._undefined(values))
-        else:
-            program = _KEPT[kept] = packed()
-            if (data := _to_data(program)) is not None:
-                kept.keep(ON_DEMAND, data)
-    return _KEPT[kept]
-
-
-def _to_data(program: Program) -> dict[str, Any] | None:
-    """The program as data that JSON can hold; None where a function is no straight line."""
-    fill: Any = program._fill
-    assert isinstance(fill, FunctionsApart)
-    assert program.demand is not None
-    lines = [straight_line_data(function, OF_PARAMETERS) for function in fill.functions]
-    known = [line for line in lines if line is not None]
-    data = program_to_data(program, _no_numbers)
-    if data is None or len(known) < len(lines):
-        return None
-    demand = [[array.shape, array.ravel().tolist()] for array in program.demand]
-    return data | {"numbers": side_by_side(known, fill.where.tolist()), "demand": demand}
-
-
-def _no_numbers() -> list[float]:
-    return []
-
-
-def _from_data(data: dict[str, Any], undefined: Callable[..., str]) -> Program:
-    arrays = (np.array(elements, dtype=np.int64).reshape(shape) for shape, elements in data["demand"])
-    return replace(program_from_data(data, undefined), demand=Demand(*arrays))
+def number_formulas(parameters: tuple[Any, ...]) -> NumberFormulas:
+    """Those of these parameters."""
+    return NumberFormulas(parameters)
 
 
 @lru_cache(maxsize=4096)

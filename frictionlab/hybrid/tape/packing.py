@@ -26,11 +26,10 @@ from frictionlab.hybrid.tape.lowering import (
     LoweredMode,
     LoweredReset,
     LoweredTape,
-    fill_function,
     int_array,
-    kept_program_on_demand,
     lower_mode,
     lower_reset,
+    number_formulas,
     sign_normal_form,
     slot_array,
     structural_zeros,
@@ -71,12 +70,12 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    kept, apart = automaton.kept(), automaton.on_demand
-    grows = apart and not complete
-    if kept is not None and grows == apart and not sections and not quadratures:
+    kept, on_demand = automaton.kept(), automaton.on_demand
+    grows = on_demand and not complete
+    if kept is not None and grows == on_demand and not sections and not quadratures:
         with _ONE_AT_A_TIME:
-            keeping = kept_program_on_demand if apart else kept_program
-            program = keeping(kept, partial(_packed, automaton))
+            name = "program on demand" if on_demand else "program"
+            program = kept_program(kept, name, partial(_packed, automaton))
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
@@ -85,7 +84,7 @@ def program_of(
         if grows:
             program = _growing_program(automaton.states, modes, *about).with_known_modes()
         else:
-            program = pack_program(automaton.states, tuple(modes), *about, apart)
+            program = pack_program(automaton.states, tuple(modes), *about)
     return program, numbers_at(program, automaton.parameters.values())
 
 
@@ -104,14 +103,13 @@ def pack_program(
     coordinates: int,
     sections: tuple[Section, ...] = (),
     quadratures: tuple[tuple[str, Any], ...] = (),
-    apart: bool = False,
 ) -> Program:
-    """Lower every mode and reset to its tape and pack them; with `apart` each number has its own function."""
+    """Lower every mode and reset to its tape and pack them."""
     check_structure(states, modes, parameters, coordinates)
     packer = Packer(states, sections, quadratures)
     for mode in modes:
         packer.add(mode)
-    return packer.pack(parameters, coordinates, apart)
+    return packer.pack(parameters, coordinates)
 
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
@@ -135,7 +133,7 @@ def _pack_modes(
     for mode in known.modes:
         check_mode(mode, modes.names, states, frozenset((*states, *parameters)))
         packer.add(mode)
-    return packer.pack(parameters, coordinates, True, known)
+    return packer.pack(parameters, coordinates, known)
 
 
 @lru_cache(maxsize=64)
@@ -169,7 +167,7 @@ class _GrowingProgram:
             for mode in known.modes[len(self._packer.modes) :]:
                 check_mode(mode, self._modes.names, self._states, self._known)
                 self._packer.add(mode)
-            program = self._packer.pack(self._parameters, self._coordinates, True, known)
+            program = self._packer.pack(self._parameters, self._coordinates, known)
             program = replace(program, grown_from=None if self._packed[1] is None else ref(self._packed[1]))
             self._packed = counts, program
         return program
@@ -274,7 +272,7 @@ class Packer:
         return self._conditions
 
     def pack(
-        self, parameters: tuple[Symbol, ...], coordinates: int, apart: bool, known: KnownModes | None = None
+        self, parameters: tuple[Symbol, ...], coordinates: int, known: KnownModes | None = None
     ) -> Program:
         """The program of the modes so far; where modes are on demand, with what is `known` of the others."""
         lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
@@ -300,7 +298,7 @@ class Packer:
             guards,
             guard_modes,
             int_array(initial),
-            fill_function(parameters, every, apart),
+            number_formulas(parameters).of(every),
             partial(undefined_number, parameters, tuple(every)),
             demand,
         )

@@ -1,10 +1,10 @@
 """The arrays that the kernels run on: an automaton's structure as integers, its coefficients as floats.
 
 Arrays of `Code` have one row for each operation, function, guard or mode; each field has a note of its shape.
-A `Program` consists of these arrays and the function that gives its `Numbers`; those at the last values of
-the parameters are remembered (`numbers_at`).  A program is kept for later processes (`kept_program`) as data
-that JSON can hold, the function of its numbers as a `StraightLine`.  Its tapes then have the operations, from
-which native code is written, without the expressions of their numbers.
+A `Program` consists of these arrays and the formulas that give its `Numbers`; those at the last values of the
+parameters are remembered (`numbers_at`).  A program is kept for later processes (`kept_program`) as data that
+JSON can hold.  Its tapes then have the operations, from which native code is written, without the expressions
+of their numbers.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from frictionlab.automaton.straight_line import StraightLine, straight_line_data
-from frictionlab.hybrid.elementary.parameter_functions import OF_PARAMETERS
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_from_data
 from frictionlab.hybrid.tape.tape import Tape
 
 NO_RESET = -1  # "no reset" in the arrays
@@ -126,7 +125,7 @@ class Program:
     guards: tuple[str, ...]
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
-    _fill: Callable[..., Sequence[float]]
+    formulas: Formulas  # of the parameters: all constants, then the coefficients of all terms
     _undefined: Callable[[Sequence[float]], str]  # says which number has no value at given parameters
     demand: Demand | None = None  # what is known of all modes where only some are derived
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
@@ -139,13 +138,12 @@ class Program:
         ValueError
             Where a coefficient has no real value there, such as the root of a negative number.
         """
-        try:
-            filled = np.array(self._fill(*values), dtype=float)
-        except (ArithmeticError, ValueError, TypeError) as error:  # TypeError: a complex number
+        filled = self.formulas.numbers(*values)
+        if not np.isfinite(filled).all():
             raise ValueError(
-                f"the equations have {self._undefined(values) or f'an undefined number ({error})'}: give the "
+                f"the equations have {self._undefined(values) or 'a number that is not finite'}: give the "
                 "parameters other values, or mend the formula"
-            ) from error
+            )
         split = len(self.code.ops)
         return Numbers(filled[:split].copy(), filled[split:].copy())
 
@@ -172,23 +170,22 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
     return program.numbers(array("d", values).tolist())
 
 
-def kept_program(kept: Any, packed: Callable[[], Program]) -> Program:
+def kept_program(kept: Any, name: str, packed: Callable[[], Program]) -> Program:
     """The program of a structure from files, `kept`; if it is not there yet, the one that `packed` makes."""
     if kept not in _KEPT_PROGRAMS:
-        data = kept.get("program")
+        data = kept.get(name)
         if data is not None:
             program = program_from_data(data, lambda values: packed()._undefined(values))
-        elif (data := program_to_data(program := packed(), program._fill)) is not None:
-            kept.keep("program", data)
+        else:
+            program = packed()
+            kept.keep(name, program_to_data(program))
         _KEPT_PROGRAMS[kept] = program
     return _KEPT_PROGRAMS[kept]
 
 
-def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any] | None:
-    """The program with the function that gives its numbers, as data; None where that is no straight line."""
-    numbers = straight_line_data(fill, OF_PARAMETERS)
-    if numbers is None:
-        return None
+def program_to_data(program: Program) -> dict[str, Any]:
+    """The program as data that JSON can hold."""
+    demand = None if program.demand is None else map(_array_to_data, program.demand)
     return {
         "code": {name: _array_to_data(value) for name, value in program.code._asdict().items()},
         "tapes": [_tape_to_data(tape) for tape in program.tapes],
@@ -198,7 +195,8 @@ def program_to_data(program: Program, fill: Callable[..., Any]) -> dict[str, Any
         "guards": program.guards,
         "guard_modes": _array_to_data(program.guard_modes),
         "initial": _array_to_data(program.initial),
-        "numbers": numbers,
+        "numbers": program.formulas.to_data(),
+        "demand": demand if demand is None else list(demand),
     }
 
 
@@ -213,8 +211,9 @@ def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[flo
         tuple(data["guards"]),
         _array_from_data(data["guard_modes"]),
         _array_from_data(data["initial"]),
-        StraightLine(data["numbers"], OF_PARAMETERS),
+        formulas_from_data(data["numbers"]),
         undefined,
+        None if data["demand"] is None else Demand(*map(_array_from_data, data["demand"])),
     )
 
 

@@ -47,7 +47,7 @@ class Range(IntEnum):
     SERIES = 4  # by its own series, which is exact
 
 
-@dataclass
+@dataclass(eq=False)
 class Tape:
     """Operations in the order of their execution.
 
@@ -67,10 +67,10 @@ class Tape:
         """Number of slots in use."""
         return self.inputs + len(self.ops)
 
-    def emit(self, kind: int, a: int, b: int, constant: Expr = 0) -> int:
+    def emit(self, kind: int, a: int, b: int, constant: Expr) -> int:
         """Append an operation; returns the slot it writes."""
         self.ops.append((kind, a, b))
-        self.constants.append(sp.sympify(constant, strict=True))
+        self.constants.append(constant)
         return self.slots - 1
 
     def degrees(self) -> list[float]:
@@ -203,9 +203,13 @@ class TapeBuilder:
         self.tape.ops[place - self.tape.inputs] = function.kind, a, self.slot(function.slope(expr))
         return self._affine[expr]
 
+    def number(self, expr: Expr) -> Any:
+        """A number as the tape holds it: an expression of the parameters."""
+        return sp.sympify(expr, strict=True)
+
     def _after_rate(self, kind: int, a: int, constant: Expr = 0) -> int:
-        self.tape.emit(RATE, a, a)
-        return self.tape.emit(kind, a, a, constant)
+        self.tape.emit(RATE, a, a, self.number(0))
+        return self.tape.emit(kind, a, a, self.number(constant))
 
     def _term(self, expr: Expr) -> AffineTerms:
         """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
@@ -260,7 +264,7 @@ class TapeBuilder:
             kind = SQUARE
         key = (kind, a, b)
         if key not in self._slots:
-            self._slots[key] = self.tape.emit(kind, a, b)
+            self._slots[key] = self.tape.emit(kind, a, b, self.number(0))
         return self._slots[key]
 
     def _materialise(self, combination: AffineTerms) -> int:
@@ -274,8 +278,8 @@ class TapeBuilder:
             first = len(terms)
             # By slot: the sum need not wait for the slot that is computed last.
             ordered = sorted(slot for slot in combination if slot != CONSTANT_TERM)
-            terms.extend((slot, combination[slot]) for slot in ordered)
-            constant = combination.get(CONSTANT_TERM, sp.S.Zero)
+            terms.extend((slot, self.number(combination[slot])) for slot in ordered)
+            constant = self.number(combination.get(CONSTANT_TERM, 0))
             self._slots[key] = self.tape.emit(AFFINE, first, len(terms), constant)
         return self._slots[key]
 

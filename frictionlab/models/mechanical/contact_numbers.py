@@ -7,11 +7,13 @@ needs a belt that moves, by which friction has its direction.
 from __future__ import annotations
 
 from functools import cache
+from itertools import islice
 from typing import Any, NamedTuple
 
-from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
+from frictionlab.models.symbols import parameter_symbols
 
 from .mechanics import Friction
 
@@ -34,37 +36,36 @@ class ContactNumbers(NamedTuple):
 def numbers_of_contacts(model: Any) -> list[ContactNumbers | None]:
     """These numbers of each contact of a model; None for a stop."""
     key = structure_of_component(model)
-    values = [model.parameters[name] for name in key.parameters]
-    return [None if function is None else ContactNumbers(*function(*values)) for function in _formulas(key)]
+    counts, formulas = _formulas(key)
+    numbers = iter(formulas.numbers(*(model.parameters[name] for name in key.parameters)).tolist())
+    return [None if count == 0 else ContactNumbers(*islice(numbers, count)) for count in counts]
 
 
 @cache
-def _formulas(key: Structure) -> list[Any]:
+def _formulas(key: Structure) -> tuple[list[int], Formulas]:
+    """How many numbers each contact has, none where it is a stop, and all of them as formulas."""
     kept = derivations_of(key, key.parameters)
-    known = kept.get("contacts")
-    if known is None:
-        known = _derived_formulas(key)
-        if not any(map(callable, known)):
-            kept.keep("contacts", known)
-    return [StraightLine(one, MATH) if isinstance(one, dict) else one for one in known]
+
+    def derive() -> Formulas:
+        return formulas_of(parameter_symbols(key), [one for some in _expressions(key) for one in some])
+
+    counts = kept.value("contacts", lambda: [len(some) for some in _expressions(key)])
+    return counts, kept_formulas(kept, "contacts", derive)
 
 
-def _derived_formulas(key: Structure) -> list[Any]:
-    from frictionlab.models.symbols import parameter_symbols
-
+def _expressions(key: Structure) -> list[list[Any]]:
     from .equations_of_motion import system_of
 
-    found, rows = system_of(key), []
-    for contact in found.mechanics.contacts:
+    system, rows = system_of(key), []
+    for contact in system.mechanics.contacts:
         if not isinstance(contact, Friction):
-            rows.append(None)
+            rows.append([])
             continue
-        formulas = [found.speed_at_origin(contact)]
+        row = [system.speed_at_origin(contact)]
         if contact.penetration is None:  # else F_N is a law's, which is not asked here
             press = sympy.sympify(contact.pressing, strict=True)
-            formulas += [] if found.varies(press) else [press]
-        function = sympy.lambdify(parameter_symbols(key), formulas, "math")
-        rows.append(straight_line_data(function, MATH) or function)
+            row += [] if system.varies(press) else [press]
+        rows.append(row)
     return rows
 
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton.straight_line import MATH, StraightLine, straight_line_data
 from frictionlab.components.component import Parameter
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
@@ -33,10 +33,10 @@ def check_masses(model: Any, start: Any = None) -> None:
     Masses that change with time are computed all along a period.  Those that depend on place may be positive
     in some places only: with `start`, a state, they must be positive there, without it somewhere.
     """
-    about = _masses(structure_of_component(model))
-    if not about["entries"] or (start is not None and not about["in place"]):
+    about, formulas = _masses(structure_of_component(model))
+    if not about["places"] or (start is not None and not about["in place"]):
         return
-    n, masses = len(model.coordinates), _function(about, model.parameters)
+    n, masses = len(model.coordinates), _function(about, formulas, model.parameters)
     places = _places(n) if about["in place"] else [np.zeros(n)]
     if start is not None:
         places = [np.asarray(start, dtype=float)[:n]]
@@ -76,52 +76,51 @@ def _words(
     )
 
 
-def _function(about: Mapping[str, Any], values: Mapping[str, float]) -> Callable[[Array, float], Array]:
-    """M as a function of coordinates and phase."""
+def _function(
+    about: Mapping[str, Any], formulas: Formulas, values: Mapping[str, float]
+) -> Callable[[Array, float], Array]:
+    """M as a function of coordinates and phase; NaN where an entry has no real value."""
     numbers = [values[name] for name in about["parameters"]]
-    entries: list[Any] = [
-        (i, j, one if callable(one) else StraightLine(one, MATH)) for i, j, one in about["entries"]
-    ]
 
     def masses(place: Array, phase: float) -> Array:
         mass = np.zeros((len(place), len(place)))
-        for i, j, entry in entries:
-            try:
-                mass[i, j] = mass[j, i] = entry(*map(float, place), float(phase), *numbers)
-            except (ArithmeticError, ValueError, TypeError):  # no number, or a complex one
-                mass[i, j] = mass[j, i] = np.nan
+        entries = formulas.numbers(*map(float, place), float(phase), *numbers)
+        for (i, j), entry in zip(about["places"], entries, strict=True):
+            mass[i, j] = mass[j, i] = entry
         return mass
 
     return masses
 
 
 @cache
-def _masses(key: Structure) -> dict[str, Any]:
-    """The entries of M as functions of coordinates, phase and parameters; none where T is surely positive."""
+def _masses(key: Structure) -> tuple[dict[str, Any], Formulas]:
+    """The entries of M as formulas of coordinates, phase and parameters; none where T is surely positive."""
     kept = derivations_of(key, key.parameters)
-    known = kept.get("masses")
-    if known is None:
-        known = _derived_masses(key)
-        if not any(callable(one) for *_, one in known["entries"]):
-            kept.keep("masses", known)
-    return known
+    about = kept.value("masses", lambda: _about_masses(key))
+    return about, kept_formulas(kept, "masses", lambda: _mass_formulas(key, about))
 
 
-def _derived_masses(key: Structure) -> dict[str, Any]:
+def _about_masses(key: Structure) -> dict[str, Any]:
     from .equations_of_motion import system_of
 
-    found = system_of(key)
-    mass, phase = found.mass, symbol("phase")
+    system = system_of(key)
+    mass = system.mass
     there = mass.free_symbols
-    names = [name for name in key.parameters if symbol(name) in there]
-    arguments = [*found.q, phase, *map(symbol, names)]
-    entries = [] if _surely_positive(found, key) else sorted(mass.todok().items())
+    entries = [] if _surely_positive(system, key) else sorted(mass.todok())
     return {
-        "entries": [[i, j, _program(arguments, entry)] for (i, j), entry in entries if i <= j],
-        "parameters": names,
-        "in place": not there.isdisjoint(found.q),
-        "in time": phase in there,
+        "places": [[i, j] for i, j in entries if i <= j],
+        "parameters": [name for name in key.parameters if symbol(name) in there],
+        "in place": not there.isdisjoint(system.q),
+        "in time": symbol("phase") in there,
     }
+
+
+def _mass_formulas(key: Structure, about: Mapping[str, Any]) -> Formulas:
+    from .equations_of_motion import system_of
+
+    system = system_of(key)
+    inputs = [*system.q, symbol("phase"), *map(symbol, about["parameters"])]
+    return formulas_of(inputs, [system.mass[i, j] for i, j in about["places"]])
 
 
 def _surely_positive(found: Any, key: Structure) -> bool:
@@ -131,12 +130,6 @@ def _surely_positive(found: Any, key: Structure) -> bool:
     if found.masses:
         return all(one.xreplace(signs).is_positive for one in found.masses)
     return found.coupled is not None and bool(found.coupled.scale.xreplace(signs).is_positive)
-
-
-def _program(arguments: Sequence[Any], entry: Any) -> Any:
-    function = sympy.lambdify(arguments, entry, "math")
-    data = straight_line_data(function, MATH)
-    return function if data is None else data
 
 
 def _signs(known: Mapping[str, Parameter]) -> dict[Any, Any]:

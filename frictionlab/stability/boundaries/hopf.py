@@ -1,23 +1,21 @@
 """`fl.hopf`: how vibration begins where a flutter instability sets in, by the normal form of the Hopf point.
 
-It is w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).  Derivatives along directions:
-sympy differentiates f(x + s u + t v + ...) by each of s, t, ... at zero, once for a flow.  Yu. A. Kuznetsov,
-"Elements of Applied Bifurcation Theory", 3rd ed., Springer, 2004; also Scholarpedia 1(10) (2006) 1858.
+It is w' = (i omega + slope (p - p0)) w + cubic w |w|^2, x = x0 + 2 Re(w q).  Derivatives along directions
+are formulas made of the flow's formulas, once for a flow.  Yu. A. Kuznetsov, "Elements of Applied
+Bifurcation Theory", 3rd ed., Springer, 2004; also Scholarpedia 1(10) (2006) 1858.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.expression_functions import numpy_function
+from frictionlab.hybrid.tape.formulas import Formulas
 from frictionlab.presentation import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
@@ -26,7 +24,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
 )
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
-from frictionlab.stability.flow import Flow
+from frictionlab.stability.flow import Flow, along
 from frictionlab.validation import float_array
 
 from .stability_changes import StabilityChange, StabilityKind, changes_on_lines
@@ -49,55 +47,21 @@ class ExpansionPoint(NamedTuple):
 
 def directional_derivative(at: ExpansionPoint, *directions: Vector) -> Vector:
     """The derivative of x' along each of the directions (m,), complex or real: B(u, v) or C(u, v, w)."""
-    return function_derivative(at, at.flow.expressions, *directions)
+    return function_derivative(at, at.flow.rates, *directions)
 
 
 def parameter_derivative(at: ExpansionPoint, parameter: str, *directions: Vector) -> Vector:
     """The derivative of x' by a parameter and along each of the directions (m,)."""
-    return function_derivative(at, _parameter_rates(at.flow, parameter), *directions)
+    place = at.flow.size + at.flow.parameters.index(parameter)
+    slopes = along(at.flow.rates, range(place, place + 1))
+    return function_derivative(at._replace(values=(*at.values, 1.0)), slopes, *directions)
 
 
-def function_derivative(at: ExpansionPoint, functions: tuple[Any, ...], *directions: Vector) -> Vector:
+def function_derivative(at: ExpansionPoint, functions: Formulas, *directions: Vector) -> Vector:
     """As :func:`directional_derivative` for functions (k,) of the state; their values without directions."""
-    form = _multilinear_form(at.flow, functions, len(directions))
-    return np.array(form(*at.state, *at.values, *chain.from_iterable(directions)))
-
-
-@lru_cache(maxsize=256)
-def _multilinear_form(flow: Flow, functions: tuple[Any, ...], order: int) -> Callable[..., Any]:
-    """A function of states, parameters and `order` directions, one after the other."""
-    directions = [u for level in range(order) for u in _direction(level, len(flow.states))]
-    expressions = list(_differentiate(functions, flow.states, order))
-    arguments = [*flow.states, *flow.parameters, *directions]
-    return numpy_function(arguments, expressions)
-
-
-@lru_cache(maxsize=256)
-def _differentiate(functions: tuple[Any, ...], states: tuple[Any, ...], order: int) -> tuple[Any, ...]:
-    if order == 0:
-        return functions
-    step = sympy.Dummy(real=True)
-    moved = {x: x + step * u for x, u in zip(states, _direction(order - 1, len(states)))}
-    lower = _differentiate(functions, states, order - 1)
-    return tuple(_derivative(f.xreplace(moved), step).xreplace({step: sympy.S.Zero}) for f in lower)
-
-
-@lru_cache(maxsize=256)
-def _parameter_rates(flow: Flow, parameter: str) -> tuple[Any, ...]:
-    symbol = next(symbol for symbol in flow.parameters if symbol.name == parameter)
-    return tuple(_derivative(f, symbol) for f in flow.expressions)
-
-
-def _derivative(function: Any, symbol: Any) -> Any:
-    # No equilibrium lies at a kink, such as that of |v_r|; elsewhere the delta function in its derivative is
-    # zero.
-    rate = sympy.diff(function, symbol)
-    return rate.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero) if rate.has(sympy.DiracDelta) else rate
-
-
-@lru_cache(maxsize=64)
-def _direction(level: int, count: int) -> tuple[Any, ...]:
-    return tuple(sympy.Dummy(f"u{level}_{i}", real=True) for i in range(count))
+    for _ in directions:
+        functions = along(functions, range(at.flow.size))
+    return np.array(functions.arrays(*at.state, *at.values, *chain.from_iterable(directions)))
 
 
 class CriticalPair(NamedTuple):
@@ -379,8 +343,8 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
             f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
-    values, (flow, guards) = {**problem.parameters, parameter: change.value}, problem.derive()
-    at = ExpansionPoint(flow, state, tuple(values[name] for name in problem.parameter_names))
+    values = {**problem.parameters, parameter: change.value}
+    at = ExpansionPoint(problem.flow, state, tuple(values[name] for name in problem.parameter_names))
     return HopfPoint(
         problem.model,
         parameter,
@@ -390,11 +354,11 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
         pair.right,
         eigenvalue_slope(at, matrix, pair, parameter),
         cubic_coefficient(at, matrix, pair),
-        _amplitude_at_guard(at, guards, pair.right),
+        _amplitude_at_guard(at, problem.derive_guards(), pair.right),
     )
 
 
-def _amplitude_at_guard(at: ExpansionPoint, guards: tuple[Any, ...], vector: ComplexArray) -> float:
+def _amplitude_at_guard(at: ExpansionPoint, guards: Formulas, vector: ComplexArray) -> float:
     """The least |w| at which a guard becomes zero on x0 + 2 Re(w q), to leading order."""
     swings = 2 * np.abs(function_derivative(at, guards, vector))
     levels = function_derivative(at, guards)

@@ -152,7 +152,7 @@ def jacobian(model: Any, state: Array) -> Array:
     if by_penetration(model) and sliding_equations(model).rests(problem.values):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     with np.errstate(all="ignore"):
-        matrix = problem.state_matrix().at(state, problem.values)
+        matrix = problem.flow.jacobian(state, problem.values)
     if not np.isfinite(matrix).all():
         raise ValueError(
             f"the state matrix of {model!r} must be finite at its equilibrium, and is not: a law has no "

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.tape.formulas import Formulas, kept_formulas
 from frictionlab.models.model import Model, automaton_of
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
@@ -34,7 +35,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
     steady_modes,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.flow import Flow, Jacobian, LateFlow, late_flow
+from frictionlab.stability.flow import Flow
 
 Array = NDArray[np.float64]
 
@@ -70,8 +71,8 @@ def problem_from_equilibrium(
         tuple(automaton.values),
         values,
         continuation_solver(flow, x, start, mode.admits),
-        lambda: flow.derivative,
-        lambda: (flow, mode.guards),
+        flow,
+        lambda: mode.guards,
     )
 
 
@@ -226,8 +227,8 @@ def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProble
         equations.key.parameters,
         values,
         solve,
-        partial(sliding_jacobian, equations),
-        partial(_flow_and_guards, equations, bool(equations.belt_speed(*values) > 0)),
+        sliding_flow(equations),
+        lambda: sliding_guards(equations, bool(equations.belt_speed(*values) > 0)),
     )
 
 
@@ -235,41 +236,46 @@ def _is_pressed(equations: SlidingEquations, x: Array, values: Sequence[Any]) ->
     return (sliding_flow(equations).margin(x, values) > 0) & ~equations.rests(values)
 
 
-def _flow_and_guards(equations: SlidingEquations, forwards: bool) -> tuple[Flow, tuple[Any, ...]]:
-    return sliding_flow(equations), sliding_guards(equations, forwards)
-
-
 @cache
 def sliding_flow(equations: SlidingEquations) -> Flow:
     """The flow of sliding with friction in the sign of the belt's speed, whatever the model's other modes."""
-    return late_flow(LateFlow(equations.kept, "sliding", partial(_derive_sliding_flow, equations)))
+    kept = equations.kept
+    rates = kept_formulas(
+        kept, "rates of sliding", lambda: equations.formulas_of_states(_sliding_rates(equations))
+    )
+    margins = kept_formulas(
+        kept, "margins of sliding", lambda: equations.formulas_of_states([equations.system.rubbing.pressing])
+    )
+    return Flow(equations.key.parameters, rates, margins)
 
 
-def _derive_sliding_flow(equations: SlidingEquations) -> Flow:
+def _sliding_rates(equations: SlidingEquations) -> tuple[Any, ...]:
     from frictionlab.models.mechanical.contact_regimes import regime  # which load sympy
     from frictionlab.models.mechanical.modes import flow_of, solve_contact_forces
 
-    found = equations.system
-    slip = regime(found.rubbing, "slip", found)
-    flow = flow_of(found, solve_contact_forces(found, (slip,)).accelerations)
-    return Flow(found.states, equations.parameters, flow, (found.rubbing.pressing,), len(found.q))
-
-
-def sliding_jacobian(equations: SlidingEquations) -> Jacobian:
-    """The state matrix of :func:`sliding_flow`."""
-    return sliding_flow(equations).derivative
+    system = equations.system
+    slip = regime(system.rubbing, "slip", system)
+    return flow_of(system, solve_contact_forces(system, (slip,)).accelerations)
 
 
 @cache
-def sliding_guards(equations: SlidingEquations, forwards: bool) -> tuple[Any, ...]:
+def sliding_guards(equations: SlidingEquations, forwards: bool) -> Formulas:
     """The functions that stay positive while the model slides as in the flow: +-v_r, the penetration."""
-    from frictionlab.models.mechanical.contact_regimes import regime  # which loads sympy
 
-    found = equations.system
-    contact = found.rubbing
-    name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
-    sliding = regime(contact, name, found)
-    return tuple(end.function for end in sliding.ends(sliding.force, sliding.limit))
+    def derive() -> Formulas:
+        from frictionlab.models.mechanical.contact_regimes import regime  # which loads sympy
+
+        system = equations.system
+        contact = system.rubbing
+        name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
+        sliding = regime(contact, name, system)
+        return equations.formulas_of_states(
+            [end.function for end in sliding.ends(sliding.force, sliding.limit)]
+        )
+
+    return kept_formulas(
+        equations.kept, f"guards of sliding {'forwards' if forwards else 'backwards'}", derive
+    )
 
 
 def _solve(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:

@@ -185,8 +185,7 @@ def _whole() -> Interval:
 
 
 def _entries(flow: Flow, x: Sequence[Any], values: Sequence[float]) -> dict[tuple[int, int], Any]:
-    derivative = flow.derivative
-    return {(i, j): e for (i, j), e in zip(derivative.places, derivative.entries(*x, *values), strict=True)}
+    return flow.derivative.bounds(x, values)
 
 
 def _constant(entry: Any) -> float | None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.serialisation import Derivations, Structure, derivations_of, structure_of_component
@@ -95,38 +95,28 @@ class SlidingEquations:
         """Whether the contact can stick."""
         return self.kept.value("sticks", lambda: "stick" in self.system.rubbing.modes)
 
-    @cached_property
-    def belt_speed(self) -> Callable[..., Any]:
-        """The relative velocity at rest (m/s) as a function of the parameters."""
-        return self._function(
-            "belt speed", lambda: self.system.at_rest(self.system.rubbing.relative_velocity)
-        )
+    def belt_speed(self, *values: Any) -> Any:
+        """The relative velocity at rest (m/s) at values of the parameters."""
+        return self._of_parameters(
+            "belt speed", lambda: [self.system.at_rest(self.system.rubbing.relative_velocity)]
+        ).arrays(*values)[0]
 
     def rests(self, values: Sequence[Any]) -> Any:
         """Where the belt rests and the contact can stick: there friction has no derivative."""
         return (np.asarray(self.belt_speed(*values)) == 0) & self.sticks
 
-    @cached_property
-    def stiffness_entries(self) -> Callable[..., Any]:
-        """The rows of the stiffness matrix as a function of the parameters."""
-        return self._function("stiffness", lambda: self.system.stiffness.tolist())
+    def _of_parameters(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
+        return kept_formulas(self.kept, name, lambda: formulas_of(self.parameters, expressions()))
 
-    def _function(self, name: str, expressions: Callable[[], Any]) -> Callable[..., Any]:
-        """A function of the parameters."""
-
-        def derive() -> Callable[..., Any]:
-            from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
-
-            return numpy_function(list(self.parameters), expressions())
-
-        return self.kept.function(name, OF_ARRAYS, derive)
+    def formulas_of_states(self, expressions: Sequence[Any]) -> Formulas:
+        """Formulas of the states, then the parameters."""
+        return formulas_of([*self.system.states, *self.parameters], expressions)
 
     def stiffness(self, values: Sequence[Any]) -> Array:
         """K (n, n), or (N, n, n) where a parameter in it is an array."""
-        rows = self.stiffness_entries(*values)
-        entries = np.broadcast_arrays(*(entry for row in rows for entry in row))
-        stacked = np.stack(entries, axis=-1).astype(float)
-        return stacked.reshape(*stacked.shape[:-1], len(rows), len(rows))
+        entries = self._of_parameters("stiffness", lambda: list(self.system.stiffness))
+        stacked = np.stack(np.broadcast_arrays(*entries.arrays(*values)), axis=-1).astype(float)
+        return stacked.reshape(*stacked.shape[:-1], *[len(self.coordinates)] * 2)
 
     def held(self, by_contact: bool) -> list[int]:
         """Indices of the coordinates that springs must hold; `by_contact`: the contact holds the height."""
@@ -157,19 +147,34 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
     With `held_by_contact` only the contact holds the slider's height, and no spring does.
     """
 
-    def function(name: str) -> Callable[..., Any]:
+    def formulas(name: str) -> Formulas:
         named = f"{name}, held by the contact" if held_by_contact else name
-        return equations.kept.function(
-            named, OF_ARRAYS, lambda: getattr(_static_functions(equations, held_by_contact), name)
+        return kept_formulas(
+            equations.kept, named, lambda: getattr(_static_formulas(equations, held_by_contact), name)
         )
 
-    return Statics(*map(function, Statics._fields))
+    excess = formulas("excess")
+    slope = excess.jacobian([0])[1]
+    return Statics(
+        formulas("coordinates").arrays,
+        lambda *values: excess.arrays(*values)[0],
+        lambda *values: slope.arrays(*values)[0],
+        formulas("forces").arrays,
+        formulas("residual").arrays,
+    )
+
+
+class StaticFormulas(NamedTuple):
+    """What :class:`Statics` are made of."""
+
+    coordinates: Formulas
+    excess: Formulas
+    forces: Formulas
+    residual: Formulas
 
 
 @cache
-def _static_functions(equations: SlidingEquations, held_by_contact: bool) -> Statics:
-    from frictionlab.hybrid.expression_functions import numpy_function  # which loads sympy
-
+def _static_formulas(equations: SlidingEquations, held_by_contact: bool) -> StaticFormulas:
     found, p = equations.system, equations.parameters
     height = equations.height if held_by_contact else None
     penetration = sympy.Symbol("compression", real=True)
@@ -182,12 +187,11 @@ def _static_functions(equations: SlidingEquations, held_by_contact: bool) -> Sta
         q[height] = _penetration(found, q) - penetration
         excess = _loads(found, q, normal, friction)[height]
     arguments = [penetration, *p]
-    return Statics(
-        numpy_function(arguments, q),
-        numpy_function(arguments, excess),
-        numpy_function(arguments, sympy.diff(excess, penetration)),
-        numpy_function(arguments, [normal, friction]),
-        numpy_function([*found.q, *p], _balance(found)),
+    return StaticFormulas(
+        formulas_of(arguments, q),
+        formulas_of(arguments, [excess]),
+        formulas_of(arguments, [normal, friction]),
+        formulas_of([*found.q, *p], _balance(found)),
     )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
-from frictionlab.hybrid.elementary.parameter_functions import OF_ARRAYS
+from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
-from frictionlab.stability.flow import Flow, LateFlow, late_flow
+from frictionlab.stability.flow import Flow
 
 Array = NDArray[np.float64]
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
@@ -43,6 +43,8 @@ class SteadyMode:
         What has been derived of its structure and is kept in files.
     derive : callable
         Gives the mode.
+    inputs : callable
+        Gives the symbols of the states, then those of the parameters.
     """
 
     name: str
@@ -50,39 +52,47 @@ class SteadyMode:
     flow: Flow
     kept: Derivations
     derive: Callable[[], Mode]
+    inputs: Callable[[], Sequence[Any]]
 
     @property
-    def guards(self) -> tuple[Any, ...]:
+    def guards(self) -> Formulas:
         """The event functions."""
-        return tuple(event.function for event in self.derive().events)
+        return self._formulas("guards", lambda: [event.function for event in self.derive().events])
 
     def shown(self, x: Array, values: Sequence[float]) -> tuple[float, ...]:
         """The outputs `SHOWN` at a state (m,); NaN where the mode has no such output."""
 
-        def derive() -> Callable[..., Any]:
-            outputs = self.derive().outputs
-            return self.flow.compiled([outputs.get(name, sympy.nan) for name in SHOWN])
+        def outputs() -> list[Any]:
+            given = self.derive().outputs
+            return [given.get(name, sympy.nan) for name in SHOWN]
 
-        return tuple(map(float, self.kept.function(f"shown in {self.name}", OF_ARRAYS, derive)(*x, *values)))
+        return tuple(map(float, self._formulas("shown", outputs).arrays(*x, *values)))
 
     def admits(self, x: Array, values: Sequence[Any]) -> Any:
         """At which states (m, N) the mode can last: inside its guards, and with its constraints satisfied."""
         with np.errstate(all="ignore"):
             lasts = self.flow.margin(x, values) > 0
-            for held, size in zip(*(functions(*x, *values) for functions in self._constraints)):
-                lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
+            if self.holds:
+                for held, size in zip(*self._constraints(x, values), strict=True):
+                    lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
         return lasts
 
-    @cached_property
-    def _constraints(self) -> tuple[Callable[..., Any], ...]:
-        """The constraints, and the sizes of the terms that cancel in each."""
-        if not self.holds:
-            return ()
-        at_rest = dict.fromkeys(self.flow.states, 0)
-        held = [sympy.sympify(c, strict=True) for c in self.derive().constraints]
-        terms = [[c.subs(at_rest), *(sympy.diff(c, s) * s for s in self.flow.states)] for c in held]
-        sizes = [sum(abs(term) for term in some) for some in terms]
-        return self.flow.compiled(held), self.flow.compiled(sizes)
+    def _constraints(self, x: Array, values: Sequence[Any]) -> tuple[list[Any], Array]:
+        """The constraints at states (m, N), and the sizes of the terms that cancel in each."""
+        formulas = self._formulas("constraints", lambda: self.derive().constraints)
+        places, slopes = formulas.jacobian(range(len(x)))
+        sizes = np.zeros((len(formulas.outputs), *np.shape(x[0])))
+        sizes += np.abs(np.array(formulas.arrays(*np.zeros(len(x)), *values))).reshape(
+            -1, *[1] * (x.ndim - 1)
+        )
+        for (row, column), slope in zip(places, slopes.arrays(*x, *values), strict=True):
+            sizes[row] += np.abs(slope * x[column])
+        return formulas.arrays(*x, *values), sizes
+
+    def _formulas(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
+        return kept_formulas(
+            self.kept, f"{name} in {self.name}", lambda: formulas_of(self.inputs(), [*expressions()])
+        )
 
 
 def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMode]:
@@ -183,25 +193,38 @@ class Place:
 @lru_cache(maxsize=256)
 def _kept_mode(place: Place) -> SteadyMode:
     automaton, derive = place.automaton, partial(place.automaton.mode, place.name)
-    late = LateFlow(place.kept, place.name, lambda: _flow(automaton, derive()))
-    return SteadyMode(place.name, False, late_flow(late), place.kept, derive)
+
+    def formulas(what: str, expressions: Callable[[Mode], Sequence[Any]]) -> Formulas:
+        return kept_formulas(
+            place.kept,
+            f"{what} in {place.name}",
+            lambda: formulas_of(_inputs(automaton), expressions(derive())),
+        )
+
+    rates, margins = formulas("rates", lambda mode: mode.flow), formulas("margins", _margins)
+    flow = Flow(tuple(automaton.values), rates, margins)
+    return SteadyMode(place.name, False, flow, place.kept, derive, partial(_inputs, automaton))
+
+
+def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
+    return (*automaton.states, *automaton.parameters)
 
 
 def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
     """Whether the conditions of all regimes of a mode can hold at zero velocities; see `_can_rest`."""
 
-    def derive() -> Callable[..., Any]:
+    def derive() -> Formulas:
         modes: Any = automaton.modes
         conditions = (
             condition
             for part, i in zip(modes.parts, modes.names.combination_of(mode.name))
             for condition in part[i].conditions
         )
-        return mode.flow.compiled(_without_states(automaton, tuple(conditions)))
+        return formulas_of(_inputs(automaton), _without_states(automaton, tuple(conditions)))
 
-    function = mode.kept.function(f"at rest in {mode.name}", OF_ARRAYS, derive)
+    formulas = kept_formulas(mode.kept, f"at rest in {mode.name}", derive)
     zeros = np.zeros(mode.flow.size)
-    return not any(value < 0 for value in function(*zeros, *parameter_values(automaton)))
+    return not any(value < 0 for value in formulas.arrays(*zeros, *parameter_values(automaton)))
 
 
 # --- modes that are derived
@@ -220,20 +243,15 @@ def _is_free(mode: Mode) -> bool:
 
 
 def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
-    return _steady_mode(mode, automaton.states, tuple(automaton.parameters), automaton.coordinates)
+    return _steady_mode(mode, automaton.states, tuple(automaton.parameters))
 
 
 @lru_cache(maxsize=256)
-def _steady_mode(
-    mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...], coordinates: int
-) -> SteadyMode:
-    flow = Flow(states, parameters, mode.flow, _margins(mode), coordinates)
-    return SteadyMode(mode.name, mode.holds, flow, Derivations(None), lambda: mode)
-
-
-def _flow(automaton: HybridAutomaton, mode: Mode) -> Flow:
-    parameters = tuple(automaton.parameters)
-    return Flow(automaton.states, parameters, mode.flow, _margins(mode), automaton.coordinates)
+def _steady_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...]) -> SteadyMode:
+    inputs = (*states, *parameters)
+    names = tuple(str(symbol) for symbol in parameters)
+    flow = Flow(names, formulas_of(inputs, mode.flow), formulas_of(inputs, _margins(mode)))
+    return SteadyMode(mode.name, mode.holds, flow, Derivations(None), lambda: mode, lambda: inputs)
 
 
 def _margins(mode: Mode) -> tuple[Any, ...]:

@@ -60,7 +60,7 @@ def test_every_file_that_a_kernel_calls_is_a_source():
 def test_what_no_kernel_uses_is_no_source():
     sources = kernel_sources()
     assert not [path for path in sources if not path.startswith("hybrid/")]
-    others = "solve run_file trajectory outputs expression_functions ensemble/ensemble tape/packing"
+    others = "solve run_file trajectory tape/formulas ensemble/ensemble tape/packing"
     assert not {f"hybrid/{name}.py" for name in others.split()} & set(sources)
 
 

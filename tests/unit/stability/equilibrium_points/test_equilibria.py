@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
@@ -78,6 +78,7 @@ def test_erratum_e1():
     toggles=st.sampled_from([(), ("geometry",), ("nonsmooth",)]),
 )
 def test_no_root_is_missed_and_none_invented(mu_k, k_nl, F, v, stiffness, l1, toggles):
+    assume(v != 0 or "nonsmooth" not in toggles)  # refused: sliding at rest gives friction no direction
     k1, k3, k4, k5 = stiffness
     model = SliderOnBelt(mu_k=mu_k, k_nl=k_nl, F=F, v=v, k1=k1, k3=k3, k4=k4, k5=k5, l1=l1).without(*toggles)
     found = equilibria(model)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import sympy
 
+from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.stability.equilibrium_points.newton import (
     find_zeros,
     low_rank_newton,
@@ -15,15 +16,25 @@ from frictionlab.stability.flow import Flow
 MASSES = 24
 
 
-def chain_with_end_spring(force, k=1.0, kc=50.0):
-    """Masses in a row, each on a spring to the ground; `force` acts at the last of them."""
+def flow_of(states, rates):
+    """x' = rates, without parameters and margins."""
+    return Flow((), formulas_of(states, rates), formulas_of(states, ()))
+
+
+def chain_with_end_spring(force, k=1.0, kc=50.0, last_rate=None):
+    """Masses in a row, each on a spring to the ground; `force` acts at the last of them.
+
+    `last_rate` takes the place of that mass's acceleration, as a function of the first displacement.
+    """
     x, v = sympy.symbols(f"x:{MASSES}"), sympy.symbols(f"v:{MASSES}")
     forces = []
     for i in range(MASSES):
         neighbours = [x[j] for j in (i - 1, i + 1) if 0 <= j < MASSES]
         forces.append(-k * x[i] - 0.1 * v[i] + sum(kc * (other - x[i]) for other in neighbours))
     forces[-1] += force(x[-1])
-    return Flow((*x, *v), (), (*v, *forces), (), MASSES)
+    if last_rate is not None:
+        forces[-1] = last_rate(x[0])
+    return flow_of((*x, *v), (*v, *forces))
 
 
 def linear_stiffness(k=1.0, kc=50.0):
@@ -75,18 +86,15 @@ def test_a_gaussian_well():
 
 def test_small_and_very_nonlinear_systems_keep_whole_matrices():
     x = sympy.symbols("x:40")
-    every = Flow(x, (), tuple(one - one**3 for one in x), (), 40)
-    few = Flow(x[:4], (), tuple(one - one**3 for one in x[:4]), (), 4)
+    every = flow_of(x, [one - one**3 for one in x])
+    few = flow_of(x[:4], [one - one**3 for one in x[:4]])
     assert low_rank_newton(every, (), np.zeros((40, 1))) is None
     assert low_rank_newton(few, (), np.zeros((4, 1))) is None
 
 
 def test_a_singular_point_is_no_reference():
-    flow = chain_with_end_spring(lambda u: u**3)
     singular = np.zeros((2 * MASSES, 3))
-    free = Flow(
-        flow.states, (), (*flow.expressions[:-1], flow.states[-2] * 0 + flow.states[0] ** 3), (), MASSES
-    )
+    free = chain_with_end_spring(lambda u: u**3, last_rate=lambda u: u**3)
     assert low_rank_newton(free, (), singular) is None
 
 
