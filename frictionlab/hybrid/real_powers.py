@@ -28,7 +28,10 @@ def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunDa
     ValueError
         Where a base is negative at the start.
     """
-    code, modes = problem.program.code, np.append(raw.step_modes, raw.mode)
+    code = problem.program.code
+    if not code.powers.any():
+        return raw
+    modes = np.append(raw.step_modes, raw.mode)
     visited = np.unique(modes[modes >= 0])
     firsts = [_first_negative(problem, mode, raw, modes) for mode in visited[code.powers[visited] != 0]]
     first = min((at for at in firsts if at is not None), default=None)

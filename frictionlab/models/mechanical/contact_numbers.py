@@ -37,7 +37,8 @@ def numbers_of_contacts(model: Any) -> list[ContactNumbers | None]:
     """These numbers of each contact of a model; None for a stop."""
     key = structure_of_component(model)
     counts, formulas = _formulas(key)
-    numbers = iter(formulas.numbers(*(model.parameters[name] for name in key.parameters)).tolist())
+    values = model.parameters
+    numbers = iter(formulas.numbers(*(values[name] for name in key.parameters)).tolist())
     return [None if count == 0 else ContactNumbers(*islice(numbers, count)) for count in counts]
 
 
@@ -71,6 +72,9 @@ def _expressions(key: Structure) -> list[list[Any]]:
 
 def check_contacts(model: Any) -> None:
     """Raise ValueError where a given normal force pulls."""
+    counts, _ = _formulas(structure_of_component(model))
+    if max(counts, default=0) <= 1:  # no normal force is given
+        return
     for i, one in enumerate(numbers_of_contacts(model), 1):
         if one is not None and one.press is not None and one.press < 0:
             raise ValueError(
