@@ -18,13 +18,13 @@ from unittest.mock import patch
 import numpy as np
 
 import frictionlab as fl
-from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.pages import export, page_data
 from frictionlab.pages.export import solver_data
+from frictionlab.pages.javascript import javascript_of_formulas
 from tests.digests.runs import Case, cases
 
 SCRIPTS = "functions", "assembler", "jets", "solver"
@@ -54,13 +54,12 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
     found = model.automaton() if isinstance(model, fl.Model) else model
     automaton = with_chatter_limit(found, method.chatter_limit).derived()
     program, _ = program_of(automaton)
-    apart = isinstance(automaton.modes, ModesOnDemand)  # whose numbers are computed one by one
     scene = {
         "states": [symbol.name for symbol in automaton.states],
         "modes": list(program.modes),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
-        "numbers": page_data.tape_numbers(program, tuple(automaton.parameters), apart),
+        "numbers": javascript_of_formulas(program.formulas, [len(automaton.parameters)]),
         "arrays": page_data.run_arrays(program, method),
     }
     with patch.object(export, "Taylor", lambda: method):
