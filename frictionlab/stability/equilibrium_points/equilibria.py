@@ -15,22 +15,22 @@ from numpy.typing import NDArray
 from frictionlab.models.model import Model, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
-    FINEST_SHARE,
     excess_polynomial,
     nearest_equilibrium_problem,
     newton_residual,
+    no_contact,
     no_equilibrium_error,
     polish_roots,
     problem_from_equilibrium,
-    search_range,
     sliding_problem,
 )
-from frictionlab.stability.equilibrium_points.real_roots import real_roots, roots_on_grid
+from frictionlab.stability.equilibrium_points.newton import find_zeros
+from frictionlab.stability.equilibrium_points.real_roots import real_roots
 from frictionlab.stability.equilibrium_points.static_equations import (
     Statics,
     by_penetration,
+    is_static,
     sliding_equations,
-    static_residual,
     statics_for_values,
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
@@ -214,9 +214,9 @@ def equilibria(model: Any) -> Equilibria:
     with F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
     No solution is missed where the equation for the penetration is a polynomial.  It is one with all laws of
-    the package but HertzContact, PressureDependent and MovingLoad("normal").  For those, and for laws of your
-    own that give no polynomial, changes of sign are searched for up to three times the penetration without
-    contact force.
+    the package but HertzContact and PressureDependent.  For those, and for laws of your
+    own that give no polynomial, the penetration is searched as states are of models without `statics`, see
+    `model`.
 
     Parameters
     ----------
@@ -311,24 +311,13 @@ def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float
     """The penetrations at all equilibria, and why others are not excluded, if so."""
     excess = excess_polynomial(statics, values)
     if excess is None:
-        reach = f"up to {float(search_range(statics, values)):.4g} m"
-        return _search_penetrations(statics, values), f"changes of sign were searched {reach}"
+        zeros = find_zeros(statics.equation, values)
+        with np.errstate(all="ignore"):
+            none = no_contact(statics, values, zeros.points[0])
+        return sorted(map(float, np.where(none, 0.0, zeros.points[0]))), zeros.why
     with np.errstate(all="ignore"):  # at a double root the slope vanishes
         roots = polish_roots(statics, values, np.array(real_roots(excess[:, 0])))
     return [float(g) for g in roots], ""
-
-
-def _search_penetrations(statics: Statics, values: Sequence[float]) -> list[float]:
-    """Penetrations at which the equation changes its sign, on a grid that is finer towards zero."""
-    finest = FINEST_SHARE * float(search_range(statics, values))
-
-    def excess(s: Any) -> Any:
-        found = statics.excess(finest * np.sinh(s), *values)
-        return np.where(np.isfinite(found), found, np.nan)  # a law may overflow far from the root
-
-    with np.errstate(all="ignore"):
-        found = roots_on_grid(excess, np.arcsinh(1 / FINEST_SHARE))
-        return [float(finest * np.sinh(s)) for s in found]
 
 
 def _sliding_equilibrium(
@@ -336,8 +325,9 @@ def _sliding_equilibrium(
 ) -> Equilibrium:
     q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)
     normal, friction = map(float, statics.forces(penetration, *values))
-    left = float(static_residual(statics, q, values))
-    if not left < MAX_STATIC_RESIDUAL:
+    residual, solved = is_static(statics, penetration, q, values, MAX_STATIC_RESIDUAL)
+    left = float(residual)
+    if not solved:
         raise ValueError(
             f"the equilibrium at a penetration of {penetration:.6g} m must satisfy the static equations to "
             f"{MAX_STATIC_RESIDUAL:g}, got {left:.2g}: the stiffnesses differ by too many orders of magnitude"

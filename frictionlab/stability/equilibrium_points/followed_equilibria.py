@@ -4,7 +4,8 @@ Of an automaton one equilibrium is followed by Newton's method.  Of a model in s
 with F_N > 0 and the smallest penetration.
 
 With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
-method on the original equation; with other laws changes of sign are searched for on a geometric grid.
+method on the original equation.  With other laws bounds of the equation and of its slope tell where roots
+are, for all values of the parameters at once (`root_boxes`).
 """
 
 from __future__ import annotations
@@ -19,13 +20,21 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.tape.formulas import Formulas, kept_formulas
 from frictionlab.models.model import Model, automaton_of
-from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
+from frictionlab.stability.equilibrium_points.intervals import interval
+from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
+from frictionlab.stability.equilibrium_points.root_boxes import (
+    LARGEST,
+    SMALLEST,
+    Boxes,
+    isolate_zeros,
+    one_equation,
+)
 from frictionlab.stability.equilibrium_points.static_equations import (
     SlidingEquations,
     Statics,
+    is_static,
     sliding_equations,
-    static_residual,
     statics_groups,
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
@@ -34,7 +43,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
     parameter_values,
     steady_modes,
 )
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
 from frictionlab.stability.flow import Flow
 
 Array = NDArray[np.float64]
@@ -117,7 +126,7 @@ def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
 STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots with a larger residual are none
 NEWTON_STEPS = 4
-SEARCH_POINTS, FINEST_SHARE, SEARCH_FACTOR, BISECTIONS = 401, 1e-9, 3.0, 60
+MOST_HALVINGS = 200  # from 1e30 to 1e-30
 
 
 def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
@@ -125,15 +134,13 @@ def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Ar
     excess = excess_polynomial(statics, values)
     with np.errstate(all="ignore"):
         if excess is None:
-            penetrations = _search_sign_change(statics, values, count)
+            penetrations = _isolated_candidates(statics, values, count)
         else:
             penetrations = _polynomial_candidates(
                 statics, values, np.broadcast_to(excess, (len(excess), count))
             )
-        solved = (
-            static_residual(statics, statics.coordinates(penetrations, *values), values)
-            < STATIC_RESIDUAL_RTOL
-        )
+        q = statics.coordinates(penetrations, *values)
+        _, solved = is_static(statics, penetrations, q, values, STATIC_RESIDUAL_RTOL)
     least = np.where(
         solved & (penetrations > 0) & (statics.forces(penetrations, *values)[0] > 0), penetrations, np.inf
     ).min(axis=0)
@@ -144,7 +151,7 @@ def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
     """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d, of degree 9 at
     most for Eq. (2); None where a law is no polynomial."""
     try:
-        excess = statics.excess(UNKNOWN, *values)
+        excess = statics.excess(UNKNOWN, values)
     except (TypeError, ValueError, AttributeError):  # sqrt, a fractional power, exp or a comparison in a law
         return None
     return excess.coefficients if isinstance(excess, Polynomial) else None
@@ -163,10 +170,10 @@ def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Arra
 def polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
     """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
     does."""
-    left = np.abs(statics.excess(penetrations, *values))
+    left = np.abs(statics.excess(penetrations, values))
     for _ in range(NEWTON_STEPS):
-        trial = penetrations - statics.excess(penetrations, *values) / statics.slope(penetrations, *values)
-        rest = np.abs(statics.excess(trial, *values))
+        trial = penetrations - statics.excess(penetrations, values) / statics.slope(penetrations, values)
+        rest = np.abs(statics.excess(trial, values))
         penetrations, left = np.where(rest < left, trial, penetrations), np.fmin(rest, left)
     return penetrations
 
@@ -189,26 +196,61 @@ def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
     return found
 
 
-def _search_sign_change(statics: Statics, values: Sequence[Any], count: int) -> Array:
-    """First root (1, count) seen as a change of sign on a grid, for laws that are no polynomials."""
-    grid = np.geomspace(FINEST_SHARE, 1.0, SEARCH_POINTS)[:, None] * np.broadcast_to(
-        search_range(statics, values), (count,)
+def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) -> Array:
+    """Positive roots (k, N) of an equation that is no polynomial, NaN where there are fewer than k."""
+    # Of most laws one box ends at the penetration without contact force, and holds the only root.
+    free = np.abs(np.broadcast_to(statics.excess(0.0, values), (count,)))
+    free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
+    least, most = np.full(count, SMALLEST), np.full(count, LARGEST)
+    boxes = Boxes(
+        np.stack([np.append(least, free), np.append(free, most)])[:, None], np.tile(np.arange(count), 2)
     )
-    signs = np.sign(np.broadcast_to(statics.excess(grid, *values), grid.shape))
-    turns = (signs[:-1] * signs[1:] <= 0) & (statics.forces(grid[1:], *values)[0] > 0)
-    first, columns = np.argmax(turns, axis=0), np.arange(count)
-    low, high, sign = grid[first, columns], grid[first + 1, columns], signs[first, columns]
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        before = np.sign(statics.excess(middle, *values)) == sign
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return np.where(turns.any(axis=0), 0.5 * (low + high), np.nan)[None]
+    found = isolate_zeros(one_equation(statics.equation, values), boxes)
+    low, high = (_columns(end[0], found.single.owners, count) for end in found.single.ends)
+    roots = _enclosed_roots(statics, values, low, high)
+    for i in np.unique(np.append(found.narrow.owners, found.undecided.owners)):
+        alone = [v if np.ndim(v) == 0 else float(np.broadcast_to(v, (count,))[i]) for v in values]
+        points = find_zeros(statics.equation, alone).points[0]
+        roots = np.vstack([roots, _columns(points, np.full(len(points), i), count)])
+    # Without preload zero is a root, but for rounding, at which there is no contact.
+    return np.where(no_contact(statics, values, roots), np.nan, roots)
 
 
-def search_range(statics: Statics, values: Sequence[Any]) -> Any:
-    """Largest penetration searched (m): a multiple of that without contact force; 1 m without a preload."""
-    length = SEARCH_FACTOR * np.abs(statics.excess(0.0, *values))
-    return np.where(length == 0, 1.0, length)
+def no_contact(statics: Statics, values: Sequence[Any], roots: Array) -> Any:
+    """Which roots are that at zero, but for rounding of the equation."""
+    zero = interval(statics.excess(interval(np.zeros(())), values)).contains_zero()
+    around = interval(statics.excess(interval(roots), values))
+    return zero & (
+        np.abs(roots) <= (around.high - around.low) / np.abs(statics.slope(np.zeros_like(roots), values))
+    )
+
+
+def _enclosed_roots(statics: Statics, values: Sequence[Any], low: Array, high: Array) -> Array:
+    """The one root in each interval, by Newton's method; halves of the interval where that leads out."""
+    rises = statics.excess(high, values) > 0
+    x = (low + high) / 2
+    for _ in range(MOST_HALVINGS):
+        left = statics.excess(x, values)
+        below = (left > 0) != rises
+        low, high = np.where(below, x, low), np.where(below, high, x)
+        step = x - left / statics.slope(x, values)
+        inside = (step > low) & (step < high)
+        after = np.where(left == 0, x, np.where(inside, step, (low + high) / 2))
+        still = np.abs(after - x) <= MACHINE_EPSILON * np.abs(x)
+        x = after
+        if (still | np.isnan(x)).all():
+            break
+    return x
+
+
+def _columns(numbers: Array, owners: Any, count: int) -> Array:
+    """The numbers of each owner as a column of (k, count), filled up with NaN."""
+    order = np.argsort(owners, kind="stable")
+    numbers, owners = numbers[order], owners[order]
+    row = np.arange(len(owners)) - np.searchsorted(owners, owners)
+    table = np.full((1 + row.max(initial=0), count), np.nan)
+    table[row, owners] = numbers
+    return table
 
 
 def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:

@@ -9,7 +9,6 @@ M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
 from __future__ import annotations
 
 from collections.abc import Callable
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -83,37 +82,50 @@ class Interval:
         return interval(other) * self.reciprocal()
 
     def __pow__(self, exponent: Any) -> Interval:
-        if not isinstance(exponent, Real):
+        if isinstance(exponent, Interval) or not np.isrealobj(exponent):
             raise TypeError(f"an interval to the power of {exponent!r} has no bounds")
-        exponent = float(exponent)
-        if not exponent.is_integer():
-            base = self._where_positive()
-            ends = base.low**exponent, base.high**exponent
-            return _outwards(*_ordered(*ends), FUNCTION_ULPS).cut(0.0, np.inf)
-        n = int(exponent)
-        if n < 0:
-            return (self**-n).reciprocal()
-        low, high = _ordered(self.low**n, self.high**n)
-        if n % 2 == 0:
-            low = np.where((self.low <= 0) & (self.high >= 0), 0.0, low)
-        return _outwards(low, high, FUNCTION_ULPS).cut(0.0 if n % 2 == 0 else -np.inf, np.inf)
+        exponent = np.asarray(exponent, float)
+        whole, odd = exponent == np.floor(exponent), exponent % 2 == 1
+        power = self._root_or_power(np.abs(exponent), whole, odd)
+        if not (exponent < 0).any():
+            return power
+        inverse = power.reciprocal()
+        return Interval(
+            np.where(exponent < 0, inverse.low, power.low), np.where(exponent < 0, inverse.high, power.high)
+        )
+
+    def _root_or_power(self, exponent: Any, whole: Any, odd: Any) -> Interval:
+        """A power with an exponent of at least 0, defined for positive numbers only where it is not whole."""
+        positive = self if whole.all() else self._where_positive()
+        least = np.where(whole, self.low, positive.low)
+        low, high = _ordered(least**exponent, np.where(whole, self.high, positive.high) ** exponent)
+        low = np.where(~odd & (least <= 0) & (self.high >= 0), exponent == 0, low)
+        return _outwards(low, high, FUNCTION_ULPS).cut(np.where(odd, -np.inf, 0.0), np.inf)
 
     def __rpow__(self, base: Any) -> Interval:
-        if not base > 0:
+        if isinstance(base, Interval) or not np.all(np.asarray(base) > 0):
             raise TypeError(f"{base!r} to the power of an interval has no bounds")
-        return np.exp(self * float(np.log(base)))
+        return np.exp(self * np.log(base))
+
+    def __abs__(self) -> Interval:
+        low, high = _ordered(np.abs(self.low), np.abs(self.high))
+        return Interval(np.where(self.contains_zero(), 0.0, low), high)
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def cut(self, least: float, most: float) -> Interval:
+    def cut(self, least: Any, most: Any) -> Interval:
         """The part of it between two numbers: what is known of the function by itself."""
         return Interval(np.maximum(self.low, least), np.minimum(self.high, most))
 
-    def _where_positive(self, least: float = 0.0) -> Interval:
+    def within(self, least: float, most: float) -> Interval:
+        """The part in which a function is defined that needs arguments between two numbers."""
+        none = (self.high < least) | (self.low > most)
+        part = self.cut(least, most)
+        return Interval(np.where(none, np.nan, part.low), np.where(none, np.nan, part.high))
+
+    def _where_positive(self) -> Interval:
         """The part in which roots and logarithms are defined."""
-        none = self.high < least
-        low = np.maximum(self.low, least)
-        return Interval(np.where(none, np.nan, low), np.where(none, np.nan, self.high))
+        return self.within(0.0, np.inf)
 
     def contains_zero(self) -> Any:
         """Whether zero lies inside."""
@@ -125,7 +137,8 @@ class Interval:
         if ufunc in OPERATIONS:
             return OPERATIONS[ufunc](*map(interval, inputs))
         if ufunc is np.power:
-            return interval(inputs[0]) ** inputs[1]
+            base, exponent = inputs
+            return base**exponent if isinstance(base, Interval) else exponent.__rpow__(base)
         if ufunc is np.true_divide:
             return (
                 inputs[0] * inputs[1].reciprocal()
@@ -196,6 +209,18 @@ def _tangent(x: Interval) -> Interval:
     return _sine(x) * _sine(x, np.pi / 2).reciprocal()
 
 
+def _jump(x: Interval, below: float, middle: Any) -> Interval:
+    """A step at zero from `below` to 1."""
+    low = np.where(x.low > 0, 1.0, np.where(x.low == 0, np.fmin(middle, 1.0), below))
+    high = np.where(x.high < 0, below, np.where(x.high == 0, np.fmax(middle, below), 1.0))
+    empty = np.isnan(x.low)
+    return Interval(np.where(empty, np.nan, low), np.where(empty, np.nan, high))
+
+
+def _largest(x: Interval, y: Interval) -> Interval:
+    return Interval(np.maximum(x.low, y.low), np.maximum(x.high, y.high))
+
+
 OPERATIONS: dict[Any, Callable[..., Interval]] = {
     np.add: Interval.__add__,
     np.subtract: Interval.__sub__,
@@ -203,11 +228,20 @@ OPERATIONS: dict[Any, Callable[..., Interval]] = {
     np.negative: Interval.__neg__,
     np.positive: Interval.__pos__,
     np.square: lambda x: x**2,
+    np.absolute: Interval.__abs__,
+    np.sign: lambda x: _jump(x, -1.0, 0.0),
+    np.heaviside: lambda x, middle: _jump(x, 0.0, middle.low),
+    np.maximum: _largest,
+    np.minimum: lambda x, y: -_largest(-x, -y),
     np.exp: _ascending(np.exp, 0.0),
     np.sinh: _ascending(np.sinh),
     np.tanh: _ascending(np.tanh, -1.0, 1.0),
     np.arctan: _ascending(np.arctan),
     np.arcsinh: _ascending(np.arcsinh),
+    np.arcsin: lambda x: _ascending(np.arcsin)(x.within(-1.0, 1.0)),
+    np.arccos: lambda x: -_ascending(lambda y: -np.arccos(y))(x.within(-1.0, 1.0)),
+    np.arccosh: lambda x: _ascending(np.arccosh, 0.0)(x.within(1.0, np.inf)),
+    np.arctanh: lambda x: _ascending(np.arctanh)(x.within(-1.0, 1.0)),
     np.cosh: _cosh,
     np.sqrt: _where_defined(np.sqrt, 0.0),
     np.log: _where_defined(np.log),

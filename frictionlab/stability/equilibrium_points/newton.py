@@ -112,6 +112,7 @@ POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the l
 NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
 NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
 ORIGIN_DISTANCE = 1e4  # times rounding of the usual size: how far they are from a zero at the origin
+POLE_DISTANCE, POLE_FACTOR = 1e-5, 16.0  # share of a state; a rate so many times as large as there
 # Relative change of the Jacobian beyond which a change of the flow is more than linear and rounding.
 NONLINEARITY_RTOL = 1e-3
 SAME_ZERO_FACTOR = 16.0  # times the uncertainty of both: zeros so close are one
@@ -165,9 +166,19 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
     # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
     solved = np.abs(flow.rhs(x, values)) <= np.fmax(LAST_STEP_RTOL * forces, SAME_ZERO_FACTOR * noise)
     settled = step <= np.fmax(LAST_STEP_RTOL * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
+    settled &= ~_is_pole(flow, x, values)
     unknown = step + moved
     chosen = (solved & settled & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
     return x[:, chosen], unknown[:, chosen]
+
+
+def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:
+    """Where a rate is much larger than all around: near a pole Newton's steps are short too."""
+    random, most = np.random.default_rng(0), np.zeros_like(x)
+    for _ in range(NOISE_SAMPLES):
+        way = random.uniform(-1, 1, size=(len(x), 1)) * POLE_DISTANCE * np.abs(x)
+        most = np.fmax(most, np.abs(flow.rhs(x + way, values)))
+    return (np.abs(flow.rhs(x, values)) > POLE_FACTOR * most) & (most > 0)
 
 
 def _is_near_zero(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:

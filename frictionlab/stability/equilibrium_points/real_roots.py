@@ -81,23 +81,6 @@ def _interpolated_step(
     return -f1 * (f2 * slope2 - f0 * slope0) / divisor if divisor else np.inf
 
 
-def roots_on_grid(function: Callable[[Any], Any], reach: float, points: int = 4001) -> list[float]:
-    """Roots in [-reach, reach] found as changes of sign on a grid; two closer than its spacing are missed.
-
-    `function` takes arrays.  Where its sign changes through a pole there is no root: it is larger there than
-    at both neighbours on the grid, and left out.
-    """
-    grid = np.linspace(-reach, reach, points)
-    with np.errstate(all="ignore"):  # where a law is not defined there is no root
-        values = np.broadcast_to(function(grid), grid.shape)
-    sizes, signs = np.abs(values), np.sign(values)
-    ends = np.flatnonzero(signs[:-1] * signs[1:] <= 0)
-    found = [
-        (bracketed_root(function, float(grid[i]), float(grid[i + 1])), sizes[i : i + 2].max()) for i in ends
-    ]
-    return sorted({root for root, size in found if root is not None and abs(function(root)) <= size})
-
-
 class Polynomial:
     """Coefficients (degree + 1, N), constant first; a column for each of N values of the parameters.
 

@@ -270,6 +270,12 @@ def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:
     return (sums / scale)[~used], used
 
 
+def one_equation(flow: Flow, values: Sequence[Any]) -> ReducedFlow:
+    """A flow of one state, which needs no elimination; values of parameters may be arrays."""
+    one, none = np.ones((1, 1)), np.zeros(1, dtype=np.intp)
+    return ReducedFlow(flow, values, Elimination(np.zeros(1), one, none, none, one, np.zeros((1, 0))))
+
+
 # --- bisection
 
 
@@ -280,18 +286,26 @@ class ReducedFlow:
     Parameters
     ----------
     flow : Flow
-    values : sequence of float
+    values : sequence of float or array
+        Of the parameters; arrays have a value for each owner of boxes.
     by : Elimination
     """
 
     flow: Flow
-    values: Sequence[float]
+    values: Sequence[Any]
     by: Elimination
 
     @property
     def unknowns(self) -> list[int]:
         """The states that the unknowns are."""
         return self.by.unknowns
+
+    def of(self, owners: NDArray[np.intp]) -> ReducedFlow:
+        """With the values of the parameters that are arrays taken for each box: those of its owner."""
+        if all(np.ndim(value) == 0 for value in self.values):
+            return self
+        values = [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in self.values]
+        return replace(self, values=values)
 
     def _states(self, w: Sequence[Interval]) -> list[Any]:
         u: list[Any] = [0.0] * self.by.basis.shape[1]
@@ -344,24 +358,75 @@ class ReducedFlow:
         return x
 
 
+class Boxes(NamedTuple):
+    """Boxes of the unknowns, and whose they are.
+
+    Parameters
+    ----------
+    ends : array (2, k, N)
+    owners : int array (N,)
+        Which of several values of the parameters each belongs to.
+    """
+
+    ends: Array
+    owners: NDArray[np.intp]
+
+    def take(self, chosen: Any) -> Boxes:
+        """Some of the boxes."""
+        return Boxes(self.ends[:, :, chosen], self.owners[chosen])
+
+
+def _joined(parts: Sequence[Boxes]) -> Boxes:
+    return Boxes(
+        np.concatenate([part.ends for part in parts], axis=2),
+        np.concatenate([part.owners for part in parts]),
+    )
+
+
+class Isolation(NamedTuple):
+    """What bisection gives: boxes that hold one zero each, narrow ones that may, and those it did not reach.
+
+    Parameters
+    ----------
+    single, narrow, undecided : Boxes
+    spent : int
+        How many boxes were bounded.
+    """
+
+    single: Boxes
+    narrow: Boxes
+    undecided: Boxes
+    spent: int
+
+
+def isolate_zeros(reduced: ReducedFlow, boxes: Boxes) -> Isolation:
+    """Bisection of boxes until each holds one zero, or none, or is too narrow to tell."""
+    single, narrow, undecided = [boxes.take([])], [boxes.take([])], [boxes.take([])]
+    most, count = MOST_BOXES // max(len(reduced.unknowns), 1), 1 + boxes.owners.max(initial=0)
+    spent = np.zeros(count, dtype=np.intp)
+    while len(boxes.owners):
+        spent += np.bincount(boxes.owners, minlength=count)
+        boxes, one = _prune(reduced, boxes)
+        single.append(one)
+        width = _widths(*boxes.ends)
+        fine = width.max(axis=0, initial=0.0) <= _finest(reduced.of(boxes.owners), *boxes.ends)
+        narrow.append(boxes.take(fine))
+        late = ~fine & (spent[boxes.owners] >= most)
+        undecided.append(boxes.take(late))
+        going = ~fine & ~late
+        boxes = _halves(boxes.take(going), width[:, going])
+    return Isolation(_joined(single), _joined(narrow), _joined(undecided), int(spent.sum()))
+
+
 def _search(reduced: ReducedFlow) -> RootBoxes:
     k = len(reduced.unknowns)
-    low, high = np.full((k, 1), -LARGEST), np.full((k, 1), LARGEST)
-    single, narrow = [np.zeros((2, k, 0))], [np.zeros((2, k, 0))]
-    spent, budget = 0, MOST_BOXES // max(k, 1)
     if not k:  # linear, and no rate contradicts
         start = reduced.full_states(np.zeros((0, 1)))
         return RootBoxes(start, np.full(start.shape, np.inf), *np.zeros((2, 1), dtype=bool), complete=True)
-    while low.shape[1] and spent < budget:
-        spent += low.shape[1]
-        low, high, one = _prune(reduced, low, high)
-        single.append(one)
-        width = _widths(low, high)
-        fine = width.max(axis=0, initial=0.0) <= _finest(reduced, low, high)
-        narrow.append(np.stack([low[:, fine], high[:, fine]]))
-        low, high = _halves(low[:, ~fine], high[:, ~fine], width[:, ~fine])
-    clusters = _clusters(np.concatenate(narrow, axis=2))
-    every = np.concatenate([*single, clusters], axis=2)
+    everywhere = np.full((2, k, 1), LARGEST) * np.array([-1.0, 1.0])[:, None, None]
+    found = isolate_zeros(reduced, Boxes(everywhere, np.zeros(1, dtype=np.intp)))
+    clusters = _clusters(found.narrow.ends)
+    every = np.concatenate([_contracted(reduced, found.single.ends), clusters], axis=2)
     middle = every.mean(axis=0)
     starts = reduced.full_states(np.where(np.abs(middle) > SMALLEST, middle, 0.0))
     room = np.full(starts.shape, np.inf)
@@ -370,41 +435,61 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     alone[: starts.shape[1] - clusters.shape[2]] = True
     if k == 1:
         _bracket(reduced, clusters, starts, flat)
-    why = f"{low.shape[1]} of {spent} boxes stay undecided" if low.shape[1] else ""
-    return RootBoxes(starts, room, alone, flat, not low.shape[1], why)
+    left = len(found.undecided.owners)
+    why = f"{left} of {found.spent} boxes stay undecided" if left else ""
+    return RootBoxes(starts, room, alone, flat, not left, why)
 
 
-def _prune(reduced: ReducedFlow, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """The boxes (k, N) that may hold zeros, each as small as is known; and (2, k, N) those that hold one."""
-    keep = _vanishes(reduced.rates([Interval(*ends) for ends in zip(low, high, strict=True)]), low.shape[1])
-    low, high = low[:, keep], high[:, keep]
-    if not low.shape[1]:
-        return low, high, np.stack([low, high])
+def _prune(reduced: ReducedFlow, boxes: Boxes) -> tuple[Boxes, Boxes]:
+    """The boxes that may hold zeros, each as small as is known; and those that hold one."""
+    rates = reduced.of(boxes.owners).rates(_intervals(boxes.ends))
+    boxes = boxes.take(_vanishes(rates, len(boxes.owners)))
+    if not len(boxes.owners):
+        return boxes, boxes
     # Zeros at the edge of a box are inside a box that is a little larger.
+    (low, high), owners = boxes
     room = EDGE * (high - low)
     wide = np.stack([low - room, high + room])
-    image, possible = _krawczyk(reduced, wide)
+    image, possible = _krawczyk(reduced.of(owners), wide)
     inside = ((image[0] > wide[0]) & (image[1] < wide[1])).all(axis=0)
     outside = ((image[0] > high) | (image[1] < low)).any(axis=0) | ~possible
-    single = _contracted(reduced, image[:, :, inside])
-    going = ~outside & ~inside
-    smaller = np.fmax(low, image[0])[:, going], np.fmin(high, image[1])[:, going]
-    return *smaller, single
+    smaller = Boxes(np.stack([np.fmax(low, image[0]), np.fmin(high, image[1])]), owners)
+    if len(low) == 1:
+        crossed = _crosses(reduced.of(owners), boxes.ends) & ~np.isnan(image[0, 0]) & ~inside
+        image, inside = np.where(crossed, smaller.ends, image), inside | crossed
+    return smaller.take(~outside & ~inside), Boxes(image, owners).take(inside)
+
+
+def _crosses(reduced: ReducedFlow, boxes: Array) -> NDArray[np.bool_]:
+    """Whether the one equation has different signs at the ends of boxes (2, 1, N)."""
+    low, high = (reduced.rates([Interval(end[0], end[0])])[0] for end in boxes)
+    different = ((low.high < 0) & (high.low > 0)) | ((low.low > 0) & (high.high < 0))
+    return np.broadcast_to(different, boxes.shape[2:])
+
+
+def _intervals(ends: Array) -> list[Interval]:
+    return [Interval(*one) for one in np.moveaxis(ends, 1, 0)]
 
 
 def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Bounds (2, k, N) of where zeros in boxes (2, k, N) lie: one that is within its box holds exactly one.
 
     NaN where derivatives are not known, or singular in the middle.  Also which boxes may hold zeros by the
-    values in their middles and the derivatives: terms that cancel in these widen no bounds.
+    values in their middles and the derivatives: terms that cancel in these widen no bounds.  Of one equation
+    they are those of the interval Newton method, which needs no more than a slope of one sign.
     """
     k, count = boxes.shape[1:]
     middle = boxes.mean(axis=0)
-    ways = [Interval(*ends) for ends in np.moveaxis(boxes - middle, 1, 0)]
+    ways = _intervals(boxes - middle)
     at, slopes, values = _mean_values(reduced, boxes)
     possible = np.ones(count, dtype=bool)
     for value in values:
         possible &= np.broadcast_to(value.contains_zero() | np.isnan(value.low), count)
+    if k == 1:
+        slope = interval(slopes[0][0])
+        image = Interval(middle[0], middle[0]) - at[0] * slope.reciprocal()
+        known = ~slope.contains_zero() & np.isfinite(slope.low) & np.isfinite(slope.high)  # no pole, no jump
+        return np.stack([np.where(known, end, np.nan)[None] for end in (image.low, image.high)]), possible
     centres = np.zeros((count, k, k))
     for j, column in enumerate(slopes):
         for i, entry in enumerate(column):
@@ -435,11 +520,11 @@ def _mean_values(
     """The equations in the middles of boxes (2, k, N), their derivatives in them, and bounds by these."""
     middle = boxes.mean(axis=0)
     at = reduced.rates([Interval(c, c) for c in middle])
-    slopes = reduced.jacobian([Interval(*ends) for ends in np.moveaxis(boxes, 1, 0)])
+    slopes = reduced.jacobian(_intervals(boxes))
     values = []
     for i, value in enumerate(at):
-        for column, way in zip(slopes, np.moveaxis(boxes - middle, 1, 0), strict=True):
-            value = value + column[i] * Interval(*way)
+        for column, way in zip(slopes, _intervals(boxes - middle), strict=True):
+            value = value + column[i] * way
         values.append(value)
     return at, slopes, values
 
@@ -460,9 +545,9 @@ def _finest(reduced: ReducedFlow, low: Array, high: Array) -> Any:
     in the middle, and any where they are that in the whole box."""
     finest = np.full(low.shape[1], FINEST)
     zero = _vanishes(reduced.rates([Interval(c, c) for c in (low + high) / 2]), len(finest))
-    low, high = low[:, zero], high[:, zero]
-    if low.shape[1]:
-        finest[zero] = np.where(_is_rounding(reduced, low, high), np.inf, ROUNDED)
+    if zero.any():
+        rounding = _is_rounding(reduced, low, high)
+        finest[zero] = np.where(rounding[zero], np.inf, ROUNDED)
     return finest
 
 
@@ -493,10 +578,11 @@ def _widths(low: Array, high: Array) -> Array:
     return np.where((low < 0) & (high > 0) & (most > SMALLEST), np.inf, width)
 
 
-def _halves(low: Array, high: Array, width: Array) -> tuple[Array, Array]:
+def _halves(boxes: Boxes, width: Array) -> Boxes:
     """The boxes cut in two along their widest side: at zero, or so that both have as many decades."""
-    if not low.shape[1]:
-        return low, high
+    if not len(boxes.owners):
+        return boxes
+    low, high = boxes.ends
     side = (width.argmax(axis=0), np.arange(low.shape[1]))
     a, b = low[side], high[side]
     least, most = np.minimum(np.abs(a), np.abs(b)), np.maximum(np.abs(a), np.abs(b))
@@ -506,7 +592,9 @@ def _halves(low: Array, high: Array, width: Array) -> tuple[Array, Array]:
     cut = np.where((a < 0) & (b > 0), 0.0, np.where(b > 0, middle, -middle))
     below, above = high.copy(), low.copy()
     below[side], above[side] = cut, cut
-    return np.hstack([low, above]), np.hstack([below, high])
+    return _joined(
+        [Boxes(np.stack([low, below]), boxes.owners), Boxes(np.stack([above, high]), boxes.owners)]
+    )
 
 
 def _clusters(boxes: Array) -> Array:

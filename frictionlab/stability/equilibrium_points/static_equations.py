@@ -19,6 +19,7 @@ from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.serialisation import Derivations, Structure, derivations_of, structure_of_component
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
+from frictionlab.stability.flow import Flow
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
@@ -28,6 +29,7 @@ Array = NDArray[np.float64]
 SINGULAR_EIGENVALUE = 1e-13
 # N: parts of smaller forces may be subnormal numbers, which lose digits.
 SMALLEST_FORCE = float(np.finfo(float).tiny / np.finfo(float).eps)
+LAST_DIGITS = 16.0  # of a penetration: what rounding may make of it
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
@@ -37,20 +39,27 @@ class Statics(NamedTuple):
     Parameters
     ----------
     coordinates : callable
-        q as a list (n,), from all equations but the scalar one of `excess`.
-    excess, slope : callable
-        The scalar equation, zero at the penetration of an equilibrium, and its derivative.
+        q as a list (n,), from all equations but the scalar one.
     forces : callable
         F_N and F_T, N.
     residual : callable of (*q, *parameters)
         The static equations (n,), and the terms in them that tell their size.
+    equation : Flow
+        The scalar equation, as a flow whose one state is the penetration: zero at that of an equilibrium.
     """
 
     coordinates: Callable[..., Any]
-    excess: Callable[..., Any]
-    slope: Callable[..., Any]
     forces: Callable[..., Any]
     residual: Callable[..., Any]
+    equation: Flow
+
+    def excess(self, penetration: Any, values: Sequence[Any]) -> Any:
+        """The left side of the scalar equation; of a polynomial another one, where the laws are some."""
+        return self.equation.bounds([penetration], values)[0]
+
+    def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
+        """Its derivative by the penetration."""
+        return self.equation.jacobian([penetration], values)[..., 0, 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,21 +155,21 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
 
     With `held_by_contact` only the contact holds the slider's height, and no spring does.
     """
+    suffix = ", held by the contact" if held_by_contact else ""
 
     def formulas(name: str) -> Formulas:
-        named = f"{name}, held by the contact" if held_by_contact else name
         return kept_formulas(
-            equations.kept, named, lambda: getattr(_static_formulas(equations, held_by_contact), name)
+            equations.kept,
+            f"{name}{suffix}",
+            lambda: getattr(_static_formulas(equations, held_by_contact), name),
         )
 
     excess = formulas("excess")
-    slope = excess.jacobian([0])[1]
     return Statics(
         formulas("coordinates").arrays,
-        lambda *values: excess.arrays(*values)[0],
-        lambda *values: slope.arrays(*values)[0],
         formulas("forces").arrays,
         formulas("residual").arrays,
+        Flow(tuple(equations.key.parameters), excess, Formulas(excess.tape, ())),
     )
 
 
@@ -177,29 +186,64 @@ class StaticFormulas(NamedTuple):
 def _static_formulas(equations: SlidingEquations, held_by_contact: bool) -> StaticFormulas:
     found, p = equations.system, equations.parameters
     height = equations.height if held_by_contact else None
-    penetration = sympy.Symbol("compression", real=True)
-    normal, friction = _forces(found, penetration)
+    penetration, normal, friction = sympy.symbols("compression normal friction", real=True)
+    forces = dict(zip((normal, friction), _forces(found, penetration), strict=True))
+    # Laws are put in at the end: their exponential functions are not to be taken apart.
     q = _deflections(found, height, normal, friction)
-    if height is None:
-        excess = _penetration(found, q) - penetration
-    else:
+    excess = _penetration(found, q) - penetration
+    if height is not None:
         # The slider's height enters the penetration with the factor -1.
-        q[height] = _penetration(found, q) - penetration
+        q[height] = excess
         excess = _loads(found, q, normal, friction)[height]
+    if not (excess.has(normal) and excess.xreplace(forces).is_polynomial(penetration)):
+        excess = _by_horner(excess, normal, friction, _friction(found, normal) / normal, penetration)
     arguments = [penetration, *p]
     return StaticFormulas(
-        formulas_of(arguments, q),
-        formulas_of(arguments, [excess]),
-        formulas_of(arguments, [normal, friction]),
+        formulas_of(arguments, [each.xreplace(forces) for each in q]),
+        formulas_of(arguments, [excess.xreplace(forces)]),
+        formulas_of(arguments, [*forces.values()]),
         formulas_of([*found.q, *p], _balance(found)),
     )
+
+
+def _by_horner(excess: Any, normal: Any, friction: Any, ratio: Any, penetration: Any) -> Any:
+    """The scalar equation times its denominator, by Horner's rule.
+
+    So bounds of it are narrow, and have a sign where forces are beyond floats.  F_T is `ratio` times F_N.
+    """
+    above, below = sympy.fraction(sympy.together(excess))
+    unit = sympy.Poly(below, normal, friction).coeff_monomial(1) or sympy.S.One
+    unknowns = [normal, friction, penetration]
+    if ratio.has(normal):
+        return _nested(above, unknowns, unit)
+    # F_T = mu F_N: all is a polynomial in F_N.
+    return _nested(sympy.expand(above.xreplace({friction: friction * normal})), unknowns, unit).xreplace(
+        {friction: ratio}
+    )
+
+
+def _nested(polynomial: Any, unknowns: Sequence[Any], unit: Any) -> Any:
+    """A polynomial by Horner's rule, its coefficients in terms of the unit."""
+    if not unknowns:
+        return sympy.factor(polynomial / unit)
+    total = sympy.S.Zero
+    for coefficient in sympy.Poly(polynomial, unknowns[0]).all_coeffs():
+        total = total * unknowns[0] + _nested(coefficient, unknowns[1:], unit)
+    return total
 
 
 def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
     """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
     contact: Any = found.rubbing  # F_N is a function of the penetration
-    speed, normal = found.at_rest(contact.relative_velocity), contact.normal_force(penetration)
-    return normal, sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
+    normal = contact.normal_force(penetration)
+    return normal, _friction(found, normal)
+
+
+def _friction(found: LagrangeSystem, normal: Any) -> Any:
+    """F_T while sliding at the belt's speed, Eq. (3)."""
+    contact: Any = found.rubbing
+    speed = found.at_rest(contact.relative_velocity)
+    return sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
 
 def _penetration(found: LagrangeSystem, q: Sequence[Any]) -> Any:
@@ -250,6 +294,24 @@ def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -
     n = len(q)
     rows = np.abs(np.stack(np.broadcast_arrays(*statics.residual(*q, *values), np.zeros(np.shape(q[0])))))
     return rows[:n].max(axis=0) / np.maximum(rows[n:].max(axis=0), SMALLEST_FORCE)
+
+
+def is_static(
+    statics: Statics, penetration: Any, q: Sequence[Any], values: Sequence[Any], tolerance: float
+) -> tuple[Array, Any]:
+    """The residual of :func:`static_residual`, and where it is small enough.
+
+    That is below the tolerance, or below what the last digits of the penetration do where a law is steep.
+    """
+    residual = static_residual(statics, q, values)
+    with np.errstate(all="ignore"):
+        normal, ahead = (
+            statics.forces(d, *values)[0] for d in (penetration, np.nextafter(penetration, np.inf))
+        )
+        last_digit = np.abs((ahead - normal) / normal) * np.fmax(
+            np.abs(statics.slope(penetration, values)), 1.0
+        )
+    return residual, residual < np.fmax(tolerance, LAST_DIGITS * last_digit)
 
 
 def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:

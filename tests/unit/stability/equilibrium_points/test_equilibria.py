@@ -153,7 +153,7 @@ class Saturating(ContactLaw):
         return self.top * self.stiff * penetration / sympy.sqrt(self.top**2 + (self.stiff * penetration) ** 2)
 
 
-def test_a_law_that_is_no_polynomial_is_searched():
+def test_a_law_that_is_no_polynomial():
     point = equilibrium(SliderOnBelt(contact=Saturating()))
     assert point.residual < 1e-12
     assert 0 < point.normal_force < 300
