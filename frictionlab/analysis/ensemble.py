@@ -16,7 +16,8 @@ from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.problem import Problem
+from frictionlab.hybrid.problem import Problem, Status
+from frictionlab.hybrid.real_powers import undefined_start
 from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.arguments import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
@@ -66,7 +67,8 @@ def ensemble(
     TypeError
         Where `models` is no sequence of models.
     ValueError
-        For other bad arguments.  Both are raised before any run starts.
+        For other bad arguments.  Both are raised before any run starts, but for a start where a law has no
+        real value.
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` then returns the BatchResult as far as the runs had come.
 
@@ -101,6 +103,9 @@ def ensemble(
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
         ends = bar.call(integrate_batch, problems, chosen)
+    for i in np.flatnonzero((ends.steps == 0) & (np.array(ends.status) == Status.NOT_FINITE)):
+        if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
+            raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
     names, modes = tuple(map(str, first.states)), problem_for_batch(first, problems[0].x0).program.modes
     found = replace(ends, names=names, mode_names=modes)

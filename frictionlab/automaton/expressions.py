@@ -45,6 +45,17 @@ def integer_exponent(power: Any) -> int | None:
     return None
 
 
+def real_power_cure(base: Any, exponent: Any) -> str:
+    """What to write instead of a power of a base that can be negative."""
+    base = base if base.is_Symbol else f"({base})"
+    exponent = exponent if not getattr(exponent, "is_Add", False) else f"({exponent})"
+    size = f"abs{base}" if str(base).startswith("(") else f"abs({base})"
+    return (
+        f"write {size}**{exponent}, or {base}*{size}**({exponent} - 1) for a law that changes its sign with "
+        "the base, or an integer exponent as a number"
+    )
+
+
 # Numbers in front of exponential functions outside of these powers of e belong into them.
 MOST_POWER_OF_E = 200.0
 

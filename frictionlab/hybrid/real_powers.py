@@ -2,7 +2,7 @@
 
 A root, and any power whose exponent is no integer in the structure of the equations (1.5, or a parameter),
 has a real value for a base that is not negative.  The solver counts a base that rounding has made negative as
-zero; what is more negative than that is seen here, at the steps of a run.
+zero; what is more negative than that, against its terms along the run, is seen here, at the steps of a run.
 """
 
 from __future__ import annotations
@@ -10,24 +10,18 @@ from __future__ import annotations
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.expressions import integer_exponent
+from frictionlab.automaton.expressions import integer_exponent, real_power_cure
 from frictionlab.hybrid.guard_bounds import Tape
+from frictionlab.hybrid.kernels.step_length import BASE_ROUNDING_SHARE
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.lazy_names import sympy
 
 STATES_AT_ONCE = 20_000  # at which bases are computed
-# Share of the largest sum of a base's absolute terms along the run: what is less negative may be rounding.
-ROUNDING_SHARE = 1e-6
 
 
-def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> RunData:
-    """The run up to the first step at which a base is negative, with the status "not finite".
-
-    Raises
-    ------
-    ValueError
-        Where a base is negative at the start.
-    """
+def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
+    """The run up to the first step at which a base is negative, with the status "not finite"; the run itself
+    where there is none."""
     code = problem.program.code
     if not code.powers.any():
         return raw
@@ -37,16 +31,20 @@ def cut_where_undefined(automaton: HybridAutomaton, problem: Problem, raw: RunDa
     first = min((at for at in firsts if at is not None), default=None)
     if first is None:
         return raw
-    if first == 0:
-        raise ValueError(f"x0 must be where the laws have real values, got {_words(automaton, problem, raw)}")
     if first == len(raw.step_modes):  # after the last step
         return raw._replace(status=Status.NOT_FINITE)
     t = float(raw.step_times[first, 0])
     kept = {"step_": np.arange(len(raw.step_modes)) < first}
-    kept |= {"event_": raw.event_times <= t, "point_": raw.point_times <= t}
+    kept |= {part: getattr(raw, part + "times") <= (t if first else -1.0) for part in ("event_", "point_")}
     arrays = {name: getattr(raw, name)[kept[part]] for name in raw._fields for part in kept if part in name}
     mode, state = int(modes[first]), raw.step_states[first].copy()
     return raw._replace(**arrays, t=t, state=state, mode=mode, status=Status.NOT_FINITE)
+
+
+def undefined_start(automaton: HybridAutomaton, problem: Problem, mode: int) -> str:
+    """A message on a start in a mode at which a base is negative; empty where none is."""
+    words = negative_base(automaton, problem, problem.x0[: problem.program.code.inputs], mode)
+    return f"must be where the laws have real values, got {words}" if words else ""
 
 
 def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarray, mode: int) -> str:
@@ -60,16 +58,11 @@ def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarra
                 if base < 0.0:
                     exponent = f"{float(power.exp):g}" if power.exp.is_Number else power.exp
                     return (
-                        f"{power.base} = {base:.6g} to the power {exponent} in mode {of.name!r}: write an "
-                        "integer exponent as a number, let an event end the mode where the base is zero, or "
-                        f"give Abs(base)**{exponent}*sign(base) as two modes"
+                        f"{power.base} = {base:.6g} to the power {exponent} in mode {of.name!r}: "
+                        f"{real_power_cure(power.base, exponent)}, or let an event end the mode where the "
+                        "base is zero"
                     )
     return ""
-
-
-def _words(automaton: HybridAutomaton, problem: Problem, raw: RunData) -> str:
-    state = raw.step_states[0, : problem.program.code.inputs]
-    return negative_base(automaton, problem, state, int(raw.step_modes[0]))
 
 
 def _first_negative(problem: Problem, mode: int, raw: RunData, modes: np.ndarray) -> int | None:
@@ -83,6 +76,6 @@ def _first_negative(problem: Problem, mode: int, raw: RunData, modes: np.ndarray
         parts = np.array_split(states, -(-len(states) // STATES_AT_ONCE))
         values = np.concatenate([tape.values(part, tape.bases) for part in parts])
         sizes = np.concatenate([tape.magnitudes(part, tape.bases) for part in parts])
-    least = -ROUNDING_SHARE * np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0)
+    least = -BASE_ROUNDING_SHARE * np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0)
     negative = np.flatnonzero((values < least).any(axis=1))
     return int(inside[negative[0]]) if len(negative) else None

@@ -19,8 +19,8 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.problem import Problem, Sampling
-from frictionlab.hybrid.real_powers import cut_where_undefined
+from frictionlab.hybrid.problem import Problem, Sampling, Status
+from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
 from frictionlab.hybrid.tape.arguments import (
     check_automaton,
     check_section_or_quadrature,
@@ -212,7 +212,10 @@ def run_automaton(
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
     if any(asked) or automaton.on_demand:  # without the integrals, with all modes that the run has derived
         problem = problem_of(automaton, state, float(t_end), options.mode)
-    raw = cut_where_undefined(automaton, problem, raw)
+    raw = cut_where_undefined(problem, raw)
+    ended_at_start = raw.status is Status.NOT_FINITE and not len(raw.step_modes)
+    if ended_at_start and (words := undefined_start(automaton, problem, raw.mode)):
+        raise ValueError(f"x0 {words}")
     integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     run = Trajectory(
         automaton,

@@ -255,12 +255,13 @@ class JetWriter(Instructions):
         return self._multiply_add(build.fmul(two, self._at(a, self.J)), self.values[a], total)
 
     def _prepare_powers(self) -> None:
-        """Compute the least ratio of a base to its rate at which a power has a series."""
+        """Compute the least ratios of a base to its rate and curvature at which a power has a series."""
         if any(kind == POWER for kind, _, _ in self.function.tape.ops):
             build, kind, one = self.build, self.ir.DoubleType(), self.whole(1)
             order = build.select(build.icmp_signed(">", self.order, one), self.order, one)
             exponent = build.fdiv(kind(LOG2_LEAST_RATIO), build.sitofp(order, kind))
             self.shortest = self._spread(write_exp2(self.ir, build, exponent))
+            self.shortest_squared = build.fmul(self.shortest, self.shortest)
 
     def _power_value(self, i: int, base: Any) -> Any:
         build, exponent, regular = self.build, self._exponent(i), self._regular(base)
@@ -269,14 +270,23 @@ class JetWriter(Instructions):
 
     def _power(self, i: int, a: int, out: int, at: OrderInLoop) -> Any:
         build, base, exponent = self.build, self._at(a, self.J), self._exponent(i)
-        rate = self._abs(self._at(a, self._ahead(self.J, self.whole(1))))
-        has_series = build.fcmp_ordered(">", base, build.fmul(self.shortest, rate))
+        has_series = self._has_series(a, base, at)
         rates, plain = self._convolution(out - 1, out, at, 1), self._convolution(a, out, at, 1)
         total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
         total = build.fadd(total, build.fmul(build.fneg(at.number), plain))
         total = build.fdiv(total, build.fmul(at.number, base))
         total = build.select(has_series, total, self._number(0.0))
         return build.select(self._regular(base), total, self._limit(exponent))
+
+    def _has_series(self, a: int, base: Any, at: OrderInLoop) -> Any:
+        """As :func:`jets.has_series`; of a base, the curvature is not known yet at k = 1."""
+        build = self.build
+        rate, curvature = (self._abs(self._at(a, self._ahead(self.J, self.whole(m)))) for m in (1, 2))
+        slow = build.fcmp_ordered(">", base, build.fmul(self.shortest, rate))
+        straight = build.fcmp_ordered(">", base, build.fmul(self.shortest_squared, curvature))
+        if at.rest == 0:
+            straight = build.or_(straight, build.fcmp_ordered("==", at.number, self._number(1.0)))
+        return build.and_(slow, straight)
 
     def _exponent(self, i: int) -> Any:
         return self._load(self.constants, self.function.first[0] + i)

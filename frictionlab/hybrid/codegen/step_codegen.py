@@ -62,9 +62,9 @@ class _StepWriter(RemainderWriter):
         build = self.build
         left = self._load(self.control, LEFT)
         h = build.select(build.fcmp_ordered("<", left, h), left, h)
-        suited, longest = fine, h
+        suited, longest, degrees = fine, h, self.function.tape.degrees()
         for guard in self.guards:
-            fine = build.and_(fine, self._resolved(guard, h))
+            fine = build.and_(fine, self._resolved(guard, degrees[guard], h))
         if self.degree > 1:
             h, fine = self._remainder_step(h, fine)
         measured = fine
@@ -108,7 +108,7 @@ class _StepWriter(RemainderWriter):
             each = [build.fdiv(build.fadd(room, start), power) for start, power in zip(starts, powers)]
             longest = self._max(each[0], self._max(each[1], each[2]))
             moves = build.fcmp_ordered(">", end, zero)
-            fine = build.and_(fine, build.or_(some, build.not_(moves)))
+            fine = build.and_(fine, build.or_(some, build.not_(moves)) if self.degree <= 1 else some)
             shorter = build.and_(moves, build.fcmp_ordered("<", longest, best))
             best = build.select(shorter, longest, best)
         return best, fine
@@ -116,7 +116,7 @@ class _StepWriter(RemainderWriter):
     def _last_but_one(self) -> Any:
         return self.build.sub(self.order, self.whole(1))
 
-    def _resolved(self, slot: int, h: Any) -> Any:
+    def _resolved(self, slot: int, degree: float, h: Any) -> Any:
         """Whether the series of a guard holds for the whole step."""
         build, row = self.build, self._place(slot, self.J)
         size = build.fadd(self._abs(self._load(row, 0)), self._ranges([slot], h)[slot])
@@ -126,7 +126,10 @@ class _StepWriter(RemainderWriter):
         limit = build.fmul(self._load(self.control, GUARD_TOL), size)
         last = build.fmul(last, self._whole_power(h, self._last_but_one()))
         holds = build.fcmp_ordered("<=", last, limit)
-        holds = build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
+        if degree > 1:  # that all terms are zero tells nothing of the guard
+            holds = build.and_(holds, build.fcmp_ordered(">", size, self._number(0.0)))
+        else:
+            holds = build.or_(holds, build.fcmp_ordered("==", size, self._number(0.0)))
         return build.and_(holds, build.fcmp_ordered("<", last, self._number(math.inf)))
 
     def _whole_power(self, h: Any, n: Any) -> Any:

@@ -83,6 +83,7 @@ def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Ta
         totals=np.zeros((count, 2), dtype=np.int64),
         caps=np.array([method.max_steps, method.max_events]),
         status=np.full(count, run_state.RUNNING),
+        undefined=np.zeros(count, dtype=np.int64),
         zeros=np.zeros((count, most_guards(program.code))),
         queue=np.zeros((modes, count), dtype=np.int64),
         queued=np.zeros(modes, dtype=np.int64),
@@ -121,6 +122,7 @@ class BatchRuns(NamedTuple):
     totals: np.ndarray  # (runs, 2) steps and events
     caps: np.ndarray  # (2,) most steps and events
     status: np.ndarray
+    undefined: np.ndarray  # (runs,) whether the base of a power may have been negative at a step
     zeros: np.ndarray  # (runs, guards of a mode) leading coefficients that count as zero in the next step
     queue: np.ndarray  # (modes, runs)
     queued: np.ndarray  # (modes,)

@@ -14,6 +14,7 @@ from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Problem, Status
+from frictionlab.hybrid.real_powers import cut_where_undefined
 from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
@@ -77,8 +78,11 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     runs.status[goes_on] = run_state.RUNNING
     if group.alone or is_affine(group.program):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
+    before = runs._replace(states=runs.states.copy(), times=runs.times.copy(), counts=runs.counts.copy())
+    before = before._replace(totals=runs.totals.copy())
     with np.errstate(all="ignore"):
         _advance_side_by_side(group, goes_on, progress)
+    _cut_where_undefined(group, before, progress)
 
 
 def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
@@ -87,11 +91,36 @@ def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> 
     runs = group.runs
     for i in which:
         now, end = runs.times[i, :2]
-        raw = group.method.integrate(_problem_of_run(group, i, end - now), progress)
+        problem = _problem_of_run(group, i, end - now)
+        raw = group.method.integrate(problem, progress)
+        if problem.derive is None:  # else the run may be in modes that this program does not hold
+            raw = cut_where_undefined(problem, raw)
         runs.states[i], runs.counts[i, run_state.MODE] = raw.state, raw.mode
         runs.times[i, run_state.NOW] = end if raw.status is Status.FINISHED else now + raw.t
         runs.totals[i] += len(raw.step_modes), len(raw.event_times)
         runs.status[i] = CODE_OF_STATUS[raw.status]
+
+
+def _cut_where_undefined(group: Batch, before: BatchRuns, progress: Progress) -> None:
+    """End runs where the base of a power became negative, as single runs end; `before` is where they were.
+
+    Such a run is computed again alone, with a record of its steps.
+    """
+    runs = group.runs
+    for i in np.flatnonzero(runs.undefined):
+        now, end = before.times[i, :2]
+        begins = before.counts[i, run_state.JETS_READY] != 0
+        mode = None if begins else int(before.counts[i, run_state.MODE])
+        numbers = Numbers(runs.constants[i], runs.terms[i])
+        problem = Problem(group.program, numbers, before.states[i], end - now, mode)
+        raw = group.method.integrate(problem, progress)
+        cut = cut_where_undefined(problem, raw)
+        if cut is not raw:
+            runs.states[i], runs.counts[i, run_state.MODE] = cut.state, cut.mode
+            runs.times[i, run_state.NOW] = now + cut.t
+            runs.totals[i] = before.totals[i] + (len(cut.step_modes), len(cut.event_times))
+            runs.status[i] = CODE_OF_STATUS[cut.status]
+    runs.undefined[:] = 0
 
 
 def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:

@@ -27,7 +27,7 @@ from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, NO_GUARD, first_event
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, forget_zeros, select_mode
-from frictionlab.hybrid.kernels.remainder import needs_remainder
+from frictionlab.hybrid.kernels.remainder import has_zero_guard, needs_remainder
 from frictionlab.hybrid.kernels.run_state import (
     END,
     ENTERED,
@@ -44,7 +44,7 @@ from frictionlab.hybrid.kernels.run_state import (
     advance_clock,
     remaining_time,
 )
-from frictionlab.hybrid.kernels.step_length import function_step, is_cut_short
+from frictionlab.hybrid.kernels.step_length import function_step, has_negative_base, is_cut_short
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
 from frictionlab.hybrid.tape.program import Numbers, System
 
@@ -108,12 +108,26 @@ def advance_single(code, truncation, runs, i, most, record, scratch):
     over = False
     while not over and (most > 0 or runs.counts[i, JETS_READY]):
         most -= 1  # one step in each pass: the record has no room for more
-        over = record_step_end(runs, i, advance_taylor(system, truncation, run, record, scratch))
+        mode = runs.counts[i, MODE]
+        status = advance_taylor(system, truncation, run, record, scratch)
+        if code.powers[mode] and runs.counts[i, STEPS] > 0:
+            note_negative_base(system, mode, record.step_states[0], runs, i, scratch)
+        over = record_step_end(runs, i, status)
+    mode = runs.counts[i, MODE]
+    if over and mode != NO_MODE and code.powers[mode]:
+        note_negative_base(system, mode, run.state, runs, i, scratch)
     if runs.counts[i, JETS_READY] == 0:
         scratch.leading_zeros[:] = 0
     keep_zeros(runs, i, scratch)
     if not over:
         enqueue(runs, i)
+
+
+@kernel
+def note_negative_base(system, mode, z, runs, i, scratch):
+    """Note for a run whether the base of a power is negative at a state."""
+    if has_negative_base(system, mode, z, scratch.values, scratch.bounds):
+        runs.undefined[i] = 1
 
 
 @kernel
@@ -218,7 +232,7 @@ def shorter_length(code, truncation, lanes, lane, mode, scratch):
     h = function_step(code, truncation, mode, longest, False, scratch.jets, scratch.values)
     if is_cut_short(h, longest) or needs_remainder(code, truncation.order, mode, longest, left):
         return 0.0
-    return h
+    return 0.0 if has_zero_guard(code, truncation.order, mode, scratch.jets) else h
 
 
 @kernel
@@ -324,6 +338,7 @@ def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds)
             return False
         if (
             code.lanes[mode] != 0
+            and not code.powers[mode]
             and lanes.jets.shape[1] == JET_COLUMNS
             and runs.queued[mode] >= MIN_RUNS_FOR_LANES
         ):

@@ -81,10 +81,17 @@ def function_coefficient(kind, a, slope, out, k, sign, values, J):
     return function_value(kind, J[a, 0])
 
 
-@inlined
-def has_series(base, rate, order):
-    """Whether a power's Taylor coefficients up to `order` are finite: they grow like (rate/base)^k."""
-    return base > exp2(LOG2_LEAST_RATIO / max(order, 1)) * abs(rate)
+@kernel
+def has_series(J, a, k, order):
+    """Whether the Taylor coefficients up to `order` of a power of slot a are finite.
+
+    They grow by |a_1/a_0|, or by |a_2/a_0|^(1/2) where the base comes to zero tangentially, from one to the
+    next.  Coefficient `k` of the power is judged by those of its base up to k, which are known by then.
+    """
+    base, least = J[a, 0], exp2(LOG2_LEAST_RATIO / max(order, 1))
+    if k > 1 and not base > least * least * abs(J[a, 2]):
+        return False
+    return base > least * abs(J[a, 1])
 
 
 @kernel
@@ -98,7 +105,7 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
     base = values[a, 0]
     if not base > 0.0:
         return math.inf if exponent < 0.0 else 0.0
-    if k > 0 and not has_series(base, values[a, 1], order):
+    if k > 0 and not has_series(values, a, k, order):
         return 0.0
     if k == 0 and sign > 0.0:
         return abs(values[out, 0]) * (1.0 + abs(exponent) * J[a, 0] / base)

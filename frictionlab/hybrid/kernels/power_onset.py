@@ -2,7 +2,8 @@
 
 How long such a step may be follows from how far the powers may go in it: a power with a base that is zero and
 goes as far as d goes as far as d^p.  One pass through the tape says how far every slot goes, and how far from
-its polynomial, in which the powers are constant.  The value at the end of the step would not do: u^0.9
+its polynomial, in which the powers are constant, but for their first rate where only the base's curvature is
+too large.  The value at the end of the step would not do: u^0.9
 exp(-u/v_s) has returned to zero there if the step is long.
 """
 
@@ -48,7 +49,7 @@ def range_of_power(exponent, base, d):
 
 
 @kernel
-def bound_operation_onset(system, op, out, order, J, bounds):
+def bound_operation_onset(system, op, out, order, h, J, bounds):
     """The same for the other operations.
 
     The argument of a function stays on a disc of radius d.  By Cauchy's estimate the slope there is at most
@@ -66,9 +67,9 @@ def bound_operation_onset(system, op, out, order, J, bounds):
         reach, least = operation_range(code, numbers, op, out, order, d, e, J), abs(J[b, 0]) - e
         rest += multiple(abs(J[out, 0]) + reach, bounds[b, REST])
         return reach, rest / least if least > 0.0 else math.inf
-    if kind == POWER and not has_series(J[a, 0], J[a, 1], order):
+    if kind == POWER and not has_series(J, a, order, order):
         reach = range_of_power(numbers.constants[op], max(J[a, 0], 0.0), d)
-        return reach, reach
+        return reach, reach + series_range(J, out, order, h)
     reach = operation_range(code, numbers, op, out, order, d, d, J)
     if rest > 0.0:
         twice = operation_range(code, numbers, op, out, order, 2.0 * d, d, J)
@@ -89,7 +90,7 @@ def bound_onset(system, mode, order, h, J, bounds):
             reach, rest = bound_affine_onset(code, system.magnitudes, op, order, h, J, bounds)
             reach = min(reach, series_range(J, out, order, h) + rest)
         elif code.ops[op, 0] != RATE:
-            reach, rest = bound_operation_onset(system, op, out, order, J, bounds)
+            reach, rest = bound_operation_onset(system, op, out, order, h, J, bounds)
         bounds[out, REACH], bounds[out, REST] = infinite_if_nan(reach), infinite_if_nan(rest)
 
 

@@ -21,6 +21,7 @@ from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, NOW
 from frictionlab.hybrid.kernels.step_length import (
+    FUNCTION_TOL_FACTOR,
     LAST_SIZE_TERM,
     LOG2_FUNCTION_TOL_FACTOR,
     is_cut_short,
@@ -45,6 +46,8 @@ LOG2_RADIUS_MARGIN = 0.4594316186372973  # log2(MIN_RADIUS_IN_STEPS BOUND_EXCESS
 # Share of a step that is taken without looking for a longer one, which costs as much as it would save.
 SUFFICIENT_SHARE = 0.83
 RADIUS_TRIES = 200  # most radii tried: RADIUS_FACTOR to this power is 1e-25
+# Size, some 1e-271, that counts where all terms of a series are zero: so little is zero to all else.
+LOG2_LEAST_SIZE = -900.0
 
 
 @kernel
@@ -69,7 +72,7 @@ def operation_range(code, numbers, op, out, order, d, e, J):
     if d == 0.0:
         return 0.0
     if kind == POWER:
-        return power_range(numbers.constants[op], J[a, 0], d) if has_series(J[a, 0], J[a, 1], order) else 0.0
+        return power_range(numbers.constants[op], J[a, 0], d) if has_series(J, a, order, order) else 0.0
     return function_range(kind, J[a, 0], abs(J[out, 0]), abs(J[b, 0]), d)
 
 
@@ -153,14 +156,89 @@ def log2_longest_step(room, power, size0, size1, size2):
 
 
 @kernel
+def log2_later_support(room, order, first, last, J):
+    """The same for slots [first, last) whose first three terms are zero, by the first term that is not.
+
+    Where all are zero the slots may begin later than the series can show, as t^40 does.  Then the least size
+    counts, so that they are followed from where they begin.
+    """
+    longest = log2_step_from_later_terms(room, order + 1, first, last, J)
+    return longest if longest < math.inf else (room + LOG2_LEAST_SIZE) / (order + 1)
+
+
+@kernel
 def log2_group_support(room, order, first, last, J):
-    """The same for the states [first, last)."""
+    """The same for the states [first, last); -inf where all their terms are zero."""
     size0 = largest_coefficient(J, first, last, 0)
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
     if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
         return log2_longest_step(room, order + 1, size0, size1, size2)
-    return log2_step_from_later_terms(room, order + 1, first, last, J)
+    longest = log2_step_from_later_terms(room, order + 1, first, last, J)
+    return longest if longest < math.inf else -math.inf
+
+
+@kernel
+def log2_zero_group_support(room, order, first, last, share, J, majorants):
+    """The same where all terms are zero, perhaps as they have cancelled.
+
+    The states' size is a `share` of the majorants of the first three terms.
+    """
+    if share > 0.0:
+        size0 = share * largest_coefficient(majorants, first, last, 0)
+        size1 = share * largest_coefficient(majorants, first, last, 1)
+        size2 = share * largest_coefficient(majorants, first, last, 2)
+        if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+            return log2_longest_step(room, order + 1, size0, size1, size2)
+    return log2_later_support(room, order, first, last, J)
+
+
+@kernel
+def are_zero(J, first, last, order):
+    """Whether all terms of all slots [first, last) are zero."""
+    for slot in range(first, last):
+        for k in range(order + 1):
+            if J[slot, k] != 0.0:
+                return False
+    return True
+
+
+@inlined
+def has_zero_guard(code, order, mode, J):
+    """Whether all terms of a guard are zero that is not affine in the states."""
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        if J[slot, 0] == 0.0 and code.guard_degrees[g] > 1 and are_zero(J, slot, slot + 1, order):
+            return True
+    return False
+
+
+@inlined
+def has_zero_series(code, order, mode, J):
+    """Whether all terms of a guard, a section, an integral or a group of states are zero.
+
+    Then they do not show what the function does within the step, even if it is a polynomial of low degree:
+    x^9 where x begins as t^3.
+    """
+    if code.degrees[mode] <= 1:
+        return False
+    for section in range(code.sections.shape[1]):
+        slot = code.sections[mode, section]
+        if J[slot, 0] == 0.0 and are_zero(J, slot, slot + 1, order):
+            return True
+    for group in range(3 + code.inputs - code.groups[3]):
+        first, last = group_bounds(code, group)
+        if last > first and J[first, 0] == 0.0 and are_zero(J, first, last, order):
+            return True
+    return has_zero_guard(code, order, mode, J)
+
+
+@inlined
+def group_bounds(code, group):
+    """States [first, last) whose errors are relative to the largest of them; integrals stand each alone."""
+    if group < 3:
+        return code.groups[group], code.groups[group + 1]
+    return code.groups[3] + group - 3, code.groups[3] + group - 2
 
 
 @inlined
@@ -174,9 +252,10 @@ def supported_step(code, truncation, mode, radius, rounds, shortest, scratch):
     order, log_radius = truncation.order, log2(radius)
     log_room = log2(truncation.tol) + order * log_radius
     best = log_radius - LOG2_RADIUS_MARGIN
-    for group in range(4):
-        first = code.groups[group]
-        last = code.groups[group + 1] if group < 3 else code.inputs
+    share = share_of_rounding(truncation.tol) if rounds else 0.0
+    least = log2(shortest) if shortest > 0.0 else -math.inf
+    for group in range(3 + code.inputs - code.groups[3]):
+        first, last = group_bounds(code, group)
         rest = 0.0
         for i in range(first, last):
             rest = max(rest, bounds[code.flow[mode, i], REST])
@@ -184,10 +263,13 @@ def supported_step(code, truncation, mode, radius, rounds, shortest, scratch):
             if rest == math.inf:
                 return 0.0
             room = log_room + log2(order + 1.0) - log2(rest)
-            best = min(best, log2_group_support(room, order, first, last, J))
-    share = share_of_rounding(truncation.tol) if rounds else 0.0
+            longest = log2_group_support(room, order, first, last, J)
+            if longest == -math.inf:
+                majorants, of_group = scratch.values, FUNCTION_TOL_FACTOR * share
+                longest = log2_zero_group_support(room, order, first, last, of_group, J, majorants)
+                longest = max(least, longest)
+            best = min(best, longest)
     log_room += LOG2_FUNCTION_TOL_FACTOR + log_radius
-    least = log2(shortest) if shortest > 0.0 else -math.inf
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
         best = min(best, max(least, log2_function_support(slot, log_room, order, share, scratch)))
@@ -217,7 +299,7 @@ def log2_function_support(slot, log_room, order, share, scratch):
     room = log_room - log2(rest)
     if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
         return log2_longest_step(room, order + 1, size0, size1, size2)
-    return log2_step_from_later_terms(room, order + 1, slot, slot + 1, scratch.jets)
+    return log2_later_support(room, order, slot, slot + 1, scratch.jets)
 
 
 @inlined
@@ -255,14 +337,17 @@ def longest_supported_step(system, truncation, mode, h, visible, rounds, shortes
 
 
 @inlined
-def remainder_step(system, truncation, mode, h, visible, run, scratch):
+def remainder_step(system, truncation, mode, h, visible, hidden, run, scratch):
     """Longest step up to `h` whose remainder is bounded within the tolerances.
 
     `visible` says that the last terms of polynomials show what these leave out.  Rounding errors of guards
-    and sections count where they may be the reason for a short step, as in `measured_function_step`.
+    and sections count where they may be the reason for a short step, as in `measured_function_step`, and
+    where a series is zero (`hidden`).
     """
     code, magnitudes, least = system.code, system.magnitudes, CLOCK_RESOLUTION * run.times[NOW]
-    shorter = longest_supported_step(system, truncation, mode, h, visible, False, 0.0, scratch)
+    shorter = 0.0
+    if not hidden:
+        shorter = longest_supported_step(system, truncation, mode, h, visible, False, 0.0, scratch)
     if is_cut_short(shorter, h) or shorter < least:
         majorant(code, magnitudes, mode, LAST_SIZE_TERM, run.state, scratch.jets, scratch.values)
         shorter = longest_supported_step(system, truncation, mode, h, visible, True, least, scratch)

@@ -2,9 +2,9 @@
 Taylor series of full order, as its base is zero, or nearly so.
 
 The force penetration^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
-coefficients grow like (rate/base)^k, beyond the largest number where the base is small.  Then the series is
-cut at a lower order, which is enough: so near to zero the power hardly affects the motion.  At zero itself it
-counts as constant for a step.
+coefficients grow like (rate/base)^k, or like (curvature/base)^(k/2) where the rate is next to zero too.  That
+is beyond the largest number where the base is small.  Then the series is cut at a lower order, which is
+enough: so near to zero the power hardly affects the motion.  At zero itself it counts as constant for a step.
 """
 
 from __future__ import annotations
@@ -220,6 +220,8 @@ def becomes_finite(before, after, slot):
     return not abs(before[slot, 0]) < math.inf and abs(after[slot, 0]) < math.inf
 
 
+# Share of the sum of a base's absolute terms: what is less negative may be rounding.
+BASE_ROUNDING_SHARE = 1e-6
 MISSED_EVENT_SHARE = 64.0  # times its rounding error that a function may be beyond zero at its event
 MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
@@ -230,10 +232,8 @@ def lacks_series(code, order, mode, J):
     """Whether the base of a power is zero, or too near to it."""
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
-        if code.ops[i, 0] == POWER:
-            base = J[code.ops[i, 1]]
-            if not has_series(base[0], base[1], order):
-                return True
+        if code.ops[i, 0] == POWER and not has_series(J, code.ops[i, 1], order, order):
+            return True
     return False
 
 
@@ -250,11 +250,13 @@ def usable_order(code, order, mode, J):
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
         if code.ops[i, 0] == POWER:
-            base, rate = J[code.ops[i, 1], 0], abs(J[code.ops[i, 1], 1])
+            a = code.ops[i, 1]
+            base, rate, curvature = J[a, 0], abs(J[a, 1]), abs(J[a, 2])
             if not base > 0.0:
                 return 0
-            if not has_series(base, rate, order):
-                few = min(few, int(LOG2_LARGEST_COEFFICIENT / (log2(rate) - log2(base))))
+            if not has_series(J, a, order, order):
+                growth = max(log2(rate) - log2(base), 0.5 * (log2(curvature) - log2(base)))
+                few = min(few, int(LOG2_LARGEST_COEFFICIENT / growth))
     return few
 
 
@@ -290,7 +292,7 @@ def truncate_series_near_zero(code, numbers, mode, order, z, h, J):
 
 @kernel
 def time_to_zero_base(code, mode, J):
-    """Time in which the first base of a power would come to zero at its rate."""
+    """Time in which the first base of a power would come to zero at its rate, or by its curvature."""
     shortest = math.inf
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
@@ -298,7 +300,28 @@ def time_to_zero_base(code, mode, J):
             base = J[code.ops[i, 1]]
             if base[1] != 0.0:
                 shortest = min(shortest, abs(base[0] / base[1]))
+            if base[2] != 0.0:
+                shortest = min(shortest, math.sqrt(abs(base[0] / base[2])))
     return shortest
+
+
+@kernel
+def has_negative_base(system, mode, z, values, bounds):
+    """Whether the base of a power is negative at a state by more than rounding: there is no real value."""
+    code, negative, first = system.code, False, system.code.mode_ops[mode]
+    mode_jets(code, system.numbers, mode, 0, z, values)
+    for i in range(first, code.mode_ops[mode + 1]):
+        if code.ops[i, 0] == POWER and values[code.ops[i, 1], 0] < 0.0:
+            negative = True
+    if not negative:
+        return False
+    majorant(code, system.magnitudes, mode, 0, z, values, bounds)
+    for i in range(first, code.mode_ops[mode + 1]):
+        if code.ops[i, 0] == POWER:
+            base, size = values[code.ops[i, 1], 0], bounds[code.ops[i, 1], 0]
+            if base < 0.0 and not base > -BASE_ROUNDING_SHARE * size:
+                return True
+    return False
 
 
 @kernel

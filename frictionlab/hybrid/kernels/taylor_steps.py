@@ -36,7 +36,12 @@ from frictionlab.hybrid.kernels.jets import (
 )
 from frictionlab.hybrid.kernels.mode_selection import has_modes_on_demand
 from frictionlab.hybrid.kernels.power_onset import onset_step
-from frictionlab.hybrid.kernels.remainder import needs_remainder, polynomials_visible, remainder_step
+from frictionlab.hybrid.kernels.remainder import (
+    has_zero_series,
+    needs_remainder,
+    polynomials_visible,
+    remainder_step,
+)
 from frictionlab.hybrid.kernels.run_state import (
     CLOCK_RESOLUTION,
     END,
@@ -208,10 +213,11 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
     """Length of a step in which the base of a power is nearly zero; may change the jets."""
     code, order, J, z = system.code, truncation.order, scratch.jets, run.state
     scale = time_to_zero_base(code, mode, J)
+    hidden = has_zero_series(code, order, mode, J)
     onset = 0.0
     if lacks_series(code, order, mode, J):
         onset = measured_function_step(system, truncation, mode, left, run, scratch)
-        onset = remainder_step(system, truncation, mode, onset, False, run, scratch)
+        onset = remainder_step(system, truncation, mode, onset, False, hidden, run, scratch)
         onset = onset_step(system, truncation, mode, onset, run, scratch)
     unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
     h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * run.times[NOW]))
@@ -219,7 +225,7 @@ def power_onset_step(system, truncation, mode, left, run, scratch):
     if few < MIN_USEFUL_ORDER:
         return h
     shorter = Truncation(few, truncation.tol)
-    return remainder_step(system, shorter, mode, min(left, scale), False, run, scratch)
+    return remainder_step(system, shorter, mode, min(left, scale), False, hidden, run, scratch)
 
 
 @inlined
@@ -244,9 +250,12 @@ def take_taylor_step(system, truncation, run, record, scratch):
             return NOT_FINITE
         longest = min(h, left)
         h = measured_function_step(system, truncation, mode, longest, run, scratch)
-        if needs_remainder(code, order, mode, longest, left):
-            visible = polynomials_visible(code, order, mode, longest, left)
-            h = remainder_step(system, truncation, mode, h, visible, run, scratch)
+        blind = needs_remainder(code, order, mode, longest, left)
+        # Polynomials of low degree have a zero series only where states are exactly zero: as a mode begins.
+        hidden = (blind or run.times[NOW] == run.times[ENTERED]) and has_zero_series(code, order, mode, J)
+        if hidden or blind:
+            visible = not hidden and polynomials_visible(code, order, mode, longest, left)
+            h = remainder_step(system, truncation, mode, h, visible, hidden, run, scratch)
     zero = first_event(system, mode, run.state, order, h, scratch)
     event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard == NO_GUARD:

@@ -224,6 +224,8 @@ def _array_power(x: Any, y: Any) -> Any:
 class FormulaBuilder(TapeBuilder):
     """Lowers expressions of symbols onto the tape of formulas; its coefficients are floats."""
 
+    has_corners = True
+
     def number(self, expr: Any) -> float:
         """A number as the tape holds it."""
         if isinstance(expr, (int, float)):

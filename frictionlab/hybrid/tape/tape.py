@@ -152,6 +152,8 @@ class TapeBuilder:
     what they find.
     """
 
+    has_corners = False  # whether there are operations for Abs and sign
+
     def __init__(self, states: Sequence[Any], linear: dict[Expr, AffineTerms] | None = None) -> None:
         self.tape = Tape(len(states))
         self._linear_terms = {} if linear is None else linear
@@ -187,6 +189,8 @@ class TapeBuilder:
             return _total([self._term(arg) for arg in expr.args])
         if expr.is_Mul:
             return self._mul(expr)
+        if expr.is_Pow and expr.base.func is sp.Abs and self.constant(expr.exp) and not self.has_corners:
+            return self._power_of_size(expr.base.args[0], expr.exp)
         if expr.is_Pow and (exponent := integer_exponent(expr)) is not None:
             return {self._power(expr.base, exponent) if exponent else CONSTANT_TERM: sp.S.One}
         if expr.is_Pow and self.constant(expr.exp):
@@ -194,6 +198,13 @@ class TapeBuilder:
         if expr.func in function_table():
             return self._function(expr)
         raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
+
+    def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
+        """|a|^p as the power p/2 of the square of a, which is not negative."""
+        if exponent.is_even:
+            return self._lower(expr**exponent)
+        a = self.slot(expr)
+        return {self._after_rate(POWER, self._binary(SQUARE, a, a), exponent / 2): sp.S.One}
 
     def _function(self, expr: Expr) -> AffineTerms:
         function = function_table()[expr.func]
@@ -233,8 +244,9 @@ class TapeBuilder:
     def _mul(self, expr: Expr) -> AffineTerms:
         factor, rest = self._factored(expr)
         factors: Any = sp.Mul.make_args(rest)
+        factors = factors if self.has_corners else _without_signs(factors)
         if len(factors) == 1:
-            lowered = self._lower(rest).items()
+            lowered = self._lower(factors[0]).items()
             return {slot: factor if value is sp.S.One else factor * value for slot, value in lowered}
         below = [f for f in factors if f.is_Pow and (integer_exponent(f) or 0) < 0]
         above = [f for f in factors if f not in below]
@@ -292,6 +304,16 @@ class ResetBuilder(TapeBuilder):
             slot = self.slot(expr.args[0])
             return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
         return super()._lower_new(expr)
+
+
+def _without_signs(factors: Sequence[Expr]) -> Sequence[Expr]:
+    """The factors of a product, with a |a|^(p - 1) instead of sign(a) |a|^p, the slope of |a|^(p + 1)."""
+    for sign in (f for f in factors if f.func is sp.sign):
+        size = sp.Abs(sign.args[0])
+        for power in (f for f in factors if f.is_Pow and f.base == size):
+            rest = [f for f in factors if f is not sign and f is not power]
+            return _without_signs([*rest, sign.args[0], size ** (power.exp - 1)])
+    return factors
 
 
 def _total(parts: Sequence[AffineTerms]) -> AffineTerms:

@@ -54,7 +54,7 @@ def add_convolution(sign, J, a, T, b, first, k, total):
 @kernel
 def power_tangent(exponent, a, out, k, J, T, total):
     """Add coefficient k of a power's derivatives, from a u' = p u a'; nothing where it has no series."""
-    if J[a, 0] > 0.0 and (k == 0 or has_series(J[a, 0], J[a, 1], J.shape[1] - 1)):
+    if J[a, 0] > 0.0 and (k == 0 or has_series(J, a, k, J.shape[1] - 1)):
         add_convolution(exponent, J, out, T, a, 0, k, total)
         add_convolution(-1.0, J, a, T, out, 1, k, total)
         for d in range(total.shape[0]):

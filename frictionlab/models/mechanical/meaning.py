@@ -1,8 +1,8 @@
 """Whether what a model states is a mechanical system: energies of the right variables, and masses.
 
 It is checked once for a structure, in symbols: T has degree 2 in the velocities, V has none of them, v_r is
-linear in them, and all symbols are known.  Whether T is positive depends on the values of the parameters
-(:mod:`frictionlab.models.mechanical.masses`).
+linear in them, no parameter is the exponent of what can be negative, and all symbols are known.  Whether T is
+positive depends on the values of the parameters (:mod:`frictionlab.models.mechanical.masses`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from frictionlab.automaton.expressions import multiply_out
+from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
 from frictionlab.models.serialisation import structure_of_component
 from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
@@ -57,6 +57,12 @@ def check_mechanics(about: Any, model: Any, q: Sequence[Any], v: Sequence[Any]) 
         check.expression(f"the load on {name!r}", load)
     for contact in about.contacts:
         check.contact(contact)
+    forces = {f"the load on {name!r}": load for name, load in about.loads.items()}
+    energies = {f"the energy {name!r}": energy for name, energy in potential.items()}
+    others = {"kinetic": about.kinetic, "dissipation": about.dissipation}
+    distances = [contact.distance for contact in about.contacts if isinstance(contact, Stop)]
+    for what, given in (others | energies | forces).items():
+        check.powers(what, given, distances)
     return about
 
 
@@ -109,6 +115,24 @@ class _Check:
             )
         return expr
 
+    def powers(self, what: str, given: Any, positive: Sequence[Any]) -> None:
+        """That no parameter is the exponent of a base that can be negative.
+
+        What is in `positive` is not; parameters count as positive, as their values are not known here.
+        """
+        for power in sympy.sympify(given, strict=True).atoms(sympy.Pow):
+            base, exponent = power.base, power.exp
+            by_parameter = integer_exponent(power) is None and exponent.free_symbols
+            if not by_parameter or self.states.isdisjoint(base.free_symbols):
+                continue
+            known = {symbol(name): sympy.Dummy(positive=True) for name in self.names}
+            shown = [(one, sympy.Dummy(nonnegative=True)) for one in positive]
+            if not base.subs(shown).xreplace(known).is_nonnegative:
+                raise ValueError(
+                    f"{what} of {self.of} must not have the parameter {exponent} as exponent of {base}, "
+                    f"which can be negative: {real_power_cure(base, exponent)}"
+                )
+
     def contact(self, contact: Friction | Stop) -> None:
         """The expressions of a contact."""
         place = "where bodies touch depends on coordinates and time only"
@@ -139,6 +163,8 @@ class _Check:
             )
         if not callable(contact.normal_force):
             self.free("normal_force", contact.normal_force, (), "")
+            pressed = [] if contact.penetration is None else [contact.penetration]
+            self.powers("normal_force", contact.normal_force, pressed)
         if contact.penetration is not None:
             self.free("penetration", contact.penetration, self.v, place)
         if contact.normal is not None:

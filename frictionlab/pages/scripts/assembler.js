@@ -3,7 +3,7 @@ const KIND = { i32: 0x7f, i64: 0x7e, f64: 0x7c, v128: 0x7b };
 const NUMBER = 8, ALIGNED = 3; // bytes of a number, and log2 of the alignment of its address
 const PLAIN = {
   loop: [0x03, 0x40], block: [0x02, 0x40], if: [0x04, 0x40], end: [0x0b], return: [0x0f],
-  isZero: [0x45], equal: [0x46], atLeast: [0x4e], plus: [0x6a], times: [0x6c], and: [0x71], shiftRight: [0x75], wrap: [0xa7], // of i32
+  isZero: [0x45], equal: [0x46], atLeast: [0x4e], plus: [0x6a], times: [0x6c], and: [0x71], or: [0x72], shiftRight: [0x75], wrap: [0xa7], // of i32
   add: [0xa0], subtract: [0xa1], multiply: [0xa2], divide: [0xa3], // of f64
   absolute: [0x99], below: [0x63], above: [0x64], choose: [0x1b], // choose: the first of two values if a third is not 0, else the second
   asNumber: [0xb7], bits: [0xbd], fromBits: [0xbf], addLong: [0x7c], shiftLongLeft: [0x86],

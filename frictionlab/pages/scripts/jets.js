@@ -123,9 +123,18 @@ class ModeWriter { // function (z, constants, terms, J, order)
     this.sum(out - 1, out, all).multiply().get(kNumber);
     this.sum(a, out, all).multiply().subtract().get(kNumber);
     this.start(a).multiply().divide().number(0);
-    this.start(a).get(this.leastRatio).get(this.J).load(this.row * a + NUMBER).absolute().multiply().above().choose();
+    this.hasSeries(a).choose();
     this.limit(constant);
     return this.positive(a).choose();
+  }
+
+  hasSeries(a) { // of the base, the curvature is not known yet at k = 1
+    const { code, k, J, leastRatio, row } = this, size = (m) => code.get(J).load(row * a + m * NUMBER).absolute();
+    code.get(k).whole(1).equal();
+    this.start(a).get(leastRatio).get(leastRatio).multiply();
+    size(2).multiply().above().or();
+    this.start(a).get(leastRatio);
+    return size(1).multiply().above().and();
   }
 
   square(a) { // coefficient k, with each pair of coefficients multiplied once

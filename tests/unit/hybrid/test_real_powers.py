@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.hybrid.solve import RunOptions, run_automaton
 from tests.helpers.automata import V, X, automaton
 
 P = sp.Symbol("p")
@@ -40,6 +41,39 @@ def test_a_run_ends_where_the_base_of_a_power_becomes_negative(exponent):
     assert run.status.name == "NOT_FINITE"
     assert run.states[:, 0].min() > -1e-4
     assert run.final_state[1] == pytest.approx(-np.sqrt(2 * 9.4), abs=1e-3)
+
+
+@pytest.mark.parametrize("x0", [[1.0, 0.0], [3.0, -1.0]])
+def test_runs_of_an_ensemble_end_where_single_runs_do(x0):
+    scene = automaton(fl.Mode("only", (V, -9 - X**1.5)))
+    starts = [x0, [1.0, 20.0]]
+    ends = fl.ensemble([scene] * 2, 1.5, x0=starts, progress=False)
+    for i, start in enumerate(starts):
+        run = run_automaton(scene, 1.5, start, fl.Taylor(), RunOptions(progress=False))
+        assert ends.status[i] is run.status
+        assert (ends.t[i], ends.steps[i]) == (run.raw.t, run.stats["steps"])
+        np.testing.assert_array_equal(ends.states[i], run.raw.state)
+    assert ends.status[0].name == "NOT_FINITE"
+    assert ends.status[1].ok
+
+
+def test_an_ensemble_does_not_begin_where_a_power_has_no_real_value():
+    scene = automaton(fl.Mode("only", (V, -(X**P))), p=3.0)
+    with pytest.raises(ValueError, match=r"x0 of models\[1\] must be where .* real values, got x = -"):
+        fl.ensemble([scene] * 2, 1.0, x0=[[0.5, 0.3], [-0.5, 0.0]], progress=False)
+
+
+@pytest.mark.parametrize("tol", [1e-6, 1e-15])
+def test_a_law_of_both_signs_is_written_by_the_size_of_its_base(tol):
+    """x'' = -x^3 from 1/2, as x |x|^(p - 1), and the slope of |x|^(p + 1), against the integer power."""
+    exact = solved((V, -(X**3)), 30.0, [0.5, 0.0])
+    size = sp.Abs(X)
+    real = {X: sp.Symbol("x", real=True)}
+    slope = (sp.Abs(real[X]) ** (P + 1)).diff(real[X]).xreplace({real[X]: X}) / (P + 1)
+    for force in X * size ** (P - 1), slope:
+        scene = automaton(fl.Mode("only", (V, -force)), p=3.0)
+        run = fl.solve(scene, 30.0, x0=[0.5, 0.0], method=fl.Taylor(tol=tol), progress=False)
+        assert run.final_state == pytest.approx(exact.final_state, abs=1e-14 + tol)
 
 
 def test_a_root_that_comes_to_rest_at_zero_goes_on():

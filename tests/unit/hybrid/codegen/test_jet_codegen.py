@@ -117,8 +117,24 @@ def test_whether_a_power_has_a_series_depends_on_the_order():
             mode_jets(native.code, numbers, 0, order, np.array([start]), jets)
             mode_jets(program.code, numbers, 0, order, np.array([start]), interpreted)
             np.testing.assert_array_equal(jets[[0, guard]], interpreted[[0, guard]])
-            assert (interpreted[guard, 2] != 0) == has_series(*interpreted[0, :2], order)
-            assert has_series(*interpreted[0, :2], order) == (start > first) or start == first
+            assert (interpreted[guard, 2] != 0) == has_series(interpreted, 0, 2, order)
+            assert has_series(interpreted, 0, 2, order) == (start > first) or start == first
+
+
+def test_whether_a_power_has_a_series_depends_on_the_curvature_of_its_base():
+    """Of (e + x^2)^a at x = 0, x' = 1, there is one where e > 2^(-2 963/order)."""
+    x, a, e = sp.symbols("x a e")
+    for order in (4, 11, 26, 32, MAX_ORDER):
+        for share in (1 - 4e-6, 1 + 4e-6):
+            numbers = {a: 1.5, e: share * 4.0 ** (LOG2_LEAST_RATIO / order)}
+            automaton = HybridAutomaton((x,), (Mode("m", (sp.S.One,), (), ((e + x**2) ** a,)),), numbers, 0)
+            program, values = program_of(automaton)
+            native, guard = with_code(automaton, 0), program.code.function_slots[0]
+            jets, interpreted = np.full((2, program.slots, JET_COLUMNS), np.nan)
+            mode_jets(native.code, values, 0, order, np.zeros(1), jets)
+            mode_jets(program.code, values, 0, order, np.zeros(1), interpreted)
+            np.testing.assert_array_equal(jets[guard, : order + 1], interpreted[guard, : order + 1])
+            assert (interpreted[guard, 2] != 0) == (share > 1)
 
 
 @pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])

@@ -149,3 +149,101 @@ def test_zeros_and_poles_of_sections_are_recorded_once(tol):
         assert_same_times(run.sections[name].t, times, abs=1e-10 + 10 * tol)
     assert len(run.sections["nowhere"].t) == 0
     assert run.stats["steps"] < 2000
+
+
+BEGINS = {  # guards whose terms are all zero at x = 0 up to the order, and their first zero after that
+    "high power": (X**30 * (1 - X), 1.0),
+    "root inside": (X**30 * (R(1, 1000) - X**40), 1e-3 ** (1 / 40)),
+    "root far": (R(1, 1000) - X**40, 1e-3 ** (1 / 40)),
+    "two factors": (X**30 * (1 - X) * (2 - X) ** 3, 1.0),
+    "of the order": (X**26 * (1 - X), 1.0),
+    "of a low order": (X**11 * (1 - X), 1.0),
+    "with a function": (X**30 * sp.sin(1 - X), 1.0),
+    "below all numbers": (sp.exp(-((1000 * (X - R(2, 5))) ** 2)) * (R(2, 5) - X), 0.4),
+}
+
+
+@pytest.mark.parametrize("name", BEGINS)
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_a_guard_that_begins_later_than_its_series_shows_ends_its_mode(name, tol):
+    guard, root = BEGINS[name]
+    for t_end in 3.0, 60.0, 1000.0:
+        run = fl.solve(until(guard, flow=(R(1),)), t_end, x0=[0.0], mode="moves", method=fl.Taylor(tol=tol))
+        assert run.events.t == pytest.approx([root], abs=1e-10), t_end
+
+
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_sections_and_integrals_of_what_begins_later_than_its_series_shows(tol):
+    """The integral of x^30 (1 - x) exp(-x) from 0 to t is that of two gamma functions."""
+    for t_end in 3.0, 60.0, 1000.0:
+        run = fl.solve(
+            free(1),
+            t_end,
+            x0=[0.0],
+            method=fl.Taylor(tol=tol),
+            sections={"s": X**30 * (X**40 - R(1, 1000))},
+            quadratures={"q": X**30 * (1 - X) * sp.exp(-X), "t": R(1)},
+        )
+        assert run.sections["s"].t == pytest.approx([1e-3 ** (1 / 40)], abs=1e-14 + tol / 10)
+        exact = gamma(31) * gammainc(31, t_end) - gamma(32) * gammainc(32, t_end)
+        assert run.quadratures["q"] == pytest.approx(exact, rel=1e-13 + 10 * tol)
+
+
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_a_rate_that_begins_later_than_its_series_shows_moves_a_group_of_its_own(tol):
+    """x'' = u^30 with u' = 1, from rest: x = t^32 / (31 32)."""
+    run = fl.solve(
+        free(V, U**30, 1, states=(X, V, U), coordinates=1), 3.0, x0=[0, 0, 0], method=fl.Taylor(tol=tol)
+    )
+    assert run.final_state[0] == pytest.approx(3.0**32 / (31 * 32), rel=1e-13 + tol)
+
+
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_a_guard_of_low_degree_begins_late_where_its_argument_does(tol):
+    """x = t - sin t begins as t^3/6, so x^9 (1 - x) as t^27."""
+    hit = brentq(lambda t: t - np.sin(t) - 1.0, 1.0, 3.0, xtol=1e-15)
+    for t_end in 3.0, 60.0, 1000.0:
+        automaton = until(X**9 * (1 - X), flow=(1 - sp.cos(U), R(1)), states=(X, U))
+        run = fl.solve(automaton, t_end, x0=[0.0, 0.0], mode="moves", method=fl.Taylor(tol=tol))
+        assert run.events.t == pytest.approx([hit], abs=1e-12 + tol / 10), t_end
+
+
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_a_guard_of_low_degree_begins_late_in_linear_equations(tol):
+    """Where d^3x/dt^3 = 1 - x, 3 (1 - x) = exp(-t) + 2 exp(t/2) cos(sqrt(3) t/2); x^9 begins as t^27."""
+    a = sp.Symbol("a")
+    hit = brentq(lambda t: np.exp(-t) + 2 * np.exp(t / 2) * np.cos(3**0.5 * t / 2), 1.0, 3.0, xtol=1e-15)
+    for t_end in 3.0, 60.0:
+        automaton = until(X**9 * (1 - X), flow=(V, a, 1 - X), states=(X, V, a))
+        run = fl.solve(automaton, t_end, x0=[0, 0, 0], mode="moves", method=fl.Taylor(tol=tol))
+        assert run.events.t == pytest.approx([hit], abs=1e-12 + tol), t_end
+
+
+@pytest.mark.parametrize("tol", TOLERANCES)
+def test_what_is_zero_as_its_terms_cancel_stops_no_run(tol):
+    """Two equal pendulums: sin x - sin y is zero for ever."""
+    x, y, u, w = sp.symbols("x y u w")
+    flow = u, w, -sp.sin(x), -sp.sin(y)
+    automaton = until(sp.sin(x) - sp.sin(y), flow=flow, states=(x, y, u, w), coordinates=2)
+    run = fl.solve(
+        automaton,
+        100.0,
+        x0=[1, 1, 0, 0],
+        mode="moves",
+        method=fl.Taylor(tol=tol),
+        quadratures={"q": x**3 * sp.sin(x) - y**3 * sp.sin(y)},
+    )
+    assert run.status.ok
+    assert len(run.events) == 0
+    assert run.quadratures["q"] == 0.0
+    assert run.stats["steps"] < 5000
+
+
+def test_runs_side_by_side_do_not_pass_what_begins_later_than_its_series_shows():
+    for guard in X**30 * (1 - X), X**3 * (1 - X):
+        compiled = until(guard, flow=(R(1),))
+        run = fl.solve(compiled, 3.0, x0=[0.0], mode="moves")
+        ends = fl.ensemble([compiled] * 8, 3.0, x0=[[0.0]] * 8, progress=False)
+        alone = fl.solve(compiled, 3.0, x0=[0.0])
+        assert run.events.t == pytest.approx([1.0], abs=1e-12)
+        np.testing.assert_array_equal(ends.states, np.tile(alone.final_state, (8, 1)))

@@ -1,0 +1,89 @@
+"""Powers with a parameter as exponent in what a user's model states: where the base can be negative they are
+refused, and what the message says to write instead gives the right motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.special import ellipj
+
+import frictionlab as fl
+from frictionlab.models import Mechanics, with_signature
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Hardening(fl.MechanicalModel):
+    """A mass on a spring whose force is a power of its extension."""
+
+    p: float = fl.parameter(3.0, symbol="p")
+    k: float = fl.parameter(1.0, symbol="k")
+    stated: str = "odd"
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        """The force, stated in several ways."""
+        kinetic, rest = (v.x**2 + v.y**2) / 2, q.y**2 / 2
+        odd = self.k * q.x * abs(q.x) ** (self.p - 1)
+        if self.stated == "odd":
+            return Mechanics(kinetic, rest, loads={"x": -odd})
+        if self.stated == "energy":
+            return Mechanics(kinetic, rest + self.k * abs(q.x) ** (self.p + 1) / (self.p + 1))
+        if self.stated == "square":
+            return Mechanics(kinetic, rest, loads={"x": -self.k * q.x * (q.x**2) ** ((self.p - 1) / 2)})
+        if self.stated == "stop":
+            stop = Stop(q.x, fl.RestitutionImpact(e=1.0))
+            return Mechanics(kinetic, rest, contacts=(stop,), loads={"x": -self.k * q.x**self.p})
+        if self.stated == "pressed":
+            normal = self.k * (1 + q.y**2) ** self.p
+            return Mechanics(kinetic, rest, contacts=(Friction(1 - v.x, normal, fl.Coulomb()),))
+        if self.stated == "speed":
+            return Mechanics(kinetic, rest, dissipation=self.k * (v.x - v.y) ** self.p)
+        if self.stated == "gap":
+            return Mechanics(kinetic, rest, loads={"x": (1 - q.x) ** (-self.p)})
+        return Mechanics(kinetic, rest, loads={"x": -self.k * q.x**self.p})
+
+
+@pytest.mark.parametrize(
+    ("stated", "message"),
+    [
+        (
+            "bare",
+            r"the load on 'x' .* must not have .* p as exponent of x, .* write abs\(x\)\*\*p, or",
+        ),
+        ("speed", r"dissipation .* as exponent of .*: write abs\("),
+        ("gap", r"the load on 'x' .* as exponent of .*: write abs\("),
+    ],
+)
+def test_a_base_that_can_be_negative_is_refused(stated, message):
+    with pytest.raises(ValueError, match=message):
+        fl.simulate(Hardening(stated=stated), 1.0, x0=[-0.5, 0, 0, 0], progress=False)
+
+
+@pytest.mark.parametrize("stated", ["pressed", "stop"])
+def test_a_base_that_is_positive_is_no_reason_to_refuse(stated):
+    assert fl.simulate(Hardening(stated=stated), 1.0, x0=[0.5, 0, 0, 0], progress=False).status.ok
+
+
+@pytest.mark.parametrize("stated", ["odd", "square", "energy"])
+@pytest.mark.parametrize("tol", [1e-6, 1e-15])
+def test_the_cure_gives_the_motion_of_a_cubic_spring(stated, tol):
+    """x'' = -x^3 has x = A cn(A t, 1/2) with the parameter m = 1/2."""
+    run = fl.simulate(
+        Hardening(stated=stated), 20.0, x0=[-0.5, 0, 0, 0], method=fl.Taylor(tol=tol), progress=False
+    )
+    _, cn, _, _ = ellipj(0.5 * run.t, 0.5)
+    assert run.status.ok
+    np.testing.assert_allclose(run["x"], -0.5 * cn, atol=1e-13 + 10 * tol)
+
+
+def test_a_power_that_is_no_integer_has_the_period_of_its_closed_form():
+    """The period of x'' = -x |x|^(p - 1) is 4 sqrt((p + 1)/2) A^((1 - p)/2) B(1/(p + 1), 1/2)/(p + 1)."""
+    from scipy.special import beta
+
+    p, start = 1.7, 0.8
+    period = 4 * np.sqrt((p + 1) / 2) * start ** ((1 - p) / 2) * beta(1 / (p + 1), 0.5) / (p + 1)
+    run = fl.simulate(Hardening(p=p), 3 * period, x0=[start, 0, 0, 0], progress=False)
+    assert run.final_state[0] == pytest.approx(start, abs=1e-12)
+    assert run.final_state[2] == pytest.approx(0.0, abs=1e-11)
