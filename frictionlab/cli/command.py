@@ -9,9 +9,13 @@ from collections.abc import Sequence
 
 from frictionlab._version import __version__
 
+from .app import add_app
 from .completion import add_completion, completion_script
-from .media import add_animate, add_app, add_page, add_sound
-from .models import add_critical, add_eig, add_models
+from .course import add_course
+from .film_and_sound import add_animate, add_sound
+from .models import add_models
+from .page import add_page
+from .paper import add_figure, add_reproduce
 from .parsing import (
     OneLineParser,
     complain,
@@ -21,9 +25,9 @@ from .parsing import (
     normalise_arguments,
     unknown_option_text,
 )
-from .preparation import add_course, add_warmup
-from .reports import add_figure, add_reproduce
 from .run import add_run
+from .stability import add_critical, add_eig
+from .warmup import add_warmup
 
 PROGRAM = "frictionlab"
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter is 128 + SIGINT, as in shells
@@ -107,11 +111,15 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
 
 
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    from .media import animate_command, app_command, page_command, sound_command
-    from .models import critical_command, eig_command, models_command
-    from .preparation import course_command, warmup_command
-    from .reports import figure_command, reproduce_command
+    from .app import app_command
+    from .course import course_command
+    from .film_and_sound import animate_command, sound_command
+    from .models import models_command
+    from .page import page_command
+    from .paper import figure_command, reproduce_command
     from .run import run_command
+    from .stability import critical_command, eig_command
+    from .warmup import warmup_command
 
     does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}
     does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}

@@ -9,6 +9,7 @@ from typing import Any
 from frictionlab.cli.parsing import OneLineParser, add_command, model_names
 
 SHELLS = "bash", "zsh", "fish"
+
 COMPLETION_DESCRIPTION = """\
 Print a script by which a shell completes commands, options, models and
 files."""

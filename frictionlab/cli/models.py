@@ -1,21 +1,15 @@
-"""`frictionlab models`, `eig` and `critical`: what is known without a run: the models and their parameters,
-steady sliding, and where it loses stability.
-"""
+"""`frictionlab models`: the models, and the parameters of one."""
 
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Iterator
 from typing import Any
 
 from .parsing import (
     OneLineParser,
     add_command,
     add_json,
-    add_model_options,
     model_data,
-    model_from_options,
     model_of,
     print_json,
 )
@@ -32,30 +26,6 @@ examples:
 
 exit status: 0 listed; 2 bad arguments."""
 
-EIG_DESCRIPTION = """\
-Print the equilibrium of steady sliding and its eigenvalues: frequencies,
-growth rates, and whether it is stable."""
-
-EIG_EPILOG = """\
-examples:
-  frictionlab eig
-  frictionlab eig --set mu_k=2.5
-  frictionlab eig --model ModeCoupling --json
-
-exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
-
-CRITICAL_DESCRIPTION = """\
-Print every value of a parameter between LOW and HIGH at which steady sliding
-loses or regains stability, with the frequency there and the kind."""
-
-CRITICAL_EPILOG = """\
-examples:
-  frictionlab critical mu_k 0 4
-  frictionlab critical mu_k 0 4 --without geometry
-  frictionlab critical v 0.05 3 --model "MassOnBelt(friction=WeakeningStrengthening(), c=0.1)"
-
-exit status: 0 computed; 2 bad arguments, or there is no steady sliding."""
-
 
 def add_models(commands: Any) -> OneLineParser:
     """Add the command `models`; returns its parser."""
@@ -63,26 +33,6 @@ def add_models(commands: Any) -> OneLineParser:
         commands, "models", "list the models, or the parameters of one", MODELS_DESCRIPTION, MODELS_EPILOG
     )
     parser.add_argument("name", nargs="?", metavar="NAME", help="a model, with laws if you like")
-    add_json(parser)
-    return parser
-
-
-def add_eig(commands: Any) -> OneLineParser:
-    """Add the command `eig`; returns its parser."""
-    parser = add_command(commands, "eig", "eigenvalues of steady sliding", EIG_DESCRIPTION, EIG_EPILOG)
-    add_model_options(parser)
-    add_json(parser)
-    return parser
-
-
-def add_critical(commands: Any) -> OneLineParser:
-    """Add the command `critical`; returns its parser."""
-    about = "where a parameter makes steady sliding unstable"
-    parser = add_command(commands, "critical", about, CRITICAL_DESCRIPTION, CRITICAL_EPILOG)
-    parser.add_argument("parameter", metavar="PARAMETER", help="such as mu_k")
-    parser.add_argument("low", type=float, metavar="LOW", help="from this value")
-    parser.add_argument("high", type=float, metavar="HIGH", help="to this one")
-    add_model_options(parser)
     add_json(parser)
     return parser
 
@@ -124,107 +74,3 @@ def _one_model(name: str) -> tuple[dict[str, Any], str]:
 
 def _switches(model: Any) -> str:
     return ", ".join(model.nonlinearities) or "nothing"
-
-
-def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    """Print equilibrium and eigenvalues; returns the exit status."""
-    from frictionlab.stability import eigenvalues
-
-    try:
-        model = model_from_options(chosen)
-        eigenvalues(model)  # raises before anything is printed
-    except (ValueError, TypeError) as error:
-        parser.error(str(error))
-    if chosen.json:
-        print_json({**model_data(model), **stability_data(model)})
-    else:
-        print(f"{model!r}\n" + "\n".join(equilibrium_lines(model)))
-    return 0
-
-
-def equilibrium_lines(model: Any) -> Iterator[str]:
-    """Equilibrium and eigenvalues, or one line that says why there are none."""
-    from frictionlab.stability import equilibrium
-
-    try:
-        point = equilibrium(model)
-        yield "\nSliding equilibrium"
-        for name, value in zip(model.coordinates, point.q, strict=True):
-            yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
-        if math.isfinite(point.normal_force):  # of a model with one contact
-            forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
-            yield f"  penetration  {point.penetration:+.6f} m, {forces}"
-        yield from _eigenvalue_lines(model)
-    except ValueError as error:
-        yield f"\nNo sliding equilibrium: {error}"
-
-
-def _eigenvalue_lines(model: Any) -> Iterator[str]:
-    from frictionlab.stability import eigenvalues
-
-    try:
-        found = eigenvalues(model)
-    except ValueError as error:
-        yield f"\nNo eigenvalues: {error}"
-        return
-    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
-    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
-    verdict = kind if found.stable else f"{kind}: {lasting}"
-    yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
-    # Of a conjugate pair the one in the upper half-plane stands for both.
-    for value, frequency in zip(found.values, found.frequencies, strict=True):
-        if value.imag >= 0:
-            pair = f" +- {value.imag:.4f}i" if value.imag else ""
-            yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
-
-
-def stability_data(model: Any) -> dict[str, Any]:
-    """Equilibrium and eigenvalues for JSON; raises ValueError where there are none."""
-    from frictionlab.stability import eigenvalues
-
-    found = eigenvalues(model)
-    point = found.equilibrium
-    forces = {"normal_force": point.normal_force, "friction_force": point.friction_force}
-    q = dict(zip(model.coordinates, point.q.tolist(), strict=True))
-    return {
-        "equilibrium": {**q, "penetration": point.penetration, **forces},
-        "eigenvalues": found.values.tolist(),
-        "stable": found.stable,
-        "marginal": found.marginal,
-    }
-
-
-def critical_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    """Print the changes of stability; returns the exit status."""
-    from frictionlab.stability import stability_changes
-
-    try:
-        model = model_from_options(chosen)
-        changes = stability_changes(model, chosen.parameter, (chosen.low, chosen.high))
-    except (ValueError, TypeError) as error:
-        parser.error(str(error))
-    rows = [_change_data(change) for change in changes]
-    if chosen.json:
-        asked = {"parameter": chosen.parameter, "bounds": [chosen.low, chosen.high]}
-        print_json({**model_data(model), **asked, "changes": rows})
-    else:
-        print("\n".join([f"{model!r}", *map(_change_line, rows)] if rows else _no_change(chosen, model)))
-    return 0
-
-
-def _change_data(change: Any) -> dict[str, Any]:
-    names = ("value", "kind", "direction", "frequency", "unstable")
-    return {name: getattr(change, name) for name in names}
-
-
-def _change_line(row: dict[str, Any]) -> str:
-    before, after = row["unstable"]
-    at = f" at {row['frequency']:.4f} Hz" if row["kind"] == "flutter" else ""
-    return (
-        f"  {row['value']:.8f}  {row['direction']} by {row['kind']}{at}, unstable pairs {before} -> {after}"
-    )
-
-
-def _no_change(chosen: argparse.Namespace, model: Any) -> list[str]:
-    between = f"{chosen.parameter} from {chosen.low:g} to {chosen.high:g}"
-    return [f"{model!r}", f"  no change of stability with {between}: `frictionlab eig` says which it is"]

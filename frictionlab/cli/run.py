@@ -17,7 +17,6 @@ from functools import partial
 from typing import Any
 
 from . import parsing
-from .models import equilibrium_lines, stability_data
 from .parsing import (
     DEFAULT_MODEL,
     OneLineParser,
@@ -29,6 +28,7 @@ from .parsing import (
     print_json,
     values_of,
 )
+from .stability import equilibrium_lines, stability_data
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),

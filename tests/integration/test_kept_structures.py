@@ -13,7 +13,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab import cache_folder
-from frictionlab.cli.preparation import shipped_models
+from frictionlab.cli.shipped_structures import shipped_models
 from frictionlab.components import FrictionLaw
 from frictionlab.models import serialisation
 from frictionlab.models.serialisation import derivations_of, structure_of_component
@@ -155,7 +155,7 @@ WRITE_ARCHIVE = """
 from pathlib import Path
 import frictionlab as fl
 from frictionlab import Stribeck, HertzContact
-from frictionlab.cli.preparation import write_archive
+from frictionlab.cli.shipped_structures import write_archive
 write_archive(Path({path!r}), (eval(text) for text in {models!r}))
 print(1)
 """

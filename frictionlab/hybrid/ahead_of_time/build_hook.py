@@ -22,7 +22,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 VARIABLE = "FRICTIONLAB_BUILD_KERNELS"
 COMMAND = "-m", "frictionlab.hybrid.ahead_of_time", "--if-changed"
 OBJECTS = "frictionlab/hybrid/ahead_of_time/objects"
-DERIVE = "-m", "frictionlab.cli.preparation"
+DERIVE = "-m", "frictionlab.cli.shipped_structures"
 # Not written into the package: in a clone, whose sources change, structures are derived.
 STRUCTURES, STRUCTURES_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
 

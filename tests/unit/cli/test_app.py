@@ -15,7 +15,7 @@ from urllib.request import Request, urlopen
 
 import pytest
 
-from frictionlab.cli import command, media
+from frictionlab.cli import app, command
 
 
 def test_a_port_in_use_is_refused(refused):
@@ -33,19 +33,19 @@ def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypat
     pytest.importorskip("voila", reason="voila serves the page; it is not installed")
     with contextlib.ExitStack() as opened:
         taken = opened.enter_context(socket.create_server(("127.0.0.1", 0)))
-        monkeypatch.setattr(media, "DEFAULT_PORT", taken.getsockname()[1])
+        monkeypatch.setattr(app, "DEFAULT_PORT", taken.getsockname()[1])
         first, second = (
-            [opened.enter_context(each) for each in media.listening_sockets(None)] for _ in range(2)
+            [opened.enter_context(each) for each in app.listening_sockets(None)] for _ in range(2)
         )
         ports = {each.getsockname()[1] for each in first}, {each.getsockname()[1] for each in second}
     assert all(len(each) == 1 for each in ports)
     gc.collect()  # that socket, whose warning is ignored here only
-    assert len({0, media.DEFAULT_PORT}.union(*ports)) == 4
+    assert len({0, app.DEFAULT_PORT}.union(*ports)) == 4
 
 
 def test_without_voila_one_line_says_what_to_install(monkeypatch, capsys):
     find = importlib.util.find_spec
-    monkeypatch.setattr(media, "find_spec", lambda name: None if name == "voila" else find(name))
+    monkeypatch.setattr(app, "find_spec", lambda name: None if name == "voila" else find(name))
     assert command.main(["app"]) == 1
     captured = capsys.readouterr()
     assert captured.out == ""

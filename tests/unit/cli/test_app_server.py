@@ -27,8 +27,8 @@ PATIENCE = 120  # seconds
 # The command, with as many kernels and as little patience as a test has time for, and an empty page, as the
 # explorer takes some seconds.
 SERVER = """
-from frictionlab.cli import app_server, command, media
-media.NOTEBOOK_CELL = "0"
+from frictionlab.cli import app, app_server, command
+app.NOTEBOOK_CELL = "0"
 app_server.MAX_KERNELS, app_server.IDLE_TIME, app_server.IDLE_CHECK = {most}, {idle}, 1
 raise SystemExit(command.main(["app", "--no-browser"]))
 """

@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 import frictionlab as fl
-from frictionlab.cli import preparation
+from frictionlab.cli import course
 from frictionlab.cli.command import main
 
 ROOT = Path(__file__).parents[3]
@@ -49,11 +49,11 @@ def test_the_wheel_carries_the_notebooks_where_the_command_looks_for_them():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     placed = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
     assert placed == {"tutorials": "frictionlab/tutorials"}
-    assert sorted(path.name for path in preparation.lessons().glob("*.ipynb")) == NOTEBOOKS
+    assert sorted(path.name for path in course.course_folder().glob("*.ipynb")) == NOTEBOOKS
 
 
 def test_without_notebooks_it_says_how_to_get_them(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(preparation, "NOTEBOOKS", "*.nothing")
+    monkeypatch.setattr(course, "NOTEBOOKS", "*.nothing")
     assert main(["course", str(tmp_path / "a")]) == 1
     assert "take the folder tutorials/ of the source" in capsys.readouterr().err
     assert not (tmp_path / "a").exists()

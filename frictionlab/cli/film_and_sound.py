@@ -1,0 +1,147 @@
+"""`frictionlab animate` and `frictionlab sound`: a run as a film in slow motion, and as a sound."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from .parsing import (
+    OneLineParser,
+    add_command,
+    add_json,
+    add_model_options,
+    check_writable,
+    complain,
+    model_data,
+    model_from_options,
+    print_json,
+)
+
+FILM_FORMATS = (".gif", ".html", ".webp")  # those that need no other program
+SOUND_FORMATS = (".wav",)
+PERIODS = 300  # periods of a run where no end time is given: long enough to settle
+EXIT_FAILED = 1
+
+ANIMATE_DESCRIPTION = """\
+Simulate a model and write a film of its moving parts, in slow motion: springs,
+slider, belt and contact forces, coloured by what the contact does."""
+
+ANIMATE_EPILOG = """\
+examples:
+  frictionlab animate -o slider.gif
+  frictionlab animate --model TwoBlocks -o blocks.html --window 30 --fps 10
+
+exit status: 0 written; 1 it could not be written; 2 bad arguments."""
+
+SOUND_DESCRIPTION = """\
+Simulate a model and write what its contact does as a sound, at a stated pitch:
+the relative velocity unless --signal names another state or output."""
+
+SOUND_EPILOG = """\
+examples:
+  frictionlab sound -o slider.wav
+  frictionlab sound --model TwoBlocks --pitch 40 -o blocks.wav
+
+exit status: 0 written; 1 it could not be written; 2 bad arguments."""
+
+
+def add_animate(commands: Any) -> OneLineParser:
+    """Add the command `animate`; returns its parser."""
+    parser = _run_parser(commands, "animate", "write a film of a run", ANIMATE_DESCRIPTION, ANIMATE_EPILOG)
+    parser.add_argument("-o", "--output", metavar="FILE", default="run.gif", help=f"{_list(FILM_FORMATS)}")
+    parser.add_argument(
+        "--window", type=float, metavar="S", help="the last so many seconds (default: 3 periods)"
+    )
+    parser.add_argument("--speed", type=float, metavar="X", help="seconds of the run in one of the film")
+    parser.add_argument("--fps", type=float, default=15.0, metavar="N", help="frames a second (default: 15)")
+    return parser
+
+
+def add_sound(commands: Any) -> OneLineParser:
+    """Add the command `sound`; returns its parser."""
+    parser = _run_parser(commands, "sound", "write a run as sound", SOUND_DESCRIPTION, SOUND_EPILOG)
+    parser.add_argument("-o", "--output", metavar="FILE", default="run.wav", help="a .wav (default: run.wav)")
+    parser.add_argument("--signal", metavar="NAME", help="a state or an output, such as friction_force")
+    parser.add_argument("--pitch", type=float, metavar="X", help="so many times faster than the motion")
+    return parser
+
+
+def _list(formats: tuple[str, ...]) -> str:
+    return f"{', '.join(formats)} (default: run{formats[0]})"
+
+
+def _run_parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
+    parser = add_command(commands, name, about, description, epilog)
+    add_model_options(parser)
+    parser.add_argument("--x0", default="rest", metavar="STATE", help="rest or near (default: rest)")
+    parser.add_argument(
+        "--t-end", type=float, metavar="S", help="length of the run (default: some 300 periods)"
+    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
+    add_json(parser)
+    return parser
+
+
+def animate_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Write the film; returns the exit status."""
+    from frictionlab.interruption import progress
+    from frictionlab.plotting import animate
+    from frictionlab.plotting.animation.animate import DEFAULT_WINDOW
+
+    with progress(not (chosen.quiet or chosen.json)):
+        run = _checked_run(chosen, parser, FILM_FORMATS)
+        window = DEFAULT_WINDOW if chosen.window is None else chosen.window
+        try:
+            film = animate(run, window=window, speed=chosen.speed, fps=chosen.fps)
+        except ValueError as error:
+            parser.error(str(error))
+        return _write(film, chosen, parser, {**model_data(run.source), "t_end": run.raw.t})
+
+
+def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+    """Write the sound; returns the exit status."""
+    from frictionlab.interruption import progress
+    from frictionlab.widgets.sound import listen
+
+    with progress(not (chosen.quiet or chosen.json)):
+        run = _checked_run(chosen, parser, SOUND_FORMATS)
+        try:
+            sound = listen(run, chosen.signal, pitch=chosen.pitch)
+        except ValueError as error:
+            parser.error(str(error))
+        about = {"t_end": run.raw.t, "signal": sound.signal, "pitch": sound.pitch}
+        return _write(sound, chosen, parser, {**model_data(run.source), **about})
+
+
+def _checked_run(chosen: argparse.Namespace, parser: OneLineParser, formats: tuple[str, ...]) -> Any:
+    """A run of the chosen model; the options are checked before it."""
+    from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
+    from frictionlab.analysis.simulate import simulate
+    from frictionlab.validation import check_number
+
+    path = Path(chosen.output)
+    try:
+        if path.suffix.lower() not in formats:
+            listed = ", ".join(formats)
+            raise ValueError(f"-o must end in one of {listed}, got {chosen.output!r}: take {formats[0]}")
+        check_writable(path, "-o")
+        model = model_from_options(chosen)
+        if chosen.t_end is None:
+            chosen.t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
+        check_number("--t-end", chosen.t_end, above=0.0, cure="give the length of the run in seconds")
+        return simulate(model, chosen.t_end, x0=chosen.x0)
+    except (ValueError, TypeError) as error:
+        parser.error(str(error))
+
+
+def _write(made: Any, chosen: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
+    path = Path(chosen.output)
+    options = {} if path.suffix.lower() in (".wav", ".html") else {"writer": "pillow"}
+    try:
+        made.save(path, **options)
+    except OSError as error:
+        complain(parser.prog, f"error: {error}")
+        return EXIT_FAILED
+    print_json({**data, "file": str(path)}) if chosen.json else print(f"wrote {path}")
+    return 0

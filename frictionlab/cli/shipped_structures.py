@@ -1,0 +1,89 @@
+"""Structures of the library's models, derived beforehand for a wheel; no command of `frictionlab`.
+
+``python -m frictionlab.cli.shipped_structures FILE`` derives the structures of the library's models, that is
+the tapes and formulas that runs, equilibria and pictures need, and writes them to an archive for the wheel.
+So not even the first process on a machine needs sympy.  The code that derives them for the cache folder does
+it, and the archive's files are those of that folder.  :mod:`frictionlab.models.serialisation` reads them, if
+they were derived from its own sources.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from itertools import combinations
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
+
+from .parsing import model_of
+
+
+def shipped_models() -> Iterator[Any]:
+    """The models that `list_models` lists, each with every subset of its nonlinearities left out."""
+    from frictionlab import models
+
+    for row in models.list_models():
+        model = model_of(row.call)
+        switches = tuple(model.nonlinearities)
+        for count in range(len(switches) + 1):
+            for names in combinations(switches, count):
+                yield model.without(*names)
+
+
+def derive(model: Any) -> None:
+    """Derive all that a run, its picture and its summary need, and the nonlinearities for `without`."""
+    import numpy as np
+
+    from frictionlab.hybrid.problem import evaluate_output
+    from frictionlab.hybrid.tape.packing import program_of
+    from frictionlab.stability import eigenvalues
+
+    automaton, _ = model.automaton(), model.nonlinearities
+    program_of(automaton, complete=False)
+    count = len(automaton.names)
+    states = np.ones((count, len(automaton.state_names)))
+    with np.errstate(all="ignore"):
+        for name in automaton.outputs:
+            evaluate_output(automaton, name, states, np.arange(count), automaton.names)
+    with suppress(ValueError):  # there need be no equilibrium
+        eigenvalues(model)
+
+
+def write_archive(path: Path, library: Iterable[Any]) -> None:
+    """Derive the structures of models in a temporary cache folder, and write its files to an archive.
+
+    What was derived of a model before this call is in the user's own cache folder, not in the archive:
+    `library` should be an iterator that makes the models one by one.
+    """
+    from frictionlab import cache_folder
+    from frictionlab.file_writing import write_file
+    from frictionlab.models import serialisation
+
+    with TemporaryDirectory() as folder:
+        os.environ[cache_folder.FOLDER_VARIABLE] = folder
+        for model in library:
+            derive(model)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with write_file(path) as beside, ZipFile(beside, "w", ZIP_DEFLATED, compresslevel=9) as archive:
+            archive.comment = serialisation.LOADED.digest.encode()
+            for kept in sorted(Path(folder).rglob("*.structure")):
+                archive.writestr(kept.name, cache_folder.read(kept) or b"")
+
+
+def main() -> None:
+    """Write the archive, unless one derived from the present sources is there already."""
+    from frictionlab.models import serialisation
+
+    parser = argparse.ArgumentParser(description="Derive the structures of the library's models beforehand.")
+    parser.add_argument("file", type=Path, metavar="FILE", help="the archive")
+    path = parser.parse_args().file
+    if serialisation.archive_digest(path) != serialisation.LOADED.digest:
+        write_archive(path, shipped_models())
+
+
+if __name__ == "__main__":
+    main()
