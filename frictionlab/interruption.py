@@ -80,7 +80,7 @@ def partial_result() -> Any:
     return _LAST[0]
 
 
-class Presses:
+class InterruptCounter:
     """Counts presses of ctrl-C; from the press number `limit` on, each interrupts at once."""
 
     def __init__(self, limit: int) -> None:
@@ -95,22 +95,22 @@ class Presses:
 
 
 @contextmanager
-def deferred_interrupts(limit: int) -> Iterator[Presses]:
+def deferred_interrupts(limit: int) -> Iterator[InterruptCounter]:
     """Context in which ctrl-C is counted, and raises KeyboardInterrupt only from the press `limit` on.
 
     Python delivers no signals to threads other than the main one, so nothing is installed there; nor where
     the process ignores them, as in the background of a shell.
     """
-    presses, previous = Presses(limit), None
+    interrupts, previous = InterruptCounter(limit), None
     if threading.current_thread() is threading.main_thread():
         previous = SIGNALS.getsignal(signal.SIGINT)
-    presses.installed = callable(previous)
-    if presses.installed:
-        SIGNALS.signal(signal.SIGINT, presses.note)
+    interrupts.installed = callable(previous)
+    if interrupts.installed:
+        SIGNALS.signal(signal.SIGINT, interrupts.note)
     try:
-        yield presses
+        yield interrupts
     finally:
-        if presses.installed:
+        if interrupts.installed:
             SIGNALS.signal(signal.SIGINT, previous)
 
 

@@ -5,8 +5,8 @@ metre is chosen when it is drawn, so that the largest displacement is well visib
 
     @property
     def mechanism(self):
-        mass = Place(0.0, 0.2, right="x")
-        return Mechanism(Wall((-1.5, 0.0), (-1.5, 0.8)), Spring(Place(-1.5, 0.4), mass), Block(mass))
+        mass = Point(0.0, 0.2, right="x")
+        return Mechanism(Wall((-1.5, 0.0), (-1.5, 0.8)), Spring(Point(-1.5, 0.4), mass), Block(mass))
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from frictionlab.components import functions
 
 
 @dataclass(frozen=True)
-class Place:
+class Point:
     """A point: its position at zero coordinates, and the coordinates that move it.
 
     Parameters
@@ -34,9 +34,9 @@ class Place:
     right: str = ""
     up: str = ""
 
-    def beside(self, x: float, y: float = 0.0) -> Place:
+    def beside(self, x: float, y: float = 0.0) -> Point:
         """A point that moves with this one."""
-        return Place(self.x + x, self.y + y, self.right, self.up)
+        return Point(self.x + x, self.y + y, self.right, self.up)
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Wall:
 
     Parameters
     ----------
-    start, end : (float, float) or Place
+    start, end : (float, float) or Point
     """
 
     start: Any
@@ -58,13 +58,13 @@ class Spring:
 
     Parameters
     ----------
-    start, end : Place
+    start, end : Point
     loose : str
         Name of the mode in which its start is free, as that of a contact spring is in "separation".
     """
 
-    start: Place
-    end: Place
+    start: Point
+    end: Point
     loose: str = ""
 
 
@@ -72,7 +72,7 @@ class Spring:
 class Block:
     """A body about its centre `at`, in the colour of the mode; a ball if `disc`, else a rectangle."""
 
-    at: Place
+    at: Point
     width: float = 0.6
     height: float = 0.4
     disc: bool = False
@@ -94,12 +94,12 @@ class Forces:
 
     Parameters
     ----------
-    at : Place
+    at : Point
     contact : str
         Suffix of the outputs of this contact: "_1", "_2".
     """
 
-    at: Place
+    at: Point
     contact: str = ""
 
 
@@ -125,8 +125,8 @@ def held_block(
     coordinate: str, *, wall: float = -1.6, place: float = 0.0, number: str = ""
 ) -> tuple[Any, ...]:
     """A sliding block, the contact forces on it, and a spring between it and a wall."""
-    block, side = Place(place, 0.2, right=coordinate), 0.3 if wall > place else -0.3
-    held = Spring(Place(wall, 0.2), block.beside(side))
+    block, side = Point(place, 0.2, right=coordinate), 0.3 if wall > place else -0.3
+    held = Spring(Point(wall, 0.2), block.beside(side))
     return Wall((wall, -0.2), (wall, 0.6)), held, Block(block), Forces(block, number)
 
 
@@ -140,13 +140,13 @@ def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
 
     `springs` has for each further spring the place of its fixed end, relative to the body.
     """
-    body = Place(0.0, 0.8, right="x", up="-y")
+    body = Point(0.0, 0.8, right="x", up="-y")
     held = [part for x, y in springs for part in _held(body, x, y)]
-    contact = Spring(Place(0.0, 0.0, right="x"), body.beside(0.0, -0.2), loose="separation")
+    contact = Spring(Point(0.0, 0.0, right="x"), body.beside(0.0, -0.2), loose="separation")
     return Mechanism(Belt(speed), contact, *held, Block(body), Forces(body))
 
 
-def _held(body: Place, x: float, y: float) -> tuple[Any, ...]:
+def _held(body: Point, x: float, y: float) -> tuple[Any, ...]:
     across = 0.15 / (x * x + y * y) ** 0.5
     ends = ((body.x + x - s * y * across, body.y + y + s * x * across) for s in (1, -1))
-    return Wall(*ends), Spring(Place(body.x + x, body.y + y), body)
+    return Wall(*ends), Spring(Point(body.x + x, body.y + y), body)

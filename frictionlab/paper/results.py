@@ -49,7 +49,7 @@ EVERY_FIGURE = FIGURES | STEADY
 WITHOUT_GEOMETRY = (13, 14)  # where both impact laws are the same
 # Claim -> module with `CHECKS`, name -> function that gives the Claim.
 CLAIMS: dict[str, str] = {f"C{i}": "checks.linear_stability" for i in range(1, 9)}
-# Claim -> module with `CHECKS`, name -> Question.
+# Claim -> module with `CHECKS`, name -> ClaimCheck.
 STEADY_CLAIMS = {
     **dict.fromkeys((f"C{i}" for i in range(9, 21)), "checks.bifurcations"),
     **dict.fromkeys((f"C{i}" for i in range(21, 26)), "checks.nonsmooth"),
@@ -164,7 +164,7 @@ class Finding(NamedTuple):
     held: dict[str, bool]
 
 
-class Question(NamedTuple):
+class ClaimCheck(NamedTuple):
     """A claim to be checked: where it stands, what it says, and what decides it.
 
     `impacts` tells whether the impact law can make a difference: not without the moving load or impacts.
@@ -176,13 +176,13 @@ class Question(NamedTuple):
     impacts: bool = True
 
 
-def compare(name: str, question: Question, setting: Setting) -> Claim:
+def compare(name: str, claim: ClaimCheck, setting: Setting) -> Claim:
     """Check a claim in all ways.
 
     Parameters
     ----------
     name : str
-    question : Question
+    claim : ClaimCheck
     setting : Setting
         Its grid, workers and so on are used; algorithm and impact law are varied.
 
@@ -190,7 +190,7 @@ def compare(name: str, question: Question, setting: Setting) -> Claim:
     -------
     Claim
     """
-    check, impacts = question.check, question.impacts
+    check, impacts = claim.check, claim.impacts
     exact, paper = check(setting.with_solver(*EXACT_SOLVER)), check(setting.with_solver(*PAPER_ALGORITHM))
     full = check(setting.with_solver(*FULL_GAP_RATE)) if impacts else None
     why = [
@@ -202,8 +202,8 @@ def compare(name: str, question: Question, setting: Setting) -> Claim:
         why.append(REASON_FOR_DIFFERENCE)
     return Claim(
         name,
-        question.where,
-        question.says,
+        claim.where,
+        claim.says,
         exact.text,
         verdict_by_solver(exact, paper),
         " ".join(why),

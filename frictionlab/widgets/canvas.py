@@ -203,7 +203,7 @@ def frame_data(
 def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
     """Sizes of the slider on the tilting belt, and its columns except the mode."""
     names = ("size", "wheels", "radius", "block", "spring", "walls", "anchor", "limits", "reach")
-    scene = {name: getattr(picture.sizes, name) for name in names} | {"columns": BELT}
+    scene = {name: getattr(picture.layout, name) for name in names} | {"columns": BELT}
     scene |= {
         "scale": picture.scale,
         "preload": picture.preload,
@@ -211,7 +211,7 @@ def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
     }
     scene |= {"names": {name: aside for name, (_, aside) in SPRING_LABELS.items()}}
     seen = picture.frames
-    return scene, [picture.sizes.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
+    return scene, [picture.layout.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
 
 
 def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:

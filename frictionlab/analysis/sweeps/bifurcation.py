@@ -424,7 +424,7 @@ def _run_continued(
     """
     bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
-    with deferred_interrupts(URGENT_PRESS) as presses, bar:
+    with deferred_interrupts(URGENT_PRESS) as interrupts, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
                 found = _named_task(name, model, rest if start is None else start, options)
@@ -433,7 +433,7 @@ def _run_continued(
                 journal.keep(i, found)
             done = journal.results[i]
             start = None if done["kind"] == MotionKind.ENDED_EARLY else np.array(done["final"])
-            if presses.count:
+            if interrupts.count:
                 return False
     return True
 

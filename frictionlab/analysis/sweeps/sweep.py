@@ -25,7 +25,14 @@ from numpy.typing import NDArray
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.sweeps.journal import Journal, results_schema
-from frictionlab.interruption import POLL_TIME, STOP_SIGN, Presses, deferred_interrupts, progress_bar, tell
+from frictionlab.interruption import (
+    POLL_TIME,
+    STOP_SIGN,
+    InterruptCounter,
+    deferred_interrupts,
+    progress_bar,
+    tell,
+)
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
@@ -83,30 +90,30 @@ def run_tasks(
     max_running = TASKS_PER_WORKER * count if executor is None else len(left)
     bar = progress_bar(total=len(left), desc=title, shown=execution.progress)
     todo, running, failed = iter(left), {}, {}
-    with bar, deferred_interrupts(URGENT_PRESS) as presses:
+    with bar, deferred_interrupts(URGENT_PRESS) as interrupts:
         try:
-            with _executor(executor, count, presses) as pool:
-                while not failed and not presses.count:
+            with _executor(executor, count, interrupts) as pool:
+                while not failed and not interrupts.count:
                     _submit_tasks(running, todo, max_running, pool, function)
                     if not running:
                         break
                     _collect_results(running, keep, failed, bar)
                 for future in [f for f in running if f.cancel()]:
                     del running[future]
-                _finish_tasks(running, presses, lambda: _collect_results(running, keep, failed, bar))
+                _finish_tasks(running, interrupts, lambda: _collect_results(running, keep, failed, bar))
         except KeyboardInterrupt:
             return False
-    if failed and not presses.count:
+    if failed and not interrupts.count:
         index, error = min(failed.items())
         raise RuntimeError(f"{names[index]} failed with {type(error).__name__}: {error}") from error
-    return not presses.count
+    return not interrupts.count
 
 
-def _finish_tasks(running: Sized, presses: Presses, collect: Callable[[], None]) -> None:
+def _finish_tasks(running: Sized, interrupts: InterruptCounter, collect: Callable[[], None]) -> None:
     """Collect the results of tasks that have begun; after ctrl-C, tell the user of the wait."""
     since, told = monotonic(), False
-    while running and presses.count < LEAVING_PRESS:
-        if presses.count and not told and monotonic() - since > SILENT_TIME:
+    while running and interrupts.count < LEAVING_PRESS:
+        if interrupts.count and not told and monotonic() - since > SILENT_TIME:
             tasks = "the task that has" if len(running) == 1 else f"the {len(running)} tasks that have"
             tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
             told = True
@@ -162,7 +169,7 @@ def _submit_tasks(
 
 
 @contextmanager
-def _executor(given: Executor | None, workers: int, presses: Presses) -> Iterator[Executor]:
+def _executor(given: Executor | None, workers: int, interrupts: InterruptCounter) -> Iterator[Executor]:
     """The given executor, which is left open, or one of threads, whose runs stop if they are abandoned."""
     if given is not None:
         yield given
@@ -175,7 +182,7 @@ def _executor(given: Executor | None, workers: int, presses: Presses) -> Iterato
         sign.set()
         raise
     finally:
-        if presses.count >= LEAVING_PRESS:
+        if interrupts.count >= LEAVING_PRESS:
             sign.set()
         pool.shutdown(wait=not sign.is_set(), cancel_futures=True)
 

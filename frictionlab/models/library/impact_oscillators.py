@@ -22,7 +22,7 @@ from frictionlab.models.library.parameters import (
 )
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
-from frictionlab.models.mechanism import Block, Mechanism, Place, Spring, Wall
+from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import with_signature
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ class BouncingBall(MechanicalModel):
     @property
     def mechanism(self) -> Mechanism:
         """A ball above the ground."""
-        ball = Block(Place(0.0, 0.2, up="y"), width=0.4, height=0.4, disc=True)
+        ball = Block(Point(0.0, 0.2, up="y"), width=0.4, height=0.4, disc=True)
         return Mechanism(Wall((-1.0, 0.0), (1.0, 0.0)), ball)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
@@ -171,9 +171,9 @@ class ImpactOscillator(SingleMass):
     @property
     def mechanism(self) -> Mechanism:
         """A block on a spring, and the stop, which it touches at d."""
-        block, edge = Place(0.0, 0.2, right="x"), Place(0.3, 0.2, right="d")
+        block, edge = Point(0.0, 0.2, right="x"), Point(0.3, 0.2, right="d")
         stop = Wall(edge.beside(0.0, -0.4), edge.beside(0.0, 0.4))
-        held = Spring(Place(-1.6, 0.2), block.beside(-0.3))
+        held = Spring(Point(-1.6, 0.2), block.beside(-0.3))
         return Mechanism(Wall((-1.6, -0.2), (-1.6, 0.6)), held, stop, Block(block))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:

@@ -18,7 +18,7 @@ from frictionlab.paper.figures.bifurcations import (
     phase_plane_cycle,
     steady_state_text,
 )
-from frictionlab.paper.results import Finding, Question
+from frictionlab.paper.results import ClaimCheck, Finding
 from frictionlab.paper.scenes import (
     Setting,
     count,
@@ -78,13 +78,13 @@ def _check_cycles(setting: Setting) -> Finding:
 
 
 RESPONSE_CHECKS = {
-    "C9": Question(
+    "C9": ClaimCheck(
         "Fig. 7",
         "mu_k 0.3: near and far go to the equilibrium; 1.4: near to the equilibrium, far to a limit cycle; "
         "2.5: both to the limit cycle",
         _check_starts,
     ),
-    "C10": Question(
+    "C10": ClaimCheck(
         "Fig. 8", "steady state periodic at mu_k 1.4, about 1.58 Hz; non-periodic at 2.5", _check_cycles
     ),
 }
@@ -199,29 +199,29 @@ def _mean(values: Any) -> float:
     return float(np.mean(values)) if len(values) else np.nan
 
 
-CONTACT_CHECKS: dict[str, Question] = {
-    "C11": Question(
+CONTACT_CHECKS: dict[str, ClaimCheck] = {
+    "C11": ClaimCheck(
         "Fig. 9",
         "x1 at the onset of stick: periodic for 0.9 <= mu_k < 1.8, "
         "non-periodic for 0.4 <= mu_k < 0.9 and 1.8 <= mu_k < 3",
         _check_sections,
     ),
-    "C12": Question(
+    "C12": ClaimCheck(
         "Fig. 10",
         "only the equilibrium for mu_k < 0.4, only the limit cycle for mu_k > 1.5, both in [0.4, 1.5]",
         _check_coexistence,
     ),
-    "C13": Question(
+    "C13": ClaimCheck(
         "Fig. 11a",
         "k_nl = 0: periodic for 0.9 <= mu_k < 1.8 except 1.3; also a stable periodic cycle at 0.05",
         _check_linear_contact,
     ),
-    "C14": Question(
+    "C14": ClaimCheck(
         "Fig. 11b",
         "k_nl = 1e7 N/m^3: periodic for 0.75 <= mu_k <= 2.9 and at 0.1, nearly the same section values there",
         _check_hard_contact_with_geometry,
     ),
-    "C15": Question(
+    "C15": ClaimCheck(
         "Fig. 12",
         "both solutions coexist in [0.4, 1.5] for k_nl 0 and 1e4, in (0, 0.6] for 1e7; L_s grows with mu_k "
         "for 0 and 1e4; for 1e7 it is lower where the motion is periodic",
@@ -321,28 +321,28 @@ def _check_preload(setting: Setting) -> Finding:
 
 
 WITHOUT_GEOMETRY = {
-    "C16": Question(
+    "C16": ClaimCheck(
         "Fig. 13a, b",
         "without GN, k_nl 0 and 1e4: nearly unchanged periodic oscillation for mu_k in [0.38, 2.95]",
         _check_unchanged,
         impacts=False,
     ),
-    "C17": Question(
+    "C17": ClaimCheck(
         "Fig. 13c",
         "without GN, k_nl 1e7: periodic in [0.05, 2.95], non-periodic at very small mu_k",
         _check_hard_contact,
         impacts=False,
     ),
-    "C18": Question(
+    "C18": ClaimCheck(
         "Fig. 13d-f",
         "phase planes without GN at mu_k 2: k_nl 0 and 1e4 alike, 1e7 different",
         _check_phase_planes,
         impacts=False,
     ),
-    "C19": Question(
+    "C19": ClaimCheck(
         "Fig. 14", "without GN, L_s varies steadily with mu_k, much more so than with GN", _check_steadiness
     ),
-    "C20": Question(
+    "C20": ClaimCheck(
         "Fig. 15",
         "mu_k 2.5, k_nl 1e7, F varied: more changes of regime and of L_s with GN than without",
         _check_preload,

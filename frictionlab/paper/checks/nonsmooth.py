@@ -18,7 +18,7 @@ from frictionlab.paper.figures.stiff_structure import (
     ranges,
     steady_states_compared,
 )
-from frictionlab.paper.results import Finding, Question
+from frictionlab.paper.results import ClaimCheck, Finding
 from frictionlab.paper.scenes import (
     Setting,
     agrees_with_printed,
@@ -115,27 +115,27 @@ def _check_frequencies(setting: Setting) -> Finding:
 
 
 CHECKS = {
-    "C21": Question(
+    "C21": ClaimCheck(
         "Fig. 16",
         "mu_k 2.5, F 800 N, k4 to k6 5e6 N/m: amplitudes are much larger without the non-smooth behaviours",
         _check_amplitudes,
     ),
-    "C22": Question(
+    "C22": ClaimCheck(
         "Fig. 17b",
         "sliding only: periodic for all mu_k >= 1.4 (x1 where its velocity is zero)",
         _check_sliding,
         impacts=False,
     ),
-    "C23": Question(
+    "C23": ClaimCheck(
         "Fig. 17a", "with the non-smooth behaviours: non-periodic for most mu_k", _check_nonsmooth
     ),
-    "C24": Question(
+    "C24": ClaimCheck(
         "Fig. 17c",
         "limit cycle from mu_k 0.15 with the non-smooth behaviours, from 1.4 without; the equilibrium loses "
         "stability at 1.735; L_s much larger without",
         _check_onset,
     ),
-    "C25": Question(
+    "C25": ClaimCheck(
         "Fig. 18",
         "response frequencies against unstable eigenfrequencies: close with only GN; larger differences with "
         "only the cubic contact, or only the non-smooth behaviours; marked with all three",

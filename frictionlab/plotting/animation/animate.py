@@ -41,19 +41,19 @@ from frictionlab.validation import check_number, check_path
 
 from .parts import Parts, parts
 from .tilting_belt import (
+    BeltLayout,
     Frames,
     draw_force_arrows,
     draw_mechanism,
     force_legend_handles,
     force_scale,
     is_tilting_belt,
+    lay_out_belt,
     move_force_arrows,
     move_mechanism,
     parameters,
     sample_frames,
 )
-from .tilting_belt import Mechanism as Sizes
-from .tilting_belt import lay_out_mechanism as sizes_of
 
 DEFAULT_DURATION = 6.0  # seconds that an animation lasts, or somewhat longer, where no speed is given
 MAX_FRAMES = 100_000  # of an animation: an hour and more
@@ -70,7 +70,7 @@ class BeltPicture:
     """The slider on the tilting belt, with its contact forces and the preload, in K frames."""
 
     frames: Frames
-    sizes: Sizes
+    layout: BeltLayout
     preload: float
     coordinate: str = "x1"
 
@@ -97,17 +97,17 @@ class BeltPicture:
     @property
     def scale(self) -> float:
         """N per m of the arrows."""
-        return force_scale(self.sizes, self.frames, self.preload)
+        return force_scale(self.layout, self.frames, self.preload)
 
     @property
     def note(self) -> str:
         """A note on the magnification."""
-        return f"displacements × {self.sizes.magnify:g}, tilt as it is"
+        return f"displacements × {self.layout.magnify:g}, tilt as it is"
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The picture's edges in x and in y."""
-        return self.sizes.limits
+        return self.layout.limits
 
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
@@ -115,13 +115,13 @@ class BeltPicture:
 
     def draw(self, ax: Axes) -> tuple[dict[str, Any], Any]:
         """The artists, as they are in the first frame: the moving parts, and the arrows."""
-        return draw_mechanism(ax, self.sizes), draw_force_arrows(ax, self.scale)
+        return draw_mechanism(ax, self.layout), draw_force_arrows(ax, self.scale)
 
     def move(self, artists: Any, frame: int, colour: str | None) -> list[Artist]:
         """Put the artists where they are in a frame, the slider in the colour of its mode."""
         bodies, arrows = artists
-        moved = move_mechanism(bodies, self.sizes, frame, colour)
-        move_force_arrows(arrows, self.sizes, self.frames, self.preload, frame)
+        moved = move_mechanism(bodies, self.layout, frame, colour)
+        move_force_arrows(arrows, self.layout, self.frames, self.preload, frame)
         return [*moved, arrows]
 
 
@@ -156,7 +156,7 @@ def picture_of(
     if isinstance(mechanism, Mechanism):
         return parts(run, mechanism, t, magnify)
     seen, p = sample_frames(run, t), parameters(run)
-    return BeltPicture(seen, sizes_of(seen, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify), p["F"])
+    return BeltPicture(seen, lay_out_belt(seen, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify), p["F"])
 
 
 @dataclass(frozen=True, eq=False)

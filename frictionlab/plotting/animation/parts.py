@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
-from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Place, Spring, Wall
+from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall
 from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
@@ -235,7 +235,7 @@ class SampledRun:
 
     def at(self, place: Any, s: float) -> list[Array]:
         """x and y (K,) of a place."""
-        place = place if isinstance(place, Place) else Place(*place)
+        place = place if isinstance(place, Point) else Point(*place)
         return [base + self._moved(name, s) for base, name in ((place.x, place.right), (place.y, place.up))]
 
     def _moved(self, name: str, s: float) -> Array:
@@ -281,5 +281,5 @@ def _spring(part: Spring, seen: SampledRun, s: float) -> Array:
 
 def _names(mechanism: Mechanism) -> set[str]:
     """Names of the coordinates and parameters that move the places of a mechanism."""
-    places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Place)]
+    places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Point)]
     return {name for place in places for name in (place.right, place.up) if name}

@@ -110,7 +110,7 @@ def is_tilting_belt(run: Any) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Mechanism:
+class BeltLayout:
     """Sizes of the picture, and where its moving parts are in each of K frames.
 
     Parameters
@@ -175,9 +175,9 @@ class Mechanism:
         return (left - margin, right + margin), (ground - margin, self.anchor[1] + 2 * margin)
 
 
-def lay_out_mechanism(
+def lay_out_belt(
     frames: Frames, *, v: float, l1: float, l2: float, magnify: float | None = None
-) -> Mechanism:
+) -> BeltLayout:
     """Where everything is drawn; ``magnify=None`` makes the largest displacement well visible.
 
     Parameters
@@ -196,7 +196,7 @@ def lay_out_mechanism(
     s = magnify if magnify is not None else round_down_1_2_5(room / largest) if largest > 0 else 1.0
     spring = max(0.6 * size, 1.3 * s * float(frames.penetration.max()))
     rows = _part_positions(frames, s, spring, s * v * (frames.t - frames.t[0]))
-    return Mechanism(size, wheels, s, spring, max(room, s * largest), rows)
+    return BeltLayout(size, wheels, s, spring, max(room, s * largest), rows)
 
 
 def _part_positions(frames: Frames, s: float, spring: float, travel: Array) -> Array:
@@ -235,13 +235,13 @@ def to_picture_frame(points: Array, x: float, y: float, slope: float) -> Array:
     return np.array([[c, -s], [s, c]]) @ points + np.array([[x], [y]])
 
 
-def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
+def draw_mechanism(ax: Axes, layout: BeltLayout) -> dict[str, Any]:
     """Draw the mechanism; returns its moving artists by name, for `move_mechanism`.
 
     Parameters
     ----------
     ax : Axes
-    mechanism : Mechanism
+    layout : BeltLayout
 
     Returns
     -------
@@ -249,7 +249,7 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
         "slider", "belt", "wheel1", "wheel2", "marks", "foot", "k1" to "k6" and their names ("k1 name"), at
         their places in the first frame.
     """
-    _draw_walls(ax, mechanism)
+    _draw_walls(ax, layout)
     thin, edge = pen(BLACK, 1.0, ax), ink(ax)
     artists: dict[str, Any] = {
         "belt": Polygon(
@@ -257,9 +257,9 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
         )
     }
     for name in ("wheel1", "wheel2"):
-        artists[name] = Circle((0.0, 0.0), 0.75 * mechanism.radius, facecolor=background(ax), edgecolor=GREY)
+        artists[name] = Circle((0.0, 0.0), 0.75 * layout.radius, facecolor=background(ax), edgecolor=GREY)
     outlined: dict[str, Any] = {"edgecolor": edge, "linewidth": line_width(1.2), "zorder": 3}
-    artists["slider"] = Rectangle((0.0, 0.0), *mechanism.block, **outlined)
+    artists["slider"] = Rectangle((0.0, 0.0), *layout.block, **outlined)
     artists |= {name: Line2D([], [], solid_joinstyle="round", **thin) for name in SPRING_LABELS}
     dots: dict[str, Any] = {"marker": "o", "markersize": marker_size(3.0), "linestyle": "none"}
     artists["marks"] = Line2D([], [], color=edge, **dots)
@@ -269,78 +269,78 @@ def draw_mechanism(ax: Axes, mechanism: Mechanism) -> dict[str, Any]:
         ax.add_patch(artist) if not isinstance(artist, Line2D) else ax.add_line(artist)
     for name, (text, _) in SPRING_LABELS.items():
         artists[f"{name} name"] = ax.text(0, 0, text, ha="center", va="center", fontsize=font_size(10.0))
-    x, y = mechanism.limits
+    x, y = layout.limits
     ax.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
-    move_mechanism(artists, mechanism, 0)
+    move_mechanism(artists, layout, 0)
     return artists
 
 
 def move_mechanism(
-    artists: dict[str, Any], mechanism: Mechanism, frame: int, colour: str | None = None
+    artists: dict[str, Any], layout: BeltLayout, frame: int, colour: str | None = None
 ) -> list[Artist]:
     """Put the artists of `draw_mechanism` where they are in a frame, the slider in the colour of its mode."""
-    row = mechanism.row(frame)
+    row = layout.row(frame)
     place = row["belt_x"], row["belt_y"], row["slope"]
-    loop = 2 * (sum(mechanism.wheels) + np.pi * mechanism.radius)
-    belt = {"wheels": mechanism.wheels, "radius": mechanism.radius}
+    loop = 2 * (sum(layout.wheels) + np.pi * layout.radius)
+    belt = {"wheels": layout.wheels, "radius": layout.radius}
     artists["belt"].set_xy(to_picture_frame(belt_outline(np.linspace(0, loop, 200), **belt), *place).T)
     marks = row["travel"] + loop * np.arange(BELT_MARKS) / BELT_MARKS
     artists["marks"].set_data(*to_picture_frame(belt_outline(marks, **belt), *place))
-    for name, centre in zip(("wheel1", "wheel2"), wheel_centres(mechanism, row)):
+    for name, centre in zip(("wheel1", "wheel2"), wheel_centres(layout, row)):
         artists[name].center = centre
-    artists["slider"].set_xy((row["slider_x"] - mechanism.block[0] / 2, row["slider_y"]))
+    artists["slider"].set_xy((row["slider_x"] - layout.block[0] / 2, row["slider_y"]))
     artists["foot"].set_data([row["foot_x"]], [row["foot_y"]])
     if colour is not None:
         artists["slider"].set_facecolor(colour)
-    for name, (start, end) in spring_ends(mechanism, row).items():
-        artists[name].set_data(*spring_outline(start, end, SPRING_WIDTH * mechanism.size))
-        aside = mechanism.size * np.array(SPRING_LABELS[name][1])
+    for name, (start, end) in spring_ends(layout, row).items():
+        artists[name].set_data(*spring_outline(start, end, SPRING_WIDTH * layout.size))
+        aside = layout.size * np.array(SPRING_LABELS[name][1])
         artists[f"{name} name"].set_position((np.array(start) + np.array(end)) / 2 + aside)
     return list(artists.values())
 
 
-def wheel_centres(mechanism: Mechanism, row: dict[str, float]) -> list[tuple[float, float]]:
+def wheel_centres(layout: BeltLayout, row: dict[str, float]) -> list[tuple[float, float]]:
     """Centres of the two wheels."""
-    (left, right), r = mechanism.wheels, mechanism.radius
+    (left, right), r = layout.wheels, layout.radius
     points = to_picture_frame(
         np.array([[-left, right], [-r, -r]]), row["belt_x"], row["belt_y"], row["slope"]
     )
     return [(float(x), float(y)) for x, y in points.T]
 
 
-def spring_ends(mechanism: Mechanism, row: dict[str, float]) -> dict[str, tuple[Any, Any]]:
+def spring_ends(layout: BeltLayout, row: dict[str, float]) -> dict[str, tuple[Any, Any]]:
     """Both ends of every spring: those to walls and ground stay horizontal or vertical, as in Eq. (1)."""
-    (width, height), (left, right, ground) = mechanism.block, mechanism.walls
+    (width, height), (left, right, ground) = layout.block, layout.walls
     x, y = row["slider_x"], row["slider_y"]
-    middle, (first, second) = y + height / 2, wheel_centres(mechanism, row)
+    middle, (first, second) = y + height / 2, wheel_centres(layout, row)
     return {
         "k1": ((left, middle), (x - width / 2, middle)),
         "k2": ((row["foot_x"], row["foot_y"]), (x, y)),
-        "k3": (mechanism.anchor, (x - width / 2, y + height)),
+        "k3": (layout.anchor, (x - width / 2, y + height)),
         "k4": (second, (right, second[1])),
         "k5": ((first[0], ground), first),
         "k6": ((second[0], ground), second),
     }
 
 
-def _draw_walls(ax: Axes, mechanism: Mechanism) -> None:
+def _draw_walls(ax: Axes, layout: BeltLayout) -> None:
     """Draw the fixed parts: two walls, the ground, the anchor of k3."""
-    (left, right, ground), (x, y) = mechanism.walls, mechanism.anchor
-    span = mechanism.reach + 0.25 * mechanism.size
-    middle = mechanism.spring + mechanism.block[1] / 2
-    across = 0.12 * mechanism.size
-    edges = mechanism.limits[0][0] * 0.9, mechanism.wheels[1] + mechanism.reach + mechanism.radius
+    (left, right, ground), (x, y) = layout.walls, layout.anchor
+    span = layout.reach + 0.25 * layout.size
+    middle = layout.spring + layout.block[1] / 2
+    across = 0.12 * layout.size
+    edges = layout.limits[0][0] * 0.9, layout.wheels[1] + layout.reach + layout.radius
     thick: dict[str, Any] = {"solid_capstyle": "butt", "zorder": 0, **pen(GREY, 4.0, ax)}
     ax.plot([left, left], [middle - span, min(middle + span, y - 2 * across)], **thick)
-    ax.plot([right, right], [-mechanism.radius - span, -mechanism.radius + span], **thick)
+    ax.plot([right, right], [-layout.radius - span, -layout.radius + span], **thick)
     ax.plot(edges, [ground, ground], **thick)
     ax.plot([x - across, x + across], [y - across, y + across], **thick)
 
 
-def force_scale(mechanism: Mechanism, frames: Frames, preload: float) -> float:
+def force_scale(layout: BeltLayout, frames: Frames, preload: float) -> float:
     """N per m of the picture: the largest force is MAX_ARROW_LENGTH times the mechanism's size long."""
     forces = np.abs([frames.normal_force, frames.friction_force]).max()
-    return max(float(forces), abs(preload)) / (MAX_ARROW_LENGTH * mechanism.size) or 1.0
+    return max(float(forces), abs(preload)) / (MAX_ARROW_LENGTH * layout.size) or 1.0
 
 
 def draw_force_arrows(ax: Axes, scale: float) -> Quiver:
@@ -358,12 +358,10 @@ def draw_force_arrows(ax: Axes, scale: float) -> Quiver:
     return ax.quiver(*zeros, color=colours, scale=scale, **width, **options)
 
 
-def move_force_arrows(
-    arrows: Quiver, mechanism: Mechanism, frames: Frames, preload: float, frame: int
-) -> None:
+def move_force_arrows(arrows: Quiver, layout: BeltLayout, frames: Frames, preload: float, frame: int) -> None:
     """Put the arrows in a frame: contact forces start at the slider's centre, the preload ends on its top."""
-    row = mechanism.row(frame)
-    width, height = mechanism.block
+    row = layout.row(frame)
+    width, height = layout.block
     x, y = row["slider_x"], row["slider_y"]
     normal, friction = frames.normal_force[frame], frames.friction_force[frame]
     top = y + height + preload / float(arrows.scale or 1.0)

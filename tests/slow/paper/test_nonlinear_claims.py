@@ -4,7 +4,15 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.paper.checks import nonsmooth
-from frictionlab.paper.results import CLAIMS, EVERY_CLAIM, STEADY_CLAIMS, Finding, Question, Verdict, compare
+from frictionlab.paper.results import (
+    CLAIMS,
+    EVERY_CLAIM,
+    STEADY_CLAIMS,
+    ClaimCheck,
+    Finding,
+    Verdict,
+    compare,
+)
 from frictionlab.paper.scenes import Setting, steady_state_of
 
 USUAL = fl.SliderOnBelt()
@@ -90,7 +98,7 @@ def checked(exact, full, paper, *, impacts=True):
         held = ways[setting.algorithm, setting.impact]
         return Finding(str(setting), dict(zip(("it is so", "it is thus"), held)))
 
-    return compare("C0", Question("nowhere", "so and thus", check, impacts), Setting())
+    return compare("C0", ClaimCheck("nowhere", "so and thus", check, impacts), Setting())
 
 
 YES, HALF, NO = (True, True), (True, False), (False, False)

@@ -11,7 +11,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.models import Friction, Mechanics, Mechanism, with_signature
-from frictionlab.models.mechanism import Belt, Block, Forces, Place, Spring
+from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
 CALLS = [row.call for row in fl.list_models()]
@@ -123,8 +123,8 @@ class Lifted(fl.MechanicalModel):
 
     @property
     def mechanism(self):
-        body = Place(0.0, 0.5, right="x", up="-y")
-        return Mechanism(Belt("v"), Spring(Place(-1.5, 0.5), body), Block(body), Forces(body))
+        body = Point(0.0, 0.5, right="x", up="-y")
+        return Mechanism(Belt("v"), Spring(Point(-1.5, 0.5), body), Block(body), Forces(body))
 
     def mechanics(self, q, v):
         return Mechanics(

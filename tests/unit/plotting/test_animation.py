@@ -23,7 +23,7 @@ from frictionlab.plotting.animation.tilting_belt import (
     draw_force_arrows,
     draw_mechanism,
     force_scale,
-    lay_out_mechanism,
+    lay_out_belt,
     move_force_arrows,
     move_mechanism,
     sample_frames,
@@ -53,7 +53,7 @@ def run(request):
 def drawn(run, **options):
     """Frames, mechanism, and its artists in axes of their own."""
     seen, p = sample_frames(run, T), run.source.parameters
-    picture = lay_out_mechanism(seen, v=p["v"], l1=p["l1"], l2=p["l2"], **options)
+    picture = lay_out_belt(seen, v=p["v"], l1=p["l1"], l2=p["l2"], **options)
     return seen, picture, draw_mechanism(Figure().add_subplot(), picture)
 
 
