@@ -108,10 +108,10 @@ def name_written_file(path: Any) -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        found = _system_error(error)
-        if found is None or not isinstance(path, (str, PathLike)):  # only its owner knows what a stream is
+        cause = _system_error(error)
+        if cause is None or not isinstance(path, (str, PathLike)):  # only its owner knows what a stream is
             raise
-        raise with_cure(found, path, "give another path, or make room") from error
+        raise with_cure(cause, path, "give another path, or make room") from error
 
 
 def _system_error(error: BaseException) -> OSError | None:

@@ -137,9 +137,11 @@ def array(*shape: int | None, finite: bool = True) -> Check:
     def check(name: str, value: Any) -> None:
         if not isinstance(value, list):
             raise ValueError(f"{name} must be a list of numbers, got {abbreviate(value)}")
-        found = float_array(name, value, "", finite=finite)
-        if not (agrees(found.shape, shape) or (found.size == 0 and shape[0] is None and not value)):
-            raise ValueError(f"{name} must have the shape {shape_text(shape)}, got {shape_text(found.shape)}")
+        numbers = float_array(name, value, "", finite=finite)
+        if not (agrees(numbers.shape, shape) or (numbers.size == 0 and shape[0] is None and not value)):
+            raise ValueError(
+                f"{name} must have the shape {shape_text(shape)}, got {shape_text(numbers.shape)}"
+            )
 
     return check
 
@@ -148,9 +150,9 @@ def indices(count: int) -> Check:
     """A list of integers from 0 on that are less than `count`; quick, as there may be millions."""
 
     def check(name: str, value: Any) -> None:
-        found = float_array(name, value, "")
-        whole = found.ndim == 1 and not any(isinstance(each, float) for each in value)
-        if not whole or not ((found >= 0) & (found < count)).all():
+        numbers = float_array(name, value, "")
+        whole = numbers.ndim == 1 and not any(isinstance(each, float) for each in value)
+        if not whole or not ((numbers >= 0) & (numbers < count)).all():
             raise ValueError(
                 f"{name} must be a list of integers from 0 to {count - 1}, got {abbreviate(value)}"
             )

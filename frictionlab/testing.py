@@ -85,17 +85,17 @@ def check_round_trip(subject: Component) -> None:
 
 def _class_names(subject: Component) -> dict[str, type]:
     """The classes that a repr may name."""
-    found: dict[str, type] = {type(subject).__name__: type(subject)}
+    classes: dict[str, type] = {type(subject).__name__: type(subject)}
     waiting = [getattr(subject, name) for name in structure_of(type(subject))]
     while waiting:
         value = waiting.pop()
         if isinstance(value, tuple):
             waiting += value
         elif isinstance(value, Component):
-            found |= _class_names(value)
+            classes |= _class_names(value)
         elif isinstance(value, Enum):
-            found[type(value).__name__] = type(value)
-    return found
+            classes[type(value).__name__] = type(value)
+    return classes
 
 
 def check_law(law: Component) -> None:
@@ -240,11 +240,11 @@ def check_run(model: Any, run: Trajectory) -> None:
 def _check_equations(model: Any) -> None:
     for mode in model.automaton().names:
         try:
-            found = model.equations(mode)
+            equations = model.equations(mode)
         except ValueError:  # a limit mode has no equations to print
             continue
-        if not len(found) or "\\" not in found.latex() or not repr(found):
-            fail(model, f"equations({mode!r}) must print, also in LaTeX", found)
+        if not len(equations) or "\\" not in equations.latex() or not repr(equations):
+            fail(model, f"equations({mode!r}) must print, also in LaTeX", equations)
 
 
 def _check_structure(model: Any) -> None:

@@ -28,8 +28,8 @@ def fold_solutions(cells: list[dict]) -> list[dict]:
     """The cells, with each solution in a block of its own that is closed at first."""
     folded, opened = [], None
     for cell in cells:
-        found = SOLUTION.match(cell["id"])
-        number = found[1] if found else None
+        match = SOLUTION.match(cell["id"])
+        number = match[1] if match else None
         if opened != number:
             if opened:
                 folded.append(markdown(f"close-{opened}", CLOSING))

@@ -60,10 +60,10 @@ CONTENTS = "\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
 
 def names_of(package: str) -> list[str]:
     """Public names that live in a package, the way one writes them after ``frictionlab.``."""
-    found = [name for name, home in frictionlab._HOME.items() if home.partition(".")[0] == package]
+    names = [name for name, home in frictionlab._HOME.items() if home.partition(".")[0] == package]
     module = import_module(f"frictionlab.{package}") if find_spec(f"frictionlab.{package}") else None
     own = [name for name in getattr(module, "__all__", ()) if name not in frictionlab._HOME]
-    paths = map(path_of, found)
+    paths = map(path_of, names)
     return sorted([*paths, *(f"{package}.{name}" for name in own)], key=by_name)
 
 
@@ -107,11 +107,11 @@ def find_by_last_names(app, env, node, contnode):
     domain, target = env.get_domain("py"), node["reftarget"].removeprefix("fl.")
     if target.startswith("frictionlab."):  # where it is defined; its page may be named by where it is public
         target = target.rpartition(".")[2]
-    found = [name for name in domain.objects if f".{name}".endswith(f".{target}")]
-    if len(found) == 1:
-        entry = domain.objects[found[0]]
-        return make_refnode(app.builder, node["refdoc"], entry.docname, entry.node_id, contnode, found[0])
-    return contnode if found else None
+    matching = [name for name in domain.objects if f".{name}".endswith(f".{target}")]
+    if len(matching) == 1:
+        entry = domain.objects[matching[0]]
+        return make_refnode(app.builder, node["refdoc"], entry.docname, entry.node_id, contnode, matching[0])
+    return contnode if matching else None
 
 
 def keep_bars(app, what, name, obj, options, lines: list[str]) -> None:

@@ -74,10 +74,10 @@ class SolveIvp(ExternalMethod):
         options: dict[str, Any] = {"method": self.integrator, "rtol": self.rtol, "atol": self.atol}
         if self.integrator in IMPLICIT:
             options["jac"] = jacobian
-        found = solve_ivp(rates, (t, t_end), z, events=events, **options)
-        hit = [i for i in range(functions.count) if len(found.t_events[i])]
+        solution = solve_ivp(rates, (t, t_end), z, events=events, **options)
+        hit = [i for i in range(functions.count) if len(solution.t_events[i])]
         guard = hit[0] if hit else -1
-        return float(found.t[-1]), found.y[:, -1].copy(), guard, len(found.t) - 1
+        return float(solution.t[-1]), solution.y[:, -1].copy(), guard, len(solution.t) - 1
 
 
 def _event(functions: CompiledMode, i: int) -> Callable[[float, np.ndarray], float]:
@@ -118,12 +118,12 @@ class Cvode(ExternalMethod):
         solver = import_module("sksundae.cvode").CVODE(
             lambda time, y, out: functions.rates(y, out), max_num_steps=10**7, **options
         )
-        found = solver.solve(np.array([t, t_end]), z)
-        steps = len(found.t) - 1  # given only two times, it returns all of its own steps
-        if found.i_events is None or not len(found.i_events):
-            return float(found.t[-1]), np.array(found.y[-1]), -1, steps
-        guard = int(np.flatnonzero(found.i_events[-1])[0])
-        return float(found.t_events[-1]), np.array(found.y_events[-1]), guard, steps
+        solution = solver.solve(np.array([t, t_end]), z)
+        steps = len(solution.t) - 1  # given only two times, it returns all of its own steps
+        if solution.i_events is None or not len(solution.i_events):
+            return float(solution.t[-1]), np.array(solution.y[-1]), -1, steps
+        guard = int(np.flatnonzero(solution.i_events[-1])[0])
+        return float(solution.t_events[-1]), np.array(solution.y_events[-1]), guard, steps
 
 
 def _events(functions: CompiledMode) -> Any:
@@ -187,13 +187,13 @@ class _Diagram:
 
     def run(self, z: np.ndarray, length: float, most: int) -> tuple[float, np.ndarray, int, int]:
         """Integrate from `z` up to an event or the end: time passed, state, guard or -1, steps."""
-        self.found: tuple[float, np.ndarray, int] | None = None
+        self.event: tuple[float, np.ndarray, int] | None = None
         self.left = EVALUATIONS_PER_STEP * most
         self.block.initial_value = z
         self.simulation.dt = None  # PathSim then estimates the first step
         self.simulation.reset()
         steps = self.simulation.run(length)["successful_steps"]
-        end = self.found or (float(self.simulation.time), self.block.engine.state.copy(), -1)
+        end = self.event or (float(self.simulation.time), self.block.engine.state.copy(), -1)
         return *end, steps if self.left >= 0 else most
 
     def _rates(self, z: np.ndarray, u: np.ndarray, t: float) -> np.ndarray:
@@ -214,7 +214,7 @@ class _Diagram:
     def _stop(self, i: int) -> Callable[[float], None]:
         def stop(t: float) -> None:
             # Kept at once: PathSim takes the step back if a later event of it is still to be located.
-            self.found = self.found or (float(t), self.block.engine.state.copy(), i)
+            self.event = self.event or (float(t), self.block.engine.state.copy(), i)
             self.simulation.stop()
 
         return stop
@@ -346,7 +346,7 @@ def _compile_solution(
     term = dx.ODETerm(lambda t, y, args: rates(y))
 
     def solution(z: Any, length: Any, rtol: Any, atol: Any) -> Any:
-        found = dx.diffeqsolve(
+        solved = dx.diffeqsolve(
             term,
             dx.Dopri8(),
             t0=0.0,
@@ -359,11 +359,11 @@ def _compile_solution(
             max_steps=max_steps,
             throw=False,
         )
-        y = found.ys[-1]
-        guard = jax.numpy.where(found.event_mask, guards(y).argmin(), -1) if guards else -1
-        capped = found.result == dx.RESULTS.max_steps_reached  # counts rejected steps too
-        steps = jax.numpy.where(capped, max_steps, found.stats["num_accepted_steps"])
-        return found.ts[-1], y, guard, steps
+        y = solved.ys[-1]
+        guard = jax.numpy.where(solved.event_mask, guards(y).argmin(), -1) if guards else -1
+        capped = solved.result == dx.RESULTS.max_steps_reached  # counts rejected steps too
+        steps = jax.numpy.where(capped, max_steps, solved.stats["num_accepted_steps"])
+        return solved.ts[-1], y, guard, steps
 
     return jax.jit(solution)
 

@@ -35,14 +35,14 @@ MAX_STEPS = 100_000  # most steps of the slow methods; runs that reach the end t
 def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """States and their rates, with F_T = mu_k F_N tanh(v_r/width), and F_N = 0 unless the penetration is
     positive."""
-    found = system_of(structure_of_component(model))
-    contact = found.rubbing
+    system = system_of(structure_of_component(model))
+    contact = system.rubbing
     numbers = {symbol(name): value for name, value in model.parameters.items()}
     pressed = sympy.Piecewise((contact.pressing, contact.penetration > 0), (0, True))
     friction = model.mu_k * pressed * sympy.tanh(contact.relative_velocity / REGULARISATION_WIDTH)
-    rows = zip(found.forces(contact, pressed), found.direction(contact), found.masses, strict=True)
-    rates = [*found.v, *((force + w * friction) / mass for force, w, mass in rows)]
-    return found.states, tuple(sympy.sympify(rate, strict=True).subs(numbers) for rate in rates)
+    rows = zip(system.forces(contact, pressed), system.direction(contact), system.masses, strict=True)
+    rates = [*system.v, *((force + w * friction) / mass for force, w, mass in rows)]
+    return system.states, tuple(sympy.sympify(rate, strict=True).subs(numbers) for rate in rates)
 
 
 def run_regularised(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
@@ -55,8 +55,8 @@ def run_regularised(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
     start = np.zeros(len(z))
     solve_ivp(flow, (0.0, min(t_end, 0.01)), start, **options)
     begin = time.perf_counter()
-    found = solve_ivp(flow, (0.0, t_end), start, **options)
-    return found.y[:, -1], time.perf_counter() - begin, len(found.t) - 1
+    solution = solve_ivp(flow, (0.0, t_end), start, **options)
+    return solution.y[:, -1], time.perf_counter() - begin, len(solution.t) - 1
 
 
 def _compile_flow(z: tuple[Any, ...], rates: tuple[Any, ...]) -> Any:

@@ -206,23 +206,23 @@ def basin_times(samples: int = 10_000, some: int = 200, widths: Sequence[float] 
     warm_up_lanes(oscillator(BELT_SPEED), Taylor())
     exact()
     begin = time.perf_counter()
-    found = exact(samples)
+    basins = exact(samples)
     seconds = time.perf_counter() - begin
-    resting = np.take([a.kind == MotionKind.EQUILIBRIUM for a in found.attractors], found.labels)
+    resting = np.take([a.kind == MotionKind.EQUILIBRIUM for a in basins.attractors], basins.labels)
     rows = [BasinRow("exact", seconds, samples, float(resting.mean()), 0)]
-    starts, resting = found.points[:some], resting[:some]
+    starts, resting = basins.points[:some], resting[:some]
     rows += [_hybrid_row(*way, starts, resting) for way in _hybrid_methods()]
     return rows + [_smooth_row(width, starts, resting) for width in widths]
 
 
 def _hybrid_methods() -> list[tuple[str, Method]]:
     """Other methods for the same automaton."""
-    found: list[tuple[str, Method]] = [("RK4, step 1e-3 s", RK4(step=1e-3))]
+    methods: list[tuple[str, Method]] = [("RK4, step 1e-3 s", RK4(step=1e-3))]
     if find_spec("heyoka"):
-        found += [
+        methods += [
             (f"heyoka, tol {tol:.0e}", Heyoka(oscillator(BELT_SPEED), tol)) for tol in HEYOKA_TOLERANCES
         ]
-    return found
+    return methods
 
 
 def _hybrid_row(name: str, method: Method, starts: np.ndarray, resting: np.ndarray) -> BasinRow:
@@ -253,8 +253,8 @@ def _complete(z: Any) -> list[float]:
 def _basin_row(name: str, seconds: float, ends: np.ndarray, resting: np.ndarray) -> BasinRow:
     """A row of the table from the final states of its runs."""
     at = (1.0 + np.exp(-2.0 * BELT_SPEED)) / 2.0
-    found = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
-    return BasinRow(name, seconds, len(ends), float(found.mean()), int((found != resting).sum()))
+    resting_now = np.hypot(ends[:, 0] - at, ends[:, 1]) < REST_DISTANCE
+    return BasinRow(name, seconds, len(ends), float(resting_now.mean()), int((resting_now != resting).sum()))
 
 
 def _smooth_row(width: float, starts: np.ndarray, resting: np.ndarray) -> BasinRow:

@@ -141,11 +141,11 @@ def _method_result(name: str, method: Method, exact: Trajectory, landing: float)
     )
 
 
-def missed_event_table(found: MissedEvent) -> str:
+def missed_event_table(landing: MissedEvent) -> str:
     """The errors of the methods around the landing, as Markdown."""
     times = " | ".join(f"error {1e3 * abs(t):g} ms {'before' if t < 0 else 'after'}" for t in TABLE_TIMES)
-    errors = [" | ".join(f"{error:.0e}" for error in course.moments) for course in found.results]
-    lines = (f"{c.name} | {error} | {c.landings}" for c, error in zip(found.results, errors, strict=True))
+    errors = [" | ".join(f"{error:.0e}" for error in course.moments) for course in landing.results]
+    lines = (f"{c.name} | {error} | {c.landings}" for c, error in zip(landing.results, errors, strict=True))
     return markdown_table(f"method | {times} | landings seen in the upper panel", lines)
 
 
@@ -221,14 +221,14 @@ def _draw_slope(ax: Axes, points: np.ndarray) -> None:
     ax.annotate(text, (x, y), (10, 2), textcoords="offset points", color="#666666", fontsize=9.0)
 
 
-def draw_missed_event(found: MissedEvent) -> RunFigure:
+def draw_missed_event(landing: MissedEvent) -> RunFigure:
     """The hops after the first landing, by a fixed step and exactly; the errors before and after."""
     picture = RunFigure(figsize=(8.0, 7.6), layout="constrained")
     above, below = picture.subplots(2, 1, height_ratios=(1.0, 1.25))
-    _draw_hops(above, found.results[0], found.results[-1], found.hop)
-    for course in found.results:
+    _draw_hops(above, landing.results[0], landing.results[-1], landing.hop)
+    for course in landing.results:
         below.semilogy(1e3 * TIMES_OF_ERRORS, course.error, color=METHOD_COLOURS[course.name], linewidth=1.5)
-    _draw_names(below, found)
+    _draw_names(below, landing)
     below.set(xlabel="time since the first landing (ms)", ylabel="largest error of a state (SI units)")
     below.set(xlim=(1e3 * TIMES_OF_ERRORS[0], 1e3 * TIMES_OF_ERRORS[-1]), ylim=(1e-17, 1e2))
     return picture
@@ -253,12 +253,12 @@ def _draw_hops(ax: Axes, fixed: MethodResult, exact: MethodResult, hop: float) -
     ax.set(xlim=(1e3 * TIMES_NEAR_LANDING[0], 1e3 * TIMES_NEAR_LANDING[-1]), ylim=(-5.0, 3.4))
 
 
-def _draw_names(ax: Axes, found: MissedEvent) -> None:
+def _draw_names(ax: Axes, landing: MissedEvent) -> None:
     """Each line's name where it has room: the fixed steps before the landing, the others after it."""
-    ax.axhline(found.size, color=GREY, linestyle=DASHED, linewidth=1.2)
-    ax.text(-9.5, 1.6 * found.size, "size of the motion", color="#666666", fontsize=9.0)
+    ax.axhline(landing.size, color=GREY, linestyle=DASHED, linewidth=1.2)
+    ax.text(-9.5, 1.6 * landing.size, "size of the motion", color="#666666", fontsize=9.0)
     early, late = 1e3 * TIMES_OF_ERRORS[[0, -1]] + np.array([0.5, -0.5])
-    for course in found.results:
+    for course in landing.results:
         style: dict[str, Any] = {"color": METHOD_COLOURS[course.name], "fontsize": 9.0}
         if course.name.startswith("fixed"):
             ax.text(early, course.error[0] / 2.5, course.name, va="top", **style)

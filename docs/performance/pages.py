@@ -378,19 +378,19 @@ def write_exact_and_fast(
     """Write the page and its pictures, from the rows of scene B and the costs of the switches."""
     images = folder / IMAGES
     images.mkdir(parents=True, exist_ok=True)
-    found = page_figures.missed_event()
+    landing = page_figures.missed_event()
     pictures = {
         COST_PICTURE: page_figures.cost(rows),
-        MISSED_PICTURE: page_figures.draw_missed_event(found),
+        MISSED_PICTURE: page_figures.draw_missed_event(landing),
         SWITCHES_PICTURE: page_figures.draw_nonlinearity_costs(switched),
     }
     for name, picture in pictures.items():
         picture.savefig(images / name, dpi=110)
-    return write_text(folder / STUDENTS_PAGE, _students_text(rows, found))
+    return write_text(folder / STUDENTS_PAGE, _students_text(rows, landing))
 
 
-def _students_text(rows: Sequence[WorkPrecisionRow], found: page_figures.MissedEvent) -> str:
-    hop = np.abs(page_figures.TIMES_NEAR_LANDING - 0.5 * found.hop) < 0.5 * found.hop
+def _students_text(rows: Sequence[WorkPrecisionRow], landing: page_figures.MissedEvent) -> str:
+    hop = np.abs(page_figures.TIMES_NEAR_LANDING - 0.5 * landing.hop) < 0.5 * landing.hop
     return STUDENTS_TEXT.format(
         cost=COST_PICTURE,
         missed=MISSED_PICTURE,
@@ -398,7 +398,7 @@ def _students_text(rows: Sequence[WorkPrecisionRow], found: page_figures.MissedE
         events=next(row.events for row in rows if row.scene == page_figures.PICTURE_SCENE),
         low=Taylor(tol=1e-6).degree,
         high=Taylor().degree,
-        height=1e6 * found.results[-1].height[hop].max(),
-        hop=1e3 * found.hop,
-        table=page_figures.missed_event_table(found),
+        height=1e6 * landing.results[-1].height[hop].max(),
+        hop=1e3 * landing.hop,
+        table=page_figures.missed_event_table(landing),
     )

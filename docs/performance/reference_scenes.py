@@ -88,9 +88,9 @@ class ReferenceScene:
     model: Any = None
     events: tuple[int, int] | None = None
 
-    def missed(self, found: int) -> int | None:
+    def missed(self, count: int) -> int | None:
         """Number of missed events; negative where there are too many."""
-        return None if self.events is None else min(max(found, self.events[0]), self.events[1]) - found
+        return None if self.events is None else min(max(count, self.events[0]), self.events[1]) - count
 
     def error(self, state: np.ndarray) -> float:
         """Largest deviation of a state."""
@@ -102,7 +102,7 @@ def scenes() -> dict[str, ReferenceScene]:
     """All scenes by name."""
     usual = SliderOnBelt(mu_k=1.4)
     bare = usual.without("cubic", "nonsmooth", "geometry")
-    found = (
+    every = (
         _model("A", "stick, slip and separation without the moving load", usual.without("geometry"), 20.0),
         _model("B", "with it, full gap rate", usual.replace(impact=PlasticImpact("full")), 20.0),
         _model("C", "sliding only, stiff, strongly nonlinear", STIFF_SLIDER, 1.0),
@@ -110,7 +110,7 @@ def scenes() -> dict[str, ReferenceScene]:
         _coulomb(),
         _linear(bare),
     )
-    return {scene.name: scene for scene in found}
+    return {scene.name: scene for scene in every}
 
 
 def _model(name: str, text: str, model: Any, t_end: float) -> ReferenceScene:

@@ -232,11 +232,11 @@ def start_times(repeats: int = 5) -> list[Start]:
     """Each of `STARTS`; medians of interleaved processes."""
     spent = [[_time_starts(code, floor) for code, floor, _ in STARTS.values()] for _ in range(repeats + 1)]
     del spent[0]  # the first turn leaves byte code behind, as an installation does
-    found = []
+    rows = []
     for (name, (*_, floor_name)), turns in zip(STARTS.items(), zip(*spent, strict=True), strict=True):
         first, later, floor = map(median, zip(*turns, strict=True))
-        found.append(Start(name, first, later, floor, floor_name))
-    return found
+        rows.append(Start(name, first, later, floor, floor_name))
+    return rows
 
 
 def _time_starts(code: str, floor: str) -> tuple[float, float, float]:

@@ -105,10 +105,13 @@ def _measured_row(
 ) -> WorkPrecisionRow:
     note = "" if run.status is Status.FINISHED else run.status.name.lower().replace("_", " ")
     error = scene.error(run.final_state) if not note else None
-    found, steps = len(run.events), method.steps if isinstance(method, ExternalMethod) else run.stats["steps"]
-    missed = scene.missed(found)
+    events, steps = (
+        len(run.events),
+        method.steps if isinstance(method, ExternalMethod) else run.stats["steps"],
+    )
+    missed = scene.missed(events)
     return WorkPrecisionRow(
-        scene.name, way.family, way.name, median(spent), error, found, missed, steps, note
+        scene.name, way.family, way.name, median(spent), error, events, missed, steps, note
     )
 
 

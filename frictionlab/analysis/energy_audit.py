@@ -124,23 +124,23 @@ class Balance:
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
         """The energies (J), each (N,)."""
-        found = {"kinetic": self._at(self._terms.kinetic, states)}
-        found |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
+        energies = {"kinetic": self._at(self._terms.kinetic, states)}
+        energies |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
         if any(contact.law is not None for contact in self._terms.contacts):
-            found["contact"] = self._stored(states, modes)
-        return found
+            energies["contact"] = self._stored(states, modes)
+        return energies
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies between events."""
-        found = {name: self._at(power, states) for name, power in self._terms.powers.items()}
+        powers = {name: self._at(power, states) for name, power in self._terms.powers.items()}
         if (moved := self._terms.moved) is not None:
-            found["moving masses"] = self._at(moved.free, states) + sum(
+            powers["moving masses"] = self._at(moved.free, states) + sum(
                 self._output(name, states, modes) * self._at(share, states) for name, share in moved.along
             )
         for contact in self._terms.contacts:
             for name, power in self._contact_powers(contact, states, modes):
-                found[name] = found.get(name, 0.0) + power
-        return {name: found[name] for name in WORKS if name in found}
+                powers[name] = powers.get(name, 0.0) + power
+        return {name: powers[name] for name in WORKS if name in powers}
 
     def jumps(self, run: Trajectory) -> dict[str, Array]:
         """Energy (J) gained at each event: at impacts by velocities, at the end of a period by the phase."""
@@ -148,21 +148,21 @@ class Balance:
         modes = [run.mode_names.index(name) if name else 0 for name in run.events.source]
         ends = run.events.guard == "period"
         gained = self._gain(self._terms.kinetic, before, after)
-        found = {"impacts": np.where(ends, 0.0, gained)}
+        jumps = {"impacts": np.where(ends, 0.0, gained)}
         if (moved := self._terms.moved) is not None:
             carried = np.where(ends, gained, self._gain(moved.energy, before, after))
-            found = {"impacts": gained - carried, "moving masses": carried}
+            jumps = {"impacts": gained - carried, "moving masses": carried}
         if ends.any():  # what depends on the phase may differ between 0 and 2 pi
             changes = [self._gain(energy, before, after) for energy in self._terms.potential.values()]
-            found["moving springs"] = (
+            jumps["moving springs"] = (
                 np.where(ends, np.sum(changes, axis=0), 0.0) if changes else 0.0 * gained
             )
         if any(contact.moved is not None for contact in self._terms.contacts):
             work = self._work_of_moved_contacts(run, ~ends & (before != after).any(axis=1))
             stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
             moved = work + np.where(ends, stored, 0.0)
-            found |= {"impacts": found["impacts"] - work, "moving contacts": moved}
-        return found
+            jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": moved}
+        return jumps
 
     def _gain(self, energy: Any, before: Array, after: Array) -> Array:
         return self._at(energy, after) - self._at(energy, before)
@@ -246,9 +246,9 @@ class Balance:
 @lru_cache(maxsize=64)
 def terms_of(key: Structure) -> Terms:
     """The terms of the energy balance of a structure."""
-    found = system_of(key)
-    mechanics = found.mechanics
-    arguments = [*found.states, *parameter_symbols(key)]
+    system = system_of(key)
+    mechanics = system.mechanics
+    arguments = [*system.states, *parameter_symbols(key)]
 
     def compiled(expression: Any) -> Callable[..., Any]:
         return function_along_run(arguments, expression)
@@ -256,67 +256,67 @@ def terms_of(key: Structure) -> Terms:
     given = (
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
     )
-    contacts = tuple(_contact(found, i, compiled, key) for i in range(len(mechanics.contacts)))
+    contacts = tuple(_contact(system, i, compiled, key) for i in range(len(mechanics.contacts)))
     in_time = any(contact.moved is not None for contact in contacts)
     return Terms(
         kinetic=compiled(mechanics.kinetic),
         potential={name: compiled(energy) for name, energy in given.items() if energy != 0},
-        powers={name: compiled(power) for name, power in _powers(found).items()},
+        powers={name: compiled(power) for name, power in _powers(system).items()},
         contacts=contacts,
-        moved=_moved_masses(found, compiled),
-        masses=tuple(map(compiled, found.mass)) if in_time else (),
+        moved=_moved_masses(system, compiled),
+        masses=tuple(map(compiled, system.mass)) if in_time else (),
     )
 
 
-def _moved_masses(found: LagrangeSystem, compiled: Callable[..., Any]) -> MovedMasses | None:
+def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> MovedMasses | None:
     """The power of what moves masses; None where T is quadratic in the velocities and free of the phase."""
-    kinetic = sp.sympify(found.mechanics.kinetic, strict=True)
-    momenta = [found.at_rest(momentum) for momentum in found.gradient(kinetic, found.v)]
-    energy = _dot(momenta, found.v) + 2 * found.at_rest(kinetic)
-    explicit = found.explicit_rate(kinetic)
+    kinetic = sp.sympify(system.mechanics.kinetic, strict=True)
+    momenta = [system.at_rest(momentum) for momentum in system.gradient(kinetic, system.v)]
+    energy = _dot(momenta, system.v) + 2 * system.at_rest(kinetic)
+    explicit = system.explicit_rate(kinetic)
     if energy == 0 and explicit == 0:
         return None
-    free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
-    power = found.rate(energy) - explicit + _dot(momenta, found.accelerations(free))
+    free = [load - rest for load, rest in zip(system.loads, system.internal, strict=True)]
+    power = system.rate(energy) - explicit + _dot(momenta, system.accelerations(free))
     forces: list[tuple[str, Any]] = []
-    for i, contact in enumerate(found.mechanics.contacts if any(momenta) else ()):
-        of = contact_suffix(found, i)
+    for i, contact in enumerate(system.mechanics.contacts if any(momenta) else ()):
+        of = contact_suffix(system, i)
         if isinstance(contact, Friction):
-            forces += [("friction_force" + of, found.direction(contact))]
+            forces += [("friction_force" + of, system.direction(contact))]
             forces += (
-                [("normal_force" + of, found.normal(contact))] if contact.penetration is not None else []
+                [("normal_force" + of, system.normal(contact))] if contact.penetration is not None else []
             )
         else:
-            forces += [("reaction" + of, found.direction(contact))]
-    shares = ((name, _dot(momenta, found.accelerations(list(along)))) for name, along in forces)
+            forces += [("reaction" + of, system.direction(contact))]
+    shares = ((name, _dot(momenta, system.accelerations(list(along)))) for name, along in forces)
     return MovedMasses(
         compiled(energy), compiled(power), tuple((name, compiled(one)) for name, one in shares)
     )
 
 
-def _powers(found: LagrangeSystem) -> dict[str, Any]:
+def _powers(system: LagrangeSystem) -> dict[str, Any]:
     """The powers of dampers, of loads, and of potentials that depend on time."""
-    damping = [sp.diff(found.mechanics.dissipation, rate) for rate in found.v]
-    powers = {"dampers": -_dot(damping, found.v), "impacts": sp.S.Zero}
-    if any(load != 0 for load in found.loads):
-        powers["loads"] = _dot(found.loads, found.v)
-    moved = found.explicit_rate(found.mechanics.stored)
+    damping = [sp.diff(system.mechanics.dissipation, rate) for rate in system.v]
+    powers = {"dampers": -_dot(damping, system.v), "impacts": sp.S.Zero}
+    if any(load != 0 for load in system.loads):
+        powers["loads"] = _dot(system.loads, system.v)
+    moved = system.explicit_rate(system.mechanics.stored)
     return powers if moved == 0 else powers | {"moving springs": moved}
 
 
-def _contact(found: LagrangeSystem, i: int, compiled: Callable[..., Any], key: Structure) -> ContactTerms:
-    contact, numbered = found.mechanics.contacts[i], contact_suffix(found, i)
+def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: Structure) -> ContactTerms:
+    contact, numbered = system.mechanics.contacts[i], contact_suffix(system, i)
     if not isinstance(contact, Friction):
-        return replace(ContactTerms(numbered, i), **_motion_in_time(found, contact, compiled))
-    terms = ContactTerms(numbered, i, compiled(found.at_rest(contact.relative_velocity)))
+        return replace(ContactTerms(numbered, i), **_motion_in_time(system, contact, compiled))
+    terms = ContactTerms(numbered, i, compiled(system.at_rest(contact.relative_velocity)))
     if contact.penetration is None:
         return terms
-    approach = material_rate(found, contact)
-    terms = replace(terms, approach=compiled(approach), **_motion_in_time(found, contact, compiled))
+    approach = material_rate(system, contact)
+    terms = replace(terms, approach=compiled(approach), **_motion_in_time(system, contact, compiled))
     force = contact.normal_force(GAP) if callable(contact.normal_force) else None
-    if force is None or not sp.sympify(force, strict=True).free_symbols.isdisjoint(found.states):
+    if force is None or not sp.sympify(force, strict=True).free_symbols.isdisjoint(system.states):
         return terms
-    travel = sp.expand(found.rate(contact.penetration) - approach)
+    travel = sp.expand(system.rate(contact.penetration) - approach)
     return replace(
         terms,
         travel=None if contact.normal is None else compiled(travel),
@@ -326,16 +326,16 @@ def _contact(found: LagrangeSystem, i: int, compiled: Callable[..., Any], key: S
 
 
 def _motion_in_time(
-    found: LagrangeSystem, contact: Friction | Stop, compiled: Callable[..., Any]
+    system: LagrangeSystem, contact: Friction | Stop, compiled: Callable[..., Any]
 ) -> dict[str, Any]:
     """The terms of a contact that moves with time; what jumps need of any contact of such a model."""
     gap = -contact.penetration if isinstance(contact, Friction) else contact.distance
-    moved = -found.explicit_rate(gap)
+    moved = -system.explicit_rate(gap)
     if isinstance(contact, Friction):
-        directions = [*found.normal(contact), *found.direction(contact)]
+        directions = [*system.normal(contact), *system.direction(contact)]
     else:
-        directions = [*found.direction(contact)]
-    if not found.phase:
+        directions = [*system.direction(contact)]
+    if not system.phase:
         return {}
     return {
         "moved": None if moved == 0 else compiled(moved),
@@ -488,8 +488,8 @@ def _work_of_pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Ar
     """Works (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + PIECE_NODES)).ravel()
-    found = balance.powers(*run.states_and_modes(t))
+    powers = balance.powers(*run.states_and_modes(t))
     weights = half * PIECE_WEIGHTS
-    each = [power.reshape(weights.shape) for power in found.values()]
+    each = [power.reshape(weights.shape) for power in powers.values()]
     net = np.array([(power * weights).sum(axis=1) for power in each])
     return net, float(sum((np.abs(power) * weights).sum() for power in each))

@@ -108,10 +108,10 @@ def ensemble(
             raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
     names, modes = tuple(map(str, first.states)), problem_for_batch(first, problems[0].x0).program.modes
-    found = replace(ends, names=names, mode_names=modes)
+    result = replace(ends, names=names, mode_names=modes)
     if bar.stopped:
-        raise interruption(f"the ensemble was stopped at {found.t.mean():g} of {t_end:g} s", found)
-    return found
+        raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
+    return result
 
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:

@@ -99,8 +99,8 @@ def lyapunov(
     --------
     >>> import frictionlab as fl
     >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
-    >>> found = fl.lyapunov(model, transient=20.0, t_end=20.0)
-    >>> found.chaotic
+    >>> lyapunov = fl.lyapunov(model, transient=20.0, t_end=20.0)
+    >>> lyapunov.chaotic
     False
     """
     check_flag("progress", progress)

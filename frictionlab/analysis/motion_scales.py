@@ -53,11 +53,11 @@ def state_scales(states: Array, coordinates: int) -> Array:
     It is at least a share of the largest range in its group, so that a state that only decays is not compared
     by its own small range.  A group that does not move is measured by its values.
     """
-    found, values = state_ranges(states), np.abs(states).max(axis=0)
+    ranges, values = state_ranges(states), np.abs(states).max(axis=0)
     for group in state_groups(coordinates):
-        largest = found[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
-        found[group] = np.maximum(found[group], MIN_RANGE_RTOL * largest)
-    return found
+        largest = ranges[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
+        ranges[group] = np.maximum(ranges[group], MIN_RANGE_RTOL * largest)
+    return ranges
 
 
 def motion_size(run: Trajectory, samples: int | None = None) -> Array:

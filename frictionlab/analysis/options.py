@@ -106,7 +106,7 @@ class Execution:
     --------
     >>> import frictionlab as fl
     >>> quietly = fl.Execution(workers=1, progress=False)
-    >>> found = fl.sweep(fl.SliderOnBelt(), lambda m: m.F, {"F": [100, 200]}, execution=quietly)
+    >>> sweep = fl.sweep(fl.SliderOnBelt(), lambda m: m.F, {"F": [100, 200]}, execution=quietly)
     """
 
     workers: int | None = None

@@ -179,10 +179,10 @@ def _event_time_slopes(varied: _VariedRun, i: int, rows: Array) -> Array:
         mode, before = int(program.guard_modes[guard]), run.raw.event_states[i, 0]
         slot = program.code.function_slots[guard]
         at = linearise_mode(program, run.problem.numbers, mode, before)
-        found = -(rows @ at.gradients[slot]) / at.jets[slot, 1]
-        if np.isfinite(found).all():
+        slopes = -(rows @ at.gradients[slot]) / at.jets[slot, 1]
+        if np.isfinite(slopes).all():
             break
-    return found
+    return slopes
 
 
 def _first_frame(varied: _VariedRun, n: int, q: int, count: int, free: bool) -> Array:
@@ -227,10 +227,10 @@ def _saltation(varied: _VariedRun, i: int) -> Array:
     if varied.plain is None:
         return event_saltation(varied.run, i)
     try:
-        found = event_saltation(varied.run, i)
+        saltation = event_saltation(varied.run, i)
     except SaltationError:
         return event_saltation(varied.plain, i)
-    return found if np.isfinite(found).all() else event_saltation(varied.plain, i)
+    return saltation if np.isfinite(saltation).all() else event_saltation(varied.plain, i)
 
 
 def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
@@ -305,7 +305,7 @@ def _varied_modes(
         targets = tuple(name for name in event.targets if name in known)
         return Event(event.name, vary(event.function), targets, varied_reset(event.reset), closing)
 
-    found = tuple(
+    varied = tuple(
         Mode(
             mode.name,
             (*map(vary, mode.flow), *rates, *still),
@@ -316,7 +316,7 @@ def _varied_modes(
         )
         for mode in modes
     )
-    return _VariedModes(found, integrals, vary.in_exponents)
+    return _VariedModes(varied, integrals, vary.in_exponents)
 
 
 class _Variation:

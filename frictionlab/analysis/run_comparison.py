@@ -75,12 +75,12 @@ def accumulation_time(run: Trajectory) -> float:
 
     It is midway between the last separate event and the first of those close together.
     """
-    found = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
-    closed = np.flatnonzero(found.closed)
+    stays = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
+    closed = np.flatnonzero(stays.closed)
     if not len(closed):
         return np.inf
     i = closed[0]
-    return 0.5 * float(found.first[i] + (found.last[i - 1] if i else 0.0))
+    return 0.5 * float(stays.first[i] + (stays.last[i - 1] if i else 0.0))
 
 
 def compare_runs(
@@ -131,10 +131,10 @@ def first_event_difference(one: ModeStays, two: ModeStays, end: float, late: flo
     return float(times[times < end - late].min(initial=np.inf))
 
 
-def _comparison_times(found: ModeStays, end: float) -> Array:
+def _comparison_times(stays: ModeStays, end: float) -> Array:
     """Times at which states are compared: a grid, and some within every stay."""
-    begins = np.append(0.0, found.last)
-    lengths = np.append(found.first, end) - begins
+    begins = np.append(0.0, stays.last)
+    lengths = np.append(stays.first, end) - begins
     within = (begins[:, None] + lengths[:, None] * SAMPLES_WITHIN_STAY).ravel()
     t = np.unique(np.concatenate([np.linspace(0.0, end, COMPARISON_TIMES + 1), within]))
     return t[t >= 0.0]
@@ -144,6 +144,6 @@ def _events_before(first: Array, t: Array) -> Any:
     return np.searchsorted(first, t, side="right")
 
 
-def _between_events(found: ModeStays, t: Array, near: float) -> Any:
+def _between_events(stays: ModeStays, t: Array, near: float) -> Any:
     """Whether a time is neither `near` an event nor within a group of events that count as one."""
-    return _events_before(found.first - near, t) == _events_before(found.last + near, t)
+    return _events_before(stays.first - near, t) == _events_before(stays.last + near, t)

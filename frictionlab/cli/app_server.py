@@ -56,8 +56,8 @@ class LinkIdentity(IdentityProvider):
     """Admits whoever brings the link's token, and from then on the cookie; refuses all others."""
 
     async def get_user(self, handler: Any) -> Any:
-        found: Any = super().get_user(handler)
-        user = await found
+        user_of_request: Any = super().get_user(handler)
+        user = await user_of_request
         if user is None:
             handler.current_user = None  # the error page reads it
             raise web.HTTPError(403, reason=LINK_NEEDED)

@@ -78,8 +78,8 @@ def _words(name: str, parser: argparse.ArgumentParser) -> tuple[list[str], dict[
         options += [option for option in action.option_strings if option.startswith("--")]
         known = model_names() if action.dest == "model" or (name, action.dest) == ("models", "name") else None
         for before in action.option_strings or [name]:
-            if found := [*map(str, action.choices or known or ())]:
-                values[before] = found
+            if choices := [*map(str, action.choices or known or ())]:
+                values[before] = choices
     return options, values
 
 
@@ -90,23 +90,23 @@ def _about(parser: argparse.ArgumentParser) -> str:
 
 def _bash(table: Table, about: Mapping[str, str]) -> str:
     values = [
-        f'      "{name} {before}") words="{" ".join(found)}" ;;'
+        f'      "{name} {before}") words="{" ".join(choices)}" ;;'
         for name, (_, known) in table.items()
-        for before, found in known.items()
+        for before, choices in known.items()
     ]
-    options = [f'      {name}) words="{" ".join(found)}" ;;' for name, (found, _) in table.items()]
+    options = [f'      {name}) words="{" ".join(choices)}" ;;' for name, (choices, _) in table.items()]
     return BASH.format(commands=" ".join(table), values="\n".join(values), options="\n".join(options))
 
 
 def _zsh(table: Table, about: Mapping[str, str]) -> str:
     values = [
-        f'    "{name} {before}") found=({" ".join(found)}) ;;'
+        f'    "{name} {before}") found=({" ".join(choices)}) ;;'
         for name, (_, known) in table.items()
-        for before, found in known.items()
+        for before, choices in known.items()
     ]
     options = [
-        f'    {name}) [[ "${{words[CURRENT]}}" == -* ]] && found=({" ".join(found)}) ;;'
-        for name, (found, _) in table.items()
+        f'    {name}) [[ "${{words[CURRENT]}}" == -* ]] && found=({" ".join(choices)}) ;;'
+        for name, (choices, _) in table.items()
     ]
     described = " ".join(f"'{name}:{about[name]}'" for name in table)
     return ZSH.format(described=described, values="\n".join(values), options="\n".join(options))

@@ -75,13 +75,18 @@ def discard_unwritten(stream: Any) -> None:
 
 def normalise_arguments(argv: Sequence[str]) -> list[str]:
     """The arguments with --mu_k written as --mu-k, and negative values joined to their options."""
-    found: list[str] = []
+    normalised: list[str] = []
     for word in argv:
-        if NEGATIVE_NUMBER.match(word) and found and found[-1].startswith("--") and "=" not in found[-1]:
-            found[-1] += f"={word}"
+        if (
+            NEGATIVE_NUMBER.match(word)
+            and normalised
+            and normalised[-1].startswith("--")
+            and "=" not in normalised[-1]
+        ):
+            normalised[-1] += f"={word}"
         else:
-            found.append(_with_dashes(word))
-    return found
+            normalised.append(_with_dashes(word))
+    return normalised
 
 
 def _with_dashes(word: str) -> str:

@@ -99,16 +99,16 @@ def _eigenvalue_lines(model: Any) -> Iterator[str]:
     from frictionlab.stability import eigenvalues
 
     try:
-        found = eigenvalues(model)
+        at_equilibrium = eigenvalues(model)
     except ValueError as error:
         yield f"\nNo eigenvalues: {error}"
         return
-    lasting = f"{sum(found.growth_rates >= 0)} do not decay"
-    kind = "stable" if found.stable else "marginal" if found.marginal else "unstable"
-    verdict = kind if found.stable else f"{kind}: {lasting}"
+    lasting = f"{sum(at_equilibrium.growth_rates >= 0)} do not decay"
+    kind = "stable" if at_equilibrium.stable else "marginal" if at_equilibrium.marginal else "unstable"
+    verdict = kind if at_equilibrium.stable else f"{kind}: {lasting}"
     yield f"\nEigenvalues there ({verdict})\n  frequency (Hz)  growth rate (1/s)  value (1/s)"
     # Of a conjugate pair the one in the upper half-plane stands for both.
-    for value, frequency in zip(found.values, found.frequencies, strict=True):
+    for value, frequency in zip(at_equilibrium.values, at_equilibrium.frequencies, strict=True):
         if value.imag >= 0:
             pair = f" +- {value.imag:.4f}i" if value.imag else ""
             yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
@@ -118,15 +118,15 @@ def stability_data(model: Any) -> dict[str, Any]:
     """Equilibrium and eigenvalues for JSON; raises ValueError where there are none."""
     from frictionlab.stability import eigenvalues
 
-    found = eigenvalues(model)
-    point = found.equilibrium
+    at_equilibrium = eigenvalues(model)
+    point = at_equilibrium.equilibrium
     forces = {"normal_force": point.normal_force, "friction_force": point.friction_force}
     q = dict(zip(model.coordinates, point.q.tolist(), strict=True))
     return {
         "equilibrium": {**q, "penetration": point.penetration, **forces},
-        "eigenvalues": found.values.tolist(),
-        "stable": found.stable,
-        "marginal": found.marginal,
+        "eigenvalues": at_equilibrium.values.tolist(),
+        "stable": at_equilibrium.stable,
+        "marginal": at_equilibrium.marginal,
     }
 
 

@@ -98,9 +98,9 @@ def parameter(default: float, **about: Unpack[ParameterKeywords]) -> Any:
     """
     _check_default(default)
     check_keywords("parameter", about, ParameterKeywords.__annotations__)
-    found = Parameter(default=default, **about)
-    _check_metadata(found)
-    return dataclasses.field(default=default, metadata={METADATA_KEY: found})
+    record = Parameter(default=default, **about)
+    _check_metadata(record)
+    return dataclasses.field(default=default, metadata={METADATA_KEY: record})
 
 
 def _check_default(default: Any) -> None:
@@ -135,8 +135,8 @@ def parameters_of(component: type) -> Mapping[str, Parameter]:
     A plain ``float`` field counts as a parameter without unit; every other field is *structure*.
     """
     _refuse_undecorated(component)
-    found = {f.name: _parameter_of_field(f) for f in dataclasses.fields(component)}
-    return MappingProxyType({name: about for name, about in found.items() if about is not None})
+    metadata = {f.name: _parameter_of_field(f) for f in dataclasses.fields(component)}
+    return MappingProxyType({name: about for name, about in metadata.items() if about is not None})
 
 
 @cache

@@ -45,13 +45,13 @@ def structural_fields(cls: type) -> tuple[str, ...]:
 
 def structural_defaults(cls: type) -> dict[str, Any]:
     """Defaults of the structural fields that have one."""
-    found = {}
+    defaults = {}
     for field in (f for f in dataclasses.fields(cls) if f.name in structural_fields(cls)):
         if field.default is not dataclasses.MISSING:
-            found[field.name] = field.default
+            defaults[field.name] = field.default
         elif field.default_factory is not dataclasses.MISSING:
-            found[field.name] = field.default_factory()
-    return found
+            defaults[field.name] = field.default_factory()
+    return defaults
 
 
 def structural_values(cls: type, given: dict[str, Any]) -> dict[str, Any]:
@@ -80,8 +80,8 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     ValueError
         If a parameter of a component has a name that is already taken.
     """
-    found = dict.fromkeys(parameters_of(cls), "")
-    taken = {*found, *components, *structural_fields(cls)}
+    owners = dict.fromkeys(parameters_of(cls), "")
+    taken = {*owners, *components, *structural_fields(cls)}
     for role, component in components.items():
         for name in parameters_of(type(component)):
             if name in taken:
@@ -90,8 +90,8 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
                     f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it"
                 )
             taken.add(name)
-            found[name] = role
-    return found
+            owners[name] = role
+    return owners
 
 
 def parameter_unit(model: Any, name: str) -> str:
@@ -159,10 +159,10 @@ def model_signature(cls: type, components: Mapping[str, Component]) -> inspect.S
 
 def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[str, Parameter]:
     """Symbol, unit, meaning and bounds of each parameter of the namespace, by name."""
-    found = dict(parameters_of(cls))
+    metadata = dict(parameters_of(cls))
     for component in components.values():
-        found |= parameters_of(type(component))
-    return found
+        metadata |= parameters_of(type(component))
+    return metadata
 
 
 def owner_among_laws(name: Any, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
@@ -263,11 +263,11 @@ class Nonlinearity:
 
 def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
     """The nonlinearities that follow from a model's roles, in the order of `OF_COMPONENTS`."""
-    found = {}
+    nonlinearities = {}
     for name, (base, about, instead) in OF_COMPONENTS.items():
         for role in (role for role, kind in model.roles.items() if kind is base):
-            found[name] = Nonlinearity(about, partial(_replaced, role, instead))
-    return found
+            nonlinearities[name] = Nonlinearity(about, partial(_replaced, role, instead))
+    return nonlinearities
 
 
 def _replaced(role: str, instead: Callable[[Any], Any], model: Any) -> dict[str, Any]:

@@ -157,8 +157,10 @@ def parameter_letters(model: Any) -> dict[str, str]:
 
 def time_functions(states: tuple[Any, ...], n: int) -> dict[Any, Any]:
     """States as functions of time; the velocities as derivatives of the coordinates."""
-    found = {x: sympy.Function(x.name, real=True)(TIME) for x in (*states[:n], *states[2 * n :])}
-    return found | {v: sympy.diff(found[x], TIME) for x, v in zip(states[:n], states[n : 2 * n], strict=True)}
+    functions = {x: sympy.Function(x.name, real=True)(TIME) for x in (*states[:n], *states[2 * n :])}
+    return functions | {
+        v: sympy.diff(functions[x], TIME) for x, v in zip(states[:n], states[n : 2 * n], strict=True)
+    }
 
 
 def in_time_functions(expression: Any, functions: Mapping[Any, Any]) -> Any:

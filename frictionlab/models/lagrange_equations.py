@@ -88,15 +88,15 @@ def _with_friction(
 
 def impact_letters(model: Any, letters: Mapping[str, str]) -> dict[str, str]:
     """LaTeX of the velocities before and after an impact, as in the paper, and of the coordinates."""
-    found = {}
+    chosen = {}
     for name in model.coordinates:
         letter = letters.get(name) or (f"{name[0]}_{{{name[1:]}}}" if name[1:] else name)
         head, _, index = letter.partition("_")
-        found[name] = letter
+        chosen[name] = letter
         for sign in "-+":
             dotted = rf"\dot{{{head}}}" + (f"_{index}" if index else "")
-            found[f"{name}'{sign}"] = rf"{dotted}(t_{{\mathrm{{r}}}}^{{{sign}}})"
-    return found
+            chosen[f"{name}'{sign}"] = rf"{dotted}(t_{{\mathrm{{r}}}}^{{{sign}}})"
+    return chosen
 
 
 def _kinematics_with_sign(model: Any, sign: str) -> LagrangeSystem:
@@ -117,8 +117,8 @@ def _impact_law(before: LagrangeSystem, after: LagrangeSystem) -> tuple[Any, ...
     return ()
 
 
-def _rates(found: LagrangeSystem) -> tuple[Any, Any]:
-    return material_rate(found, found.rubbing), found.rate(found.rubbing.penetration)
+def _rates(system: LagrangeSystem) -> tuple[Any, Any]:
+    return material_rate(system, system.rubbing), system.rate(system.rubbing.penetration)
 
 
 class TimeDependentSystem(NamedTuple):
@@ -143,42 +143,42 @@ def lagrange_equations(model: Any, mode: str) -> Equations:
         If the model has no such mode.
     """
     copy = symbolic_copy(structure_of_component(model))
-    found = lagrange_system(copy)
-    check_mode_name(mode, found.names, _others(found))
-    letters = {**LETTERS, **parameter_letters(model), **_contact_letters(found)}
+    system = lagrange_system(copy)
+    check_mode_name(mode, system.names, _others(system))
+    letters = {**LETTERS, **parameter_letters(model), **_contact_letters(system)}
     if mode == "impact":
-        return _impact(copy, found, letters)
-    write = TimeDependentSystem(found, _named_forces(found), _functions(found))
+        return _impact(copy, system, letters)
+    write = TimeDependentSystem(system, _named_forces(system), _functions(system))
     known = {"t": TIME, **{name: symbol(name) for name in model.parameters}}
-    one = "slip+" if mode == "slip" and "slip+" in found.names else mode
-    chosen = write.named.chosen(found.names.combination_of(one) or ())
+    one = "slip+" if mode == "slip" and "slip+" in system.names else mode
+    chosen = write.named.chosen(system.names.combination_of(one) or ())
     return _mode_equations(write, mode, chosen, letters, known)
 
 
-def _others(found: LagrangeSystem) -> tuple[str, ...]:
+def _others(system: LagrangeSystem) -> tuple[str, ...]:
     """Names besides those of modes for which a model with a single contact has equations."""
-    if len(found.mechanics.contacts) != 1:
+    if len(system.mechanics.contacts) != 1:
         return ()
-    (contact,), modes = found.mechanics.contacts, found.names
+    (contact,), modes = system.mechanics.contacts, system.names
     hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
     return ("slip",) * ("slip+" in modes) + ("impact",) * hits
 
 
-def _functions(found: LagrangeSystem) -> dict[Any, Any]:
-    functions = time_functions((*found.q, *found.v), len(found.q))
-    if found.phase:
-        functions[found.phase[0]] = found.mechanics.frequency * TIME
+def _functions(system: LagrangeSystem) -> dict[Any, Any]:
+    functions = time_functions((*system.q, *system.v), len(system.q))
+    if system.phase:
+        functions[system.phase[0]] = system.mechanics.frequency * TIME
     return functions
 
 
-def _named_forces(found: LagrangeSystem) -> LagrangeSystem:
+def _named_forces(system: LagrangeSystem) -> LagrangeSystem:
     contacts = tuple(
-        replace(contact, normal_force=_contact_function(found, "F_N", i))
+        replace(contact, normal_force=_contact_function(system, "F_N", i))
         if isinstance(contact, Friction)
         else contact
-        for i, contact in enumerate(found.mechanics.contacts)
+        for i, contact in enumerate(system.mechanics.contacts)
     )
-    return replace(found, mechanics=replace(found.mechanics, contacts=contacts))
+    return replace(system, mechanics=replace(system.mechanics, contacts=contacts))
 
 
 def _mode_equations(
@@ -188,10 +188,10 @@ def _mode_equations(
     letters: Mapping[str, str],
     known: Mapping[str, Any],
 ) -> Equations:
-    found, each = write.system, range(len(chosen))
-    forces = [_force_function(found, i) for i in each]
-    rubbing = [i for i in each if isinstance(found.mechanics.contacts[i], Friction)]
-    others = [_contact_function(found, name, i) for i in rubbing for name in ("F_N", "v_r")]
+    system, each = write.system, range(len(chosen))
+    forces = [_force_function(system, i) for i in each]
+    rubbing = [i for i in each if isinstance(system.mechanics.contacts[i], Friction)]
+    others = [_contact_function(system, name, i) for i in rubbing for name in ("F_N", "v_r")]
     return Equations(
         mode,
         motion=_motion(write, forces),
@@ -199,20 +199,20 @@ def _mode_equations(
         definitions=_definitions(write),
         constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
         conditions=tuple(c for i in each for c in _conditions(write, mode, chosen[i], i)),
-        symbols={**known, **{str(f.func): f for f in (*forces, *others, *map(write, found.q))}},
+        symbols={**known, **{str(f.func): f for f in (*forces, *others, *map(write, system.q))}},
         letters=letters,
     )
 
 
 def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...]:
     """Eq. (1): M q'' + forces of energies and dampers = loads + sum of W F."""
-    found = write.system
-    second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in found.q])
-    left = found.mass * second + sympy.Matrix([write(r) for r in found.internal])
-    right = sympy.Matrix([write(load) for load in found.loads])
-    for i, (contact, force) in enumerate(zip(found.mechanics.contacts, forces, strict=True)):
-        right += found.direction(contact) * force
-        right += found.normal(contact) * _contact_function(found, "F_N", i)
+    system = write.system
+    second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in system.q])
+    left = system.mass * second + sympy.Matrix([write(r) for r in system.internal])
+    right = sympy.Matrix([write(load) for load in system.loads])
+    for i, (contact, force) in enumerate(zip(system.mechanics.contacts, forces, strict=True)):
+        right += system.direction(contact) * force
+        right += system.normal(contact) * _contact_function(system, "F_N", i)
     return tuple(map(equation, left.applyfunc(write), right.applyfunc(write)))
 
 
@@ -223,11 +223,11 @@ def _forces(
 
     The constraint force is F_T in stick, and F_N at a stop.
     """
-    found, force = write.system, _force_function(write.system, i)
-    contact = found.mechanics.contacts[i]
+    system, force = write.system, _force_function(write.system, i)
+    contact = system.mechanics.contacts[i]
     if isinstance(contact, Stop):
         return (equation(force, write(solve_contact_forces(write.named, chosen)[1][i])),)
-    normal, regime = _contact_function(found, "F_N", i), chosen[i]
+    normal, regime = _contact_function(system, "F_N", i), chosen[i]
     if regime.name.startswith("slip") and not regime.constraints:
         friction = _friction(write, mode, regime, i)
     else:
@@ -238,13 +238,13 @@ def _forces(
 
 def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> Any:
     """Eq. (3).  The sign is that of v_r, or of the belt's speed where the interface keeps it fixed."""
-    found = write.system
-    contact: Any = found.mechanics.contacts[i]
-    normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
+    system = write.system
+    contact: Any = system.mechanics.contacts[i]
+    normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
     if mode == "slip" and regime.name == "slip+":
         return sympy.sign(velocity) * contact.law.kinetic(normal, sympy.Abs(velocity))
     signs = {"slip+": 1, "slip-": -1}
-    sign = found.sliding_sign(contact) if regime.name == "slip" else signs[regime.name]
+    sign = system.sliding_sign(contact) if regime.name == "slip" else signs[regime.name]
     return sliding_friction(contact, sign, normal, velocity)
 
 
@@ -275,17 +275,17 @@ def _together(write: TimeDependentSystem, pair: Pair) -> tuple[Any, ...]:
 
 def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> tuple[Any, ...]:
     """What holds while the regime lasts: Eqs. (4), (8) and (9)."""
-    found, contact = write.system, write.system.mechanics.contacts[i]
+    system, contact = write.system, write.system.mechanics.contacts[i]
     if isinstance(contact, Stop):
-        positive = _force_function(found, i) if regime.name == "contact" else write(contact.distance)
+        positive = _force_function(system, i) if regime.name == "contact" else write(contact.distance)
         return (sympy.Gt(positive, 0, evaluate=False),)
     if regime.name in APART:
         return _apart(write, regime, contact)
-    normal, velocity = (_contact_function(found, name, i) for name in ("F_N", "v_r"))
+    normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
     pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
     if regime.name == "stick":
         limit = contact.law.static_limit(normal)
-        return (sympy.Le(sympy.Abs(_force_function(found, i)), limit, evaluate=False), *pressed)
+        return (sympy.Le(sympy.Abs(_force_function(system, i)), limit, evaluate=False), *pressed)
     if regime.name == "slip" or regime.constraints:
         return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
@@ -302,10 +302,10 @@ def _apart(write: TimeDependentSystem, regime: ContactRegime, contact: Friction)
     return (pulls, sympy.Gt(write(contact.penetration), 0, evaluate=False))
 
 
-def _impact(copy: Any, found: LagrangeSystem, letters: Mapping[str, str]) -> Equations:
-    contact = found.mechanics.contacts[0]
+def _impact(copy: Any, system: LagrangeSystem, letters: Mapping[str, str]) -> Equations:
+    contact = system.mechanics.contacts[0]
     if isinstance(contact, Stop):
-        rate = in_time_functions(found.rate(contact.distance), _functions(found))
+        rate = in_time_functions(system.rate(contact.distance), _functions(system))
         return Equations("impact", impact=stop_equations(contact, rate), letters=letters)
     impact, symbols = impact_equations(copy)
     return Equations(
@@ -313,20 +313,20 @@ def _impact(copy: Any, found: LagrangeSystem, letters: Mapping[str, str]) -> Equ
     )
 
 
-def _force_function(found: LagrangeSystem, i: int) -> Any:
+def _force_function(system: LagrangeSystem, i: int) -> Any:
     """F_T of a contact with friction, F_N of a stop."""
-    return _contact_function(found, "F_N" if isinstance(found.mechanics.contacts[i], Stop) else "F_T", i)
+    return _contact_function(system, "F_N" if isinstance(system.mechanics.contacts[i], Stop) else "F_T", i)
 
 
-def _contact_function(found: LagrangeSystem, name: str, i: int) -> Any:
-    return sympy.Function(name + contact_suffix(found, i), real=True)(TIME)
+def _contact_function(system: LagrangeSystem, name: str, i: int) -> Any:
+    return sympy.Function(name + contact_suffix(system, i), real=True)(TIME)
 
 
-def _contact_letters(found: LagrangeSystem) -> dict[str, str]:
+def _contact_letters(system: LagrangeSystem) -> dict[str, str]:
     """LaTeX of F_N, F_T and v_r of numbered contacts, and of the rates before and after an impact."""
     letters = {"rate-": r"\dot{d}^{-}", "rate+": r"\dot{d}^{+}"}
-    for i in range(len(found.mechanics.contacts)):
+    for i in range(len(system.mechanics.contacts)):
         for name, letter in (("F_N", r"\mathrm{N}"), ("F_T", r"\mathrm{T}"), ("v_r", r"\mathrm{r}")):
-            if contact_suffix(found, i):
-                letters[name + contact_suffix(found, i)] = rf"{name[0]}_{{{letter},{i + 1}}}"
+            if contact_suffix(system, i):
+                letters[name + contact_suffix(system, i)] = rf"{name[0]}_{{{letter},{i + 1}}}"
     return letters

@@ -138,9 +138,9 @@ def value_from_data(data: Any) -> Any:
 def loaded_class(name: object, base: type) -> type:
     """The subclass of `base` whose :func:`class_path` is `name`; ValueError where none is loaded."""
     # The last one wins: a notebook cell that ran twice has defined its class twice.
-    found = [cls for cls in _subclasses(base) if class_path(cls) == name]
-    if found:
-        return found[-1]
+    matching = [cls for cls in _subclasses(base) if class_path(cls) == name]
+    if matching:
+        return matching[-1]
     module = str(name).partition(":")[0][:MAX_CHARACTERS]
     raise NotLoadedError(
         f"no {base.__name__} {abbreviate(name)} is loaded: import {module}, or run the cell that defines it, "
@@ -299,10 +299,10 @@ def _is_ours(cls: type) -> bool:
 
 
 def _is_as_written(cls: type) -> bool:
-    found = getattr(modules.get(cls.__module__), cls.__qualname__, None)
+    written = getattr(modules.get(cls.__module__), cls.__qualname__, None)
     methods = (getattr(each, "fget", None) or getattr(each, "__func__", each) for each in vars(cls).values())
     homes = (each.__module__ for each in methods if isinstance(each, FunctionType))
-    return found is cls and all(home.startswith((*HOMES, *PYTHONS)) for home in (cls.__module__, *homes))
+    return written is cls and all(home.startswith((*HOMES, *PYTHONS)) for home in (cls.__module__, *homes))
 
 
 class Sources(NamedTuple):
@@ -326,27 +326,27 @@ def sources() -> Sources:
 def stamps() -> tuple[Any, ...]:
     """Path, time of the last change and size of each file; () where one cannot be read."""
     try:
-        found = ((path, path.stat()) for path in _files())
-        return tuple((path, info.st_mtime_ns, info.st_size) for path, info in found)
+        statuses = ((path, path.stat()) for path in _files())
+        return tuple((path, info.st_mtime_ns, info.st_size) for path, info in statuses)
     except OSError:
         return ()
 
 
 def _files() -> Iterator[Path]:
     for name in SOURCES:
-        found = sorted((PACKAGE / name).rglob("*.py"))
-        if not found:  # a zip file, or only byte code: without sources all versions would be one
+        paths = sorted((PACKAGE / name).rglob("*.py"))
+        if not paths:  # a zip file, or only byte code: without sources all versions would be one
             raise FileNotFoundError(PACKAGE / name)
-        yield from found
+        yield from paths
     yield from (_beside(package, name) for package, name in VERSIONS)
 
 
 def _beside(package: str, name: str) -> Path:
     """The path of a file in another package, found without loading the package."""
-    found = find_spec(package)
-    if found is None or found.origin is None:
+    spec = find_spec(package)
+    if spec is None or spec.origin is None:
         raise FileNotFoundError(package)
-    return Path(found.origin).with_name(name)
+    return Path(spec.origin).with_name(name)
 
 
 LOADED = sources()

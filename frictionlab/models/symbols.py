@@ -105,14 +105,14 @@ def _doubtful_parts(key: Structure) -> tuple[list[Any], Formulas]:
 
 def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:
     """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
-    found: list[tuple[str, Any]] = []
+    formulas: list[tuple[str, Any]] = []
     for law in symbolic_copy(key).components.values():
         for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
             with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
                 method = getattr(law, name)
                 formula = method(*map(_positive, signature(method).parameters))
-                found.append((f"{type(law).__name__}.{name}", formula))
-    return tuple(found)
+                formulas.append((f"{type(law).__name__}.{name}", formula))
+    return tuple(formulas)
 
 
 def _positive(argument: str) -> Any:
@@ -227,14 +227,14 @@ def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str
     """
     try:
         key = _structure_from_data(data, kind)
-        found = automaton_of_structure(key)
+        automaton = automaton_of_structure(key)
     except NO_STRUCTURE as error:
         raise ValueError(f"the model of its automaton cannot be made, {error}") from error
-    needed = dict.fromkeys((*key.parameters, *found.values))
+    needed = dict.fromkeys((*key.parameters, *automaton.values))
     if missing := [name for name in needed if name not in parameters]:
         raise ValueError(f"it lacks the parameters {', '.join(missing)}")
     numbers = {symbol(name): value for name, value in parameters.items()}
-    return HybridAutomaton(found.states, found.modes, numbers, found.coordinates)
+    return HybridAutomaton(automaton.states, automaton.modes, numbers, automaton.coordinates)
 
 
 def _structure_from_data(data: Any, base: type) -> Structure:
@@ -285,8 +285,8 @@ def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:
 
 def gradient(expression: Any, x: Sequence[Any]) -> list[Any]:
     """The derivatives of an expression by each of `x`."""
-    found = derivatives(expression, {*x})
-    return [found.get(one, sympy.S.Zero) for one in x]
+    slopes = derivatives(expression, {*x})
+    return [slopes.get(one, sympy.S.Zero) for one in x]
 
 
 def _terms(

@@ -139,8 +139,8 @@ def export_page(
     }
     script = _script()
     solver = solver_data(script)
-    found = {key: structure_data(each) for key, each in structures(model, names).items()}
-    return write_text(path, _html(scene, found, solver, script))
+    derived = {key: structure_data(each) for key, each in structures(model, names).items()}
+    return write_text(path, _html(scene, derived, solver, script))
 
 
 def _call(model: Model) -> str:
@@ -198,10 +198,10 @@ def _text(name: str) -> str:
 
 
 def _html(
-    scene: dict[str, Any], found: dict[str, dict[str, Any]], solver: dict[str, Any], script: str
+    scene: dict[str, Any], derived: dict[str, dict[str, Any]], solver: dict[str, Any], script: str
 ) -> str:
     licence = "/*! uPlot\n" + _text("uplot/licence.txt").replace("*/", "") + "*/\n"
-    constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(found)}
+    constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(derived)}
     data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
     parts = {
         "TITLE": html.escape(scene["title"]),
@@ -228,9 +228,9 @@ def _json(data: Any) -> str:
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _structures(found: dict[str, dict[str, Any]]) -> str:
+def _structures(derived: dict[str, dict[str, Any]]) -> str:
     """The structures as JavaScript: data as JSON, functions as code."""
-    return "{" + ",\n".join(f"{_json(key)}: {_structure(data)}" for key, data in found.items()) + "}"
+    return "{" + ",\n".join(f"{_json(key)}: {_structure(data)}" for key, data in derived.items()) + "}"
 
 
 def _structure(data: dict[str, Any]) -> str:

@@ -200,10 +200,10 @@ def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
 def _checked(component: Component | Model) -> Iterator[Rule]:
     """The rules of a `check`, which raise ValueError; none if it needs more than formulas and comparisons."""
     waiting: list[tuple[bool, ...]] = [()]
-    found: list[Rule] = []
+    rules: list[Rule] = []
     for _ in range(MAX_OUTCOMES):
         if not waiting:
-            yield from found
+            yield from rules
             return
         trace = _Trace(waiting.pop())
         copy = object.__new__(type(component))
@@ -214,7 +214,7 @@ def _checked(component: Component | Model) -> Iterator[Rule]:
         try:
             copy.check()
         except ValueError as error:
-            found.append(Rule(tuple(trace.relations), tuple(trace.values), str(error)))
+            rules.append(Rule(tuple(trace.relations), tuple(trace.values), str(error)))
         except (TypeError, AttributeError, ArithmeticError):
             return
         waiting += trace.others()

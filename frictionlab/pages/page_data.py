@@ -135,8 +135,8 @@ def _outputs(modes: tuple[Mode, ...], automaton: HybridAutomaton, parameters: An
     """Names of the outputs that all modes have, and a function of state and parameters for each mode."""
     shared = [name for name in modes[0].outputs if all(name in mode.outputs for mode in modes)]
     arguments = (automaton.states, parameters)
-    found = [javascript_function(arguments, [mode.outputs[name] for name in shared]) for mode in modes]
-    return {"names": shared, "functions": found}
+    functions = [javascript_function(arguments, [mode.outputs[name] for name in shared]) for mode in modes]
+    return {"names": shared, "functions": functions}
 
 
 def _may_rest(mode: Mode) -> bool:

@@ -201,10 +201,10 @@ def _draw_figure(number: int, way: str, folder: Path, setting: Setting) -> tuple
     """The figure, and its picture's path in the folder."""
     options: dict[str, Any] = {} if number in FIGURES else dict(SOLVER_VARIANTS[way])
     common = {"quick": setting.quick, "workers": setting.workers, "progress": setting.progress}
-    found = figure(number, **options, **common, resume=setting.resume)
+    result = figure(number, **options, **common, resume=setting.resume)
     path = IMAGES / (f"fig{number:02d}.png" if way == "exact" else f"fig{number:02d}-{way}.png")
-    _save_picture(found.plot(), folder / path)
-    return found, path
+    _save_picture(result.plot(), folder / path)
+    return result, path
 
 
 def _write_step_size_page(folder: Path, setting: Setting) -> None:
@@ -245,11 +245,11 @@ def _figures_text(drawn: list[tuple[Any, Path]]) -> str:
     return "".join(_figure_text(*each) for each in drawn)
 
 
-def _figure_text(found: Any, path: Path) -> str:
-    how = f" ({found.how})" if found.how else ""
-    rows = "\n".join(f"* {line}" for line in found.summary)
-    heading = f"\n### Fig. {found.number}{how}\n\n{found.caption[0].upper()}{found.caption[1:]}.\n\n"
-    return f"{heading}{rows}\n\n![Fig. {found.number}{how}]({path.as_posix()})\n"
+def _figure_text(result: Any, path: Path) -> str:
+    how = f" ({result.how})" if result.how else ""
+    rows = "\n".join(f"* {line}" for line in result.summary)
+    heading = f"\n### Fig. {result.number}{how}\n\n{result.caption[0].upper()}{result.caption[1:]}.\n\n"
+    return f"{heading}{rows}\n\n![Fig. {result.number}{how}]({path.as_posix()})\n"
 
 
 def claim_summary(table: Claims) -> str:

@@ -107,8 +107,8 @@ class Claim:
     @property
     def cells(self) -> tuple[str, ...]:
         """A row of the table, in the order of its head."""
-        found = self.computed, self.full_gap_rate, self.paper_algorithm
-        return (self.id, self.where, self.says, *found, str(self.verdict), self.note)
+        texts = self.computed, self.full_gap_rate, self.paper_algorithm
+        return (self.id, self.where, self.says, *texts, str(self.verdict), self.note)
 
 
 @dataclass(frozen=True)
@@ -228,9 +228,9 @@ def _findings_by_solver(exact: Finding, full: Finding | None, paper: Finding) ->
     return ways if full is None else [ways[0], ("the full gap rate", full), ways[1]]
 
 
-def _failing_parts_text(way: str, found: Finding) -> str:
-    failing = [part for part, held in found.held.items() if not held]
-    if len(failing) == len(found.held):
+def _failing_parts_text(way: str, finding: Finding) -> str:
+    failing = [part for part, held in finding.held.items() if not held]
+    if len(failing) == len(finding.held):
         return f"By {way} none of it holds."
     return f"By {way} this does not hold: {'; '.join(failing)}."
 

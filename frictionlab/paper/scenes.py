@@ -306,29 +306,29 @@ def _cached_steady_state(
     return steady_state(model, section=section, progress=progress, **options)
 
 
-def is_vibration(found: Any) -> NDArray[np.bool_]:
+def is_vibration(sweep: Any) -> NDArray[np.bool_]:
     """Where a sweep found a vibration, periodic or not, as booleans."""
-    return np.isin(found.kinds, (MotionKind.PERIODIC, MotionKind.NON_PERIODIC))
+    return np.isin(sweep.kinds, (MotionKind.PERIODIC, MotionKind.NON_PERIODIC))
 
 
-def is_kind(found: Any, kind: str) -> NDArray[np.bool_]:
+def is_kind(sweep: Any, kind: str) -> NDArray[np.bool_]:
     """Where a sweep found this kind of motion, as booleans."""
-    return np.array(found.kinds) == kind
+    return np.array(sweep.kinds) == kind
 
 
-def in_range(found: Any, first: float, last: float, *, open_end: bool = False) -> NDArray[np.bool_]:
+def in_range(sweep: Any, first: float, last: float, *, open_end: bool = False) -> NDArray[np.bool_]:
     """Which values lie in [first, last], or in [first, last)."""
-    return (found.values >= first - GRID_TOLERANCE) & (
-        found.values < last + (-GRID_TOLERANCE if open_end else GRID_TOLERANCE)
+    return (sweep.values >= first - GRID_TOLERANCE) & (
+        sweep.values < last + (-GRID_TOLERANCE if open_end else GRID_TOLERANCE)
     )
 
 
-def intervals_text(found: Any) -> str:
+def intervals_text(sweep: Any) -> str:
     """ "equilibrium 0.05 to 0.35, periodic 0.4 to 3"; where they alternate often, how often each."""
-    groups = [(kind, [v for _, v in group]) for kind, group in groupby(zip(found.kinds, found.values), _kind)]
+    groups = [(kind, [v for _, v in group]) for kind, group in groupby(zip(sweep.kinds, sweep.values), _kind)]
     if len(groups) <= MAX_INTERVALS:
         return ", ".join(f"{kind} {_range_text(values)}" for kind, values in groups)
-    return ", ".join(_share_text(found, kind) for kind in dict.fromkeys(found.kinds))
+    return ", ".join(_share_text(sweep, kind) for kind in dict.fromkeys(sweep.kinds))
 
 
 def count(held: Any) -> str:
@@ -344,21 +344,21 @@ def _range_text(values: list[float]) -> str:
     return f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} to {values[-1]:g}"
 
 
-def _share_text(found: Any, kind: str) -> str:
-    chosen = is_kind(found, kind)
-    values = found.values[chosen]
+def _share_text(sweep: Any, kind: str) -> str:
+    chosen = is_kind(sweep, kind)
+    values = sweep.values[chosen]
     return f"{kind} at {count(chosen)} values ({_range_text(values.tolist())})"
 
 
-def regimes(found: Any) -> list[tuple[str, int]]:
+def regimes(sweep: Any) -> list[tuple[str, int]]:
     """Kind of every motion that has settled, and the onsets of stick in its period if it has one."""
-    settled = is_vibration(found) | is_kind(found, MotionKind.EQUILIBRIUM)
-    return [(kind, int(n)) for kind, n, known in zip(found.kinds, found.onsets, settled) if known]
+    settled = is_vibration(sweep) | is_kind(sweep, MotionKind.EQUILIBRIUM)
+    return [(kind, int(n)) for kind, n, known in zip(sweep.kinds, sweep.onsets, settled) if known]
 
 
-def regime_changes(found: Any) -> int:
+def regime_changes(sweep: Any) -> int:
     """How often neighbours along a sweep are of different regimes."""
-    each = regimes(found)
+    each = regimes(sweep)
     return sum(a != b for a, b in pairwise(each))
 
 

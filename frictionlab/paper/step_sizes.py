@@ -149,10 +149,10 @@ def _values_of(rows: Any, name: str) -> Array:
 
 
 def _steady_motion(model: Any, method: Method, tolerance: float, times: scenes.Times) -> dict[str, Any]:
-    found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
-    spectrum = None if found.kind == MotionKind.EQUILIBRIUM else found.spectrum()
+    steady = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
+    spectrum = None if steady.kind == MotionKind.EQUILIBRIUM else steady.spectrum()
     strongest = None if spectrum is None else float(spectrum.peaks()[0][0])
-    return {"kind": found.kind, "intensity": found.intensity, "strongest": strongest}
+    return {"kind": steady.kind, "intensity": steady.intensity, "strongest": strongest}
 
 
 def draw_step_study(study: StepStudy) -> Figure:

@@ -151,9 +151,9 @@ def style(name: str) -> AppliedStyle:
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
+    >>> eigenvalues = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
     >>> with fl.style("projector"):
-    ...     ax = found.plot()
+    ...     ax = eigenvalues.plot()
     >>> ax.figure.get_size_inches().tolist()
     [8.0, 4.5]
     """

@@ -142,26 +142,26 @@ def plot_spectrum(
     check_run(run)
     shown: str = run.names[0] if name is None else name
     f_max = f_max or highest_frequency(run.source)
-    found = amplitude_spectrum(run, shown, f_max=f_max)
+    spectrum = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
-    if found is None:
+    if spectrum is None:
         _label_spectrum(ax, shown, f_max)
         ax.set_title(f"Spectrum of {state_label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
         return []
-    lines = plot_amplitudes(found, ax)
+    lines = plot_amplitudes(spectrum, ax)
     ax.set_xlim(0, f_max)
     return lines
 
 
-def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
+def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     """Draw an amplitude spectrum.
 
     Parameters
     ----------
-    found : Spectrum
+    spectrum : Spectrum
     ax : Axes or None
         None draws into a new figure.
 
@@ -170,10 +170,10 @@ def plot_amplitudes(found: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     list of Line2D
     """
     ax = axes_or_new(ax)
-    lines = ax.plot(found.frequencies, found.amplitudes, **pen(BLACK, 1.0, ax))
-    _logarithmic(ax, found.amplitudes)
-    _label_spectrum(ax, found.name, found.frequencies[-1])
-    set_long_title(ax, _spectrum_title(found))
+    lines = ax.plot(spectrum.frequencies, spectrum.amplitudes, **pen(BLACK, 1.0, ax))
+    _logarithmic(ax, spectrum.amplitudes)
+    _label_spectrum(ax, spectrum.name, spectrum.frequencies[-1])
+    set_long_title(ax, _spectrum_title(spectrum))
     return lines
 
 
@@ -189,11 +189,14 @@ def _logarithmic(ax: Axes, amplitudes: Array) -> None:
         ax.set_ylim(top * 10.0**-DECADES, top * 2)
 
 
-def _spectrum_title(found: Spectrum) -> str:
-    digits = max(0, math.ceil(-math.log10(found.resolution)))
-    strongest = f"strongest line {found.strongest:.{digits}f} Hz" if found.amplitudes.any() else "at rest"
-    part = f"{found.start:.4g} s to {found.stop:.4g} s, Hann window"
-    return f"Spectrum of {state_label(found.name)}, {part}\nresolution {found.resolution:.2g} Hz, {strongest}"
+def _spectrum_title(spectrum: Spectrum) -> str:
+    digits = max(0, math.ceil(-math.log10(spectrum.resolution)))
+    strongest = (
+        f"strongest line {spectrum.strongest:.{digits}f} Hz" if spectrum.amplitudes.any() else "at rest"
+    )
+    part = f"{spectrum.start:.4g} s to {spectrum.stop:.4g} s, Hann window"
+    resolution = f"resolution {spectrum.resolution:.2g} Hz"
+    return f"Spectrum of {state_label(spectrum.name)}, {part}\n{resolution}, {strongest}"
 
 
 def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
@@ -345,12 +348,12 @@ def _draw_contributions(
     return lines
 
 
-def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_verification(verification: Any, ax: Axes | None = None) -> list[Line2D]:
     """Draw the deviation from other runs and the defect in each mode, with the largest values trusted.
 
     Parameters
     ----------
-    found : Verification
+    verification : Verification
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
 
@@ -363,15 +366,15 @@ def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 0.5)
-    >>> [line.get_label() for line in plot_verification(found)]
+    >>> verification = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 0.5)
+    >>> [line.get_label() for line in plot_verification(verification)]
     ['found', 'largest trusted']
     """
     ax = axes_or_new(ax)
-    tol = found.run.description["method"].get("tol")
+    tol = verification.run.description["method"].get("tol")
     sound = np.nan if tol is None else largest_sound_defect(tol)
-    rows = {"deviation from other runs": (found.error, TRUSTED_DEVIATION)}
-    rows |= {f"defect in mode {mode}": (size, sound) for mode, size in found.defect.items()}
+    rows = {"deviation from other runs": (verification.error, TRUSTED_DEVIATION)}
+    rows |= {f"defect in mode {mode}": (size, sound) for mode, size in verification.defect.items()}
     sizes, limits = np.array(list(rows.values())).T
     places = np.arange(len(rows))
     lines = ax.plot(np.maximum(sizes, MACHINE_EPSILON), places, "o", color=legible(BLUE, ax), label="found")
@@ -380,12 +383,12 @@ def plot_verification(found: Any, ax: Axes | None = None) -> list[Line2D]:
     lines += ax.plot(limits, places, "|", label="largest trusted", **limit)
     ax.set_yticks(places, list(rows))
     ax.set(xscale="log", xlabel="share of the motion's size", ylim=(len(rows) - 0.5, -0.5))
-    ax.set_title(_verdict_title(found))
+    ax.set_title(_verdict_title(verification))
     ax.grid(axis="y", linewidth=0.5)
     legend_beside(ax)
     return lines
 
 
-def _verdict_title(found: Any) -> str:
-    trust = f"To be trusted up to t = {found.until:.4g} s" if found.ok else "Not to be trusted"
-    return f"{trust}; the events {'agree' if found.events_agree else 'differ'}"
+def _verdict_title(verification: Any) -> str:
+    trust = f"To be trusted up to t = {verification.until:.4g} s" if verification.ok else "Not to be trusted"
+    return f"{trust}; the events {'agree' if verification.events_agree else 'differ'}"

@@ -47,13 +47,13 @@ GROWING_LABEL = "heavy: the mode grows"
 LOCUS_COLOUR_MAP = "viridis"
 
 
-def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
+def plot_equilibrium(equilibrium: Any, ax: Axes | None = None) -> Sequence[Artist]:
     """Draw the mechanism at an equilibrium, with the contact forces on the body; for an automaton, or a model
     without a mechanism, the displacements as bars.
 
     Parameters
     ----------
-    found : Equilibrium
+    equilibrium : Equilibrium
     ax : Axes or None
         None draws into a new figure.
 
@@ -69,14 +69,14 @@ def plot_equilibrium(found: Any, ax: Axes | None = None) -> Sequence[Artist]:
     'displacements × 2, tilt as it is'
     """
     ax = axes_or_new(ax)
-    mechanism = found.model.mechanism if isinstance(found.model, Model) else None
+    mechanism = equilibrium.model.mechanism if isinstance(equilibrium.model, Model) else None
     if mechanism is None:
-        return _draw_bars(found, ax)
-    picture = picture_of(_EquilibriumFrames(found), mechanism, np.zeros(1))
+        return _draw_bars(equilibrium, ax)
+    picture = picture_of(_EquilibriumFrames(equilibrium), mechanism, np.zeros(1))
     drawn: Any = picture.draw(ax)
     artists = picture.move(drawn, 0, MODE_COLOURS["slip"])
     ax.set(xlabel=picture.note, title="Equilibrium")
-    forces = _forces(found)
+    forces = _forces(equilibrium)
     if isinstance(picture, BeltPicture):
         forces["$F$"] = picture.preload, BLACK
     entries = {f"{name} = {size:.4g} N": colour for name, (size, colour) in forces.items()}
@@ -92,41 +92,45 @@ class _EquilibriumFrames:
     time_in_mode: ClassVar[Mapping[str, float]] = {"slip": 1.0}
     raw: ClassVar[Any] = SimpleNamespace(t=1.0)
 
-    found: Any
+    equilibrium: Any
 
     @property
     def automaton(self) -> Any:
         """A stand-in with the parameter values, all that a picture reads of an automaton."""
-        return SimpleNamespace(values=self.found.model.parameters)
+        return SimpleNamespace(values=self.equilibrium.model.parameters)
 
     @property
     def names(self) -> tuple[str, ...]:
-        return (*self.found.names, *(f"{name}'" for name in self.found.names))
+        return (*self.equilibrium.names, *(f"{name}'" for name in self.equilibrium.names))
 
     def __call__(self, t: Array) -> Array:
-        return np.tile(self.found.state[: len(self.names)], (len(t), 1))
+        return np.tile(self.equilibrium.state[: len(self.names)], (len(t), 1))
 
     def output(self, name: str, t: Array) -> Array:
         """A force or the penetration; NaN where the equilibrium does not have it."""
-        return np.full(len(t), getattr(self.found, name, np.nan))
+        return np.full(len(t), getattr(self.equilibrium, name, np.nan))
 
 
-def _forces(found: Any) -> dict[str, tuple[float, str]]:
+def _forces(equilibrium: Any) -> dict[str, tuple[float, str]]:
     """Size and colour of the contact forces that the equilibrium has, by their letters."""
-    sizes = {"$F_N$": (found.normal_force, BLUE), "$F_T$": (found.friction_force, VERMILLION)}
+    sizes = {"$F_N$": (equilibrium.normal_force, BLUE), "$F_T$": (equilibrium.friction_force, VERMILLION)}
     return {name: force for name, force in sizes.items() if np.isfinite(force[0])}
 
 
-def _draw_bars(found: Any, ax: Axes) -> Sequence[Artist]:
-    known = bool(found.model.coordinates)  # states of an automaton without coordinates may have any unit
-    mixed = known and bool(secondary_axis_angles(found.names))
-    units = [f" ({state_unit(name)})" if mixed else "" for name in found.names]
+def _draw_bars(equilibrium: Any, ax: Axes) -> Sequence[Artist]:
+    known = bool(
+        equilibrium.model.coordinates
+    )  # states of an automaton without coordinates may have any unit
+    mixed = known and bool(secondary_axis_angles(equilibrium.names))
+    units = [f" ({state_unit(name)})" if mixed else "" for name in equilibrium.names]
     bars = ax.bar(
-        [state_label(name) + unit for name, unit in zip(found.names, units)], found.q, color=legible(BLUE, ax)
+        [state_label(name) + unit for name, unit in zip(equilibrium.names, units)],
+        equilibrium.q,
+        color=legible(BLUE, ax),
     )
     ax.bar_label(bars, fmt="%.4g", padding=2)
     ax.axhline(0.0, **pen(GREY, 0.8, ax))
-    label = coordinate_axis_label(found.names) if known else "state"
+    label = coordinate_axis_label(equilibrium.names) if known else "state"
     ax.set(ylabel=f"{label}, angle (rad)" if mixed else label, title="Equilibrium")
     ax.margins(y=0.12)
     return list(bars)
@@ -291,14 +295,14 @@ def plot_root_locus(
     return curves
 
 
-def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_eigenvalues(eigenvalues: Any, ax: Axes | None = None) -> list[Line2D]:
     """Draw eigenvalues in the complex plane; to the right of the imaginary axis a mode grows.
 
     Of a conjugate pair the one in the upper half-plane is drawn.
 
     Parameters
     ----------
-    found : Eigenvalues
+    eigenvalues : Eigenvalues
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
 
@@ -309,7 +313,7 @@ def plot_eigenvalues(found: Any, ax: Axes | None = None) -> list[Line2D]:
     """
     ax = axes_or_new(ax)
     ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
-    upper = found.values[found.values.imag >= 0]
+    upper = eigenvalues.values[eigenvalues.values.imag >= 0]
     lines = []
     for chosen, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
         if chosen.any():

@@ -273,7 +273,7 @@ def plot_rates(
 
 def force_outputs(automaton: Any) -> dict[str, tuple[str, str]]:
     """Label and colour of every contact force among an automaton's outputs; none where it has none."""
-    found = {name: drawn for name, drawn in FORCES.items() if name in automaton.outputs}
+    outputs = {name: drawn for name, drawn in FORCES.items() if name in automaton.outputs}
     for name in automaton.outputs:
         base, _, number = name.rpartition("_")
         kind = base if number.isdigit() else name
@@ -283,8 +283,8 @@ def force_outputs(automaton: Any) -> dict[str, tuple[str, str]]:
         colours = (
             SECOND_CONTACT_COLOURS if number == "2" else {kind: drawn[1] for kind, drawn in FORCES.items()}
         )
-        found[name] = f"${text}$ (N)", colours.get(kind, BLUE)
-    return found
+        outputs[name] = f"${text}$ (N)", colours.get(kind, BLUE)
+    return outputs
 
 
 def plot_contact_forces(
@@ -315,8 +315,8 @@ def plot_contact_forces(
         For a run without contact forces.
     """
     check_run(run)
-    found = force_outputs(run.automaton)
-    if not found:
+    outputs = force_outputs(run.automaton)
+    if not outputs:
         raise ValueError(
             "run must have contact forces among its outputs (normal_force, friction_force), got "
             f"{', '.join(run.automaton.outputs) or 'none'}: draw its rates with plot_rates"
@@ -325,7 +325,7 @@ def plot_contact_forces(
     start, stop = window_limits(run, window)
     t = sample_times(start, stop)
     lines = []
-    for name, (text, colour) in found.items():
+    for name, (text, colour) in outputs.items():
         lines += ax.plot(t, run.output(name, t), label=text, **pen(colour, ax=ax))
     label_time_axes(run, ax, (start, stop), shade, "Contact forces", "contact force (N)")
     return lines

@@ -126,9 +126,9 @@ class ComponentControls:
     def __init__(self, model: Any) -> None:
         self._model = model
         self._full = _with_all(model)
-        found = model.nonlinearities
+        nonlinearities = model.nonlinearities
         self.switches = {
-            name: _switch(name, one.about, not one.missing(model)) for name, one in found.items()
+            name: _switch(name, one.about, not one.missing(model)) for name, one in nonlinearities.items()
         }
         self.impact = _impact_dropdown(model.impact) if "impact" in model.roles else None
 
@@ -150,12 +150,12 @@ class ComponentControls:
         if self.impact:
             chosen["impact"] = self.impact.value
         off = [name for name, switch in self.switches.items() if not switch.value]
-        found = self._model.nonlinearities
-        for name in found:
+        nonlinearities = self._model.nonlinearities
+        for name in nonlinearities:
             if name not in off:
                 chosen |= self._full.get(name, {})
         # A nonlinearity that the initial model lacks is already left out by that model's components.
-        lacking = {name for name in off if found[name].missing(self._model)}
+        lacking = {name for name in off if nonlinearities[name].missing(self._model)}
         chosen |= without(self._model, tuple(name for name in off if name not in lacking))
         return self._model.replace(**chosen)
 

@@ -144,10 +144,10 @@ def _code_area(name: str) -> Any:
 
 def equilibrium_text(result: Any) -> str:
     """The verdict on steady sliding and the run, then the coordinates and forces of the equilibrium."""
-    found = result.eigenvalues
-    if found is None:
+    eigenvalues = result.eigenvalues
+    if eigenvalues is None:
         return no_sliding_text(result)
-    point = found.equilibrium
+    point = eigenvalues.equilibrium
     rows = [(name, x, state_unit(name)) for name, x in zip(result.model.coordinates, point.q)]
     rows += [
         ("penetration", point.penetration, "m"),
@@ -161,13 +161,13 @@ def equilibrium_text(result: Any) -> str:
 
 def verdict_text(result: Any) -> str:
     """Whether steady sliding is stable, and what the run does, in a sentence."""
-    found = result.eigenvalues
-    if found is None:
+    eigenvalues = result.eigenvalues
+    if eigenvalues is None:
         return no_sliding_text(result)
     happens = run_text(result)
-    joint = "but" if found.stable else "and"
+    joint = "but" if eigenvalues.stable else "and"
     run = f", {joint} {happens}" if happens else ""
-    return f"<b>Steady sliding is {stability_text(found)}{escape(run, quote=False)}.</b>"
+    return f"<b>Steady sliding is {stability_text(eigenvalues)}{escape(run, quote=False)}.</b>"
 
 
 def no_sliding_text(result: Any) -> str:
@@ -185,8 +185,8 @@ def no_sliding_text(result: Any) -> str:
 def can_slide_steadily(model: Any) -> bool:
     """Whether something in a model slides while all coordinates are at rest: on a belt, say."""
     mode = next(iter(model.automaton().modes))
-    found = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
-    return any(e.subs({s: 0 for s in e.free_symbols if s.name.endswith("'")}) != 0 for e in found)
+    velocities = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
+    return any(e.subs({s: 0 for s in e.free_symbols if s.name.endswith("'")}) != 0 for e in velocities)
 
 
 def run_text(result: Any) -> str:
@@ -219,9 +219,9 @@ def _motion(result: Any) -> str:
     return "slips to and fro" if {"slip+", "slip-"} <= regimes else ""
 
 
-def stability_text(found: Any) -> str:
+def stability_text(eigenvalues: Any) -> str:
     """Stable, or which mode grows, how fast and at what frequency."""
-    upper = found.values[found.values.imag >= 0]
+    upper = eigenvalues.values[eigenvalues.values.imag >= 0]
     growing = upper[upper.real > 0]
     if not len(growing):
         slowest = upper.real.max()

@@ -151,13 +151,13 @@ def state_from_text(text: str | bytes) -> tuple[Any, State]:
     """
     try:
         data = json.loads(text)
-        found = data["format"] == FORMAT and isinstance(data["changed"], dict)
+        is_state = data["format"] == FORMAT and isinstance(data["changed"], dict)
         model = data["model"]
     except (ValueError, KeyError, TypeError) as error:
         raise ValueError(
             f"the file must be one that an explorer saved, got {abbreviate(text[:40])}"
         ) from error
-    if not found:
+    if not is_state:
         raise ValueError(f"the file must be one that an explorer saved, got the format {data['format']!r}")
     return Model.from_dict(model), data["changed"]
 

@@ -143,9 +143,9 @@ class SpectrumRecord:
         weights, w = line_weights(record.t, lines, window), _window(len(record.t), window)
         share = float(np.sqrt(2.0 * (w**2).sum()) / w.sum())
         values = {name: np.abs(weights @ column) for name, column in record.values.items()}
-        found = cls(record.t, lines, values, {n: share * e for n, e in record.error.items()}, window)
-        object.__setattr__(found, "start", record.start)
-        return found
+        spectrum = cls(record.t, lines, values, {n: share * e for n, e in record.error.items()}, window)
+        object.__setattr__(spectrum, "start", record.start)
+        return spectrum
 
     @property
     def count(self) -> int:
@@ -235,14 +235,14 @@ def as_data(data: Any) -> tuple[Any, ...]:
     TypeError
         Where one is no measurement.
     """
-    found = tuple(data) if isinstance(data, Sequence) else (data,)
-    for one in found or (data,):
+    records = tuple(data) if isinstance(data, Sequence) else (data,)
+    for one in records or (data,):
         if not isinstance(one, KINDS):
             raise TypeError(
                 "data must be TimeRecord, SpectrumRecord, EventTimes, Frequencies or several of them, got "
                 f'{abbreviate(one)}: write fl.TimeRecord(t, {{"x1": measured}}, error=1e-4)'
             )
-    return found
+    return records
 
 
 def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:

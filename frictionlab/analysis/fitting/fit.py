@@ -142,9 +142,11 @@ class Fit(Drawable):
     @property
     def correlated(self) -> tuple[tuple[str, str, float], ...]:
         """Pairs of parameters that are hard to tell apart, and their correlation."""
-        found, names = self.correlation, self.parameters
-        pairs = [(i, j) for j in range(len(names)) for i in range(j) if abs(found[i, j]) > STRONG_CORRELATION]
-        return tuple((names[i], names[j], float(found[i, j])) for i, j in pairs)
+        correlation, names = self.correlation, self.parameters
+        pairs = [
+            (i, j) for j in range(len(names)) for i in range(j) if abs(correlation[i, j]) > STRONG_CORRELATION
+        ]
+        return tuple((names[i], names[j], float(correlation[i, j])) for i, j in pairs)
 
     def interval(self, parameter: str, level: float = 0.95) -> tuple[float, float]:
         """The confidence interval of a parameter, from the errors of the measurements.
@@ -278,21 +280,21 @@ def fit(
 
 def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> Task:
     require_model(model, cure="write fit(model, data, parameters), the model made")
-    found, names = as_data(data), _names("parameters", parameters)
+    records, names = as_data(data), _names("parameters", parameters)
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
     for name in names:
         check_parameter(model, name, [])
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = tuple(map(str, automaton_of(model).states))
-    check_data(found, automaton_of(model))
+    check_data(records, automaton_of(model))
     unknown = _names("unknown", unknown)
     for name in unknown:
         check_choice("state", name, states, "name one of them")
     _check_distinct("parameters", names)
     _check_distinct("unknown", unknown)
     places = tuple(states.index(name) for name in unknown)
-    return Task(model, found, names, initial_state_of(model, x0), places, limits)
+    return Task(model, records, names, initial_state_of(model, x0), places, limits)
 
 
 def _names(what: str, given: Any) -> tuple[str, ...]:
@@ -314,14 +316,14 @@ def _check_bounds(model: Any, names: tuple[str, ...], bounds: Any) -> dict[str, 
             raise ValueError(
                 f"bounds must be of parameters that are fitted, got one of {abbreviate(name)}: name it there"
             )
-        found = float_array(f"bounds[{abbreviate(name)}]", pair, cure)
+        low_high = float_array(f"bounds[{abbreviate(name)}]", pair, cure)
         start = model.parameters[name]
-        if found.shape != (2,) or not found[0] <= start <= found[1] or found[0] == found[1]:
+        if low_high.shape != (2,) or not low_high[0] <= start <= low_high[1] or low_high[0] == low_high[1]:
             raise ValueError(
                 f"bounds[{abbreviate(name)}] must be (low, high) with the model's {start:g} between, where "
                 f"the search begins, got {abbreviate(pair)}: widen them or begin at another value"
             )
-        limits[name] = float(found[0]), float(found[1])
+        limits[name] = float(low_high[0]), float(low_high[1])
     return limits
 
 
@@ -353,7 +355,7 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
         if name in task.bounds:
             low[i], high[i] = np.asarray(task.bounds[name], dtype=float) / task.scales[i]
     derivatives: Any = lambda x: evaluate(x).slopes  # noqa: E731 - scipy's types allow a text only
-    found: Any = least_squares(
+    solution: Any = least_squares(
         lambda x: evaluate(x).values,
         first,
         jac=derivatives,
@@ -364,7 +366,7 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
         gtol=FIT_RTOL,
         max_nfev=MAX_EVALUATIONS,
     )
-    return _Solution(found.x, evaluate(found.x), str(found.message))
+    return _Solution(solution.x, evaluate(solution.x), str(solution.message))
 
 
 def _misfit_function(task: Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
@@ -409,14 +411,14 @@ def _starts(task: Task, pieces: Pieces, x: Array) -> Array:
     return np.vstack([start, later])
 
 
-def _result(task: Task, found: _Solution, pieces: Pieces | None) -> Fit:
+def _result(task: Task, solution: _Solution, pieces: Pieces | None) -> Fit:
     states = tuple(map(str, automaton_of(task.model).states))
     names = (*task.names, *(f"{states[i]} at 0" for i in task.unknown))
     sizes = np.ones(len(task.unknown)) if pieces is None else pieces.size[list(task.unknown)]
     scales = np.concatenate([task.scales, sizes])
-    values = found.x.copy()
+    values = solution.x.copy()
     values[: len(task.names)] *= task.scales
-    slopes = found.misfit.slopes.copy()
+    slopes = solution.misfit.slopes.copy()
     slopes[:, : len(task.names)] /= task.scales
     covariance, rank, undetermined = covariance_of(slopes, names, scales)
     times = [np.full(one.count, np.nan) for one in task.data if isinstance(one, Frequencies)]
@@ -424,13 +426,13 @@ def _result(task: Task, found: _Solution, pieces: Pieces | None) -> Fit:
     times += [one.t for one in task.data if isinstance(one, EventTimes)]
     times += [np.full(one.count, np.nan) for one in task.data if isinstance(one, SpectrumRecord)]
     return Fit(
-        model=task.at(found.x),
+        model=task.at(solution.x),
         parameters=names,
         values=values,
         covariance=covariance,
-        residuals=found.misfit.values,
+        residuals=solution.misfit.values,
         times=np.concatenate(times),
         rank=rank,
         undetermined=undetermined,
-        message=found.message,
+        message=solution.message,
     )

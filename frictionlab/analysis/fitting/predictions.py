@@ -114,14 +114,14 @@ def even_pieces(task: Task, run: Trajectory, segments: int) -> Pieces:
 
 def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
     """States (S - 1, n) at the start of the later pieces: from time records, else from a run of the model."""
-    found, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
+    states, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
     for record in (one for one in task.data if isinstance(one, TimeRecord)):
         measured = {run.names.index(name): column for name, column in record.values.items()}
         for i, column in measured.items():
-            found[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
+            states[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
             if i < n and i + n not in measured and len(record.t) > 2:
-                found[:, i + n] = np.interp(pieces.edges[1:-1], record.t, np.gradient(column, record.t))
-    return found
+                states[:, i + n] = np.interp(pieces.edges[1:-1], record.t, np.gradient(column, record.t))
+    return states
 
 
 def inverse_error(task: Task, pieces: Pieces) -> float:
@@ -186,9 +186,9 @@ def motion_misfit(
     for one in (one for one in data if isinstance(one, EventTimes)):
         _add_event_times(one, moments, n, add)
     for one in (one for one in data if isinstance(one, SpectrumRecord)):
-        found = _spectrum_misfit(one, samples, moments[0][1].names, unknowns)
-        rows.append(found.values)
-        slopes.append(found.slopes)
+        misfit = _spectrum_misfit(one, samples, moments[0][1].names, unknowns)
+        rows.append(misfit.values)
+        slopes.append(misfit.slopes)
     return Misfit(np.concatenate(rows), np.concatenate(slopes))
 
 
@@ -244,9 +244,9 @@ def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], un
     rows, slopes = [], []
     for one in (one for one in data if isinstance(one, Frequencies)):
         for mode, measured in one.values.items():
-            found = ModeFrequency(mode).gradient(model)
-            rows.append((found.value - measured) / one.error)
-            own = [found.derivatives.get(name, 0.0) / one.error for name in names]
+            gradient = ModeFrequency(mode).gradient(model)
+            rows.append((gradient.value - measured) / one.error)
+            own = [gradient.derivatives.get(name, 0.0) / one.error for name in names]
             slopes.append(own + [0.0] * (unknowns - len(names)))
     return Misfit(np.array(rows), np.array(slopes).reshape(len(rows), unknowns))
 

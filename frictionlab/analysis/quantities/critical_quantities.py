@@ -65,11 +65,11 @@ def fold_point(
     numbers, place = [float(np.ravel(v)[0]) for v in values], problem.parameter_names.index(parameter)
     for end in _ends(problem, parameter, bounds, fixed):
         numbers[place] = end.value
-        found = _newton(problem, end.x, numbers, place)
+        fold = _newton(problem, end.x, numbers, place)
         # Otherwise there is no fold: the equilibrium leaves its mode, or its law ends.
-        if found is not None and abs(found[1] - end.value) < FOLD_RTOL * (bounds[1] - bounds[0]):
-            numbers[place] = found[1]
-            return _with_slopes(problem, found[0], numbers, place)
+        if fold is not None and abs(fold[1] - end.value) < FOLD_RTOL * (bounds[1] - bounds[0]):
+            numbers[place] = fold[1]
+            return _with_slopes(problem, fold[0], numbers, place)
     return None
 
 
@@ -285,8 +285,8 @@ class FoldValue(Quantity):
         low, high = check_bounds(problem.model, self.parameter, self.bounds)
         count = max((np.size(column) for column in changes.values()), default=1)
         rows = [{name: np.ravel(column)[i] for name, column in changes.items()} for i in range(count)]
-        found = (fold_point(problem, self.parameter, (low, high), row) for row in rows)
-        return np.array([np.nan if point is None else point.value for point in found])
+        folds = (fold_point(problem, self.parameter, (low, high), row) for row in rows)
+        return np.array([np.nan if point is None else point.value for point in folds])
 
     def gradient(self, model: Any) -> Gradient:
         problem = equilibrium_problem(model)

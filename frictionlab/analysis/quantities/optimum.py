@@ -163,8 +163,8 @@ def optimum(
 
     >>> import frictionlab as fl
     >>> quiet, damping = (fl.GrowthRate(), -float("inf"), 0.0), fl.ParameterValue("c")
-    >>> found = fl.optimum(fl.ModeCoupling(mu_k=0.53, c=0.4), damping, {"c": (0.01, 1.0)}, [quiet])
-    >>> found.active
+    >>> best = fl.optimum(fl.ModeCoupling(mu_k=0.53, c=0.4), damping, {"c": (0.01, 1.0)}, [quiet])
+    >>> best.active
     ('largest growth rate (1/s)',)
     """
     task = _check(model, quantity, bounds, constraints, goal)
@@ -177,7 +177,7 @@ def optimum(
         for side in (-1.0, 1.0)
         if np.isfinite(limit.low if side < 0 else limit.high)
     ]
-    found: Any = minimize(
+    minimum: Any = minimize(
         lambda u: sign * task.gradient(quantity, u)[0] / size,
         task.first,
         jac=lambda u: sign * task.gradient(quantity, u)[1] / size,
@@ -186,10 +186,10 @@ def optimum(
         method="SLSQP",
         options={"maxiter": MAX_STEPS, "ftol": STEP_TOL},
     )
-    u = np.clip(found.x, 0.0, 1.0)
+    u = np.clip(minimum.x, 0.0, 1.0)
     if rows and min(row["fun"](u) for row in rows) < -ACTIVE_RTOL:
         raise ValueError(
-            f"the constraints must be met somewhere within the bounds, got none near by ({found.message}): "
+            f"the constraints must be met somewhere within the bounds, got none near by ({minimum.message}): "
             "begin at values that keep to them, or widen the bounds"
         )
     return Optimum(
@@ -201,8 +201,8 @@ def optimum(
         first=task.values(task.first),
         bounds=np.column_stack([task.low, task.high]),
         active=_active(task, u, sizes),
-        evaluations=int(found.nfev),
-        message=str(found.message),
+        evaluations=int(minimum.nfev),
+        message=str(minimum.message),
     )
 
 
@@ -228,9 +228,9 @@ class _Task:
         """A quantity and its derivatives (P,) by u; cached, as the search asks for each several times."""
         key = (id(quantity), np.clip(u, 0.0, 1.0).tobytes())
         if key not in self._known:
-            found = quantity.gradient(self.at(np.clip(u, 0.0, 1.0)))
-            slopes = np.array([found.derivatives.get(name, 0.0) for name in self.names])
-            self._known[key] = found.value, slopes * (self.high - self.low)
+            gradient = quantity.gradient(self.at(np.clip(u, 0.0, 1.0)))
+            slopes = np.array([gradient.derivatives.get(name, 0.0) for name in self.names])
+            self._known[key] = gradient.value, slopes * (self.high - self.low)
         return self._known[key]
 
     def margin(self, limit: Limit, side: float, size: float) -> Any:
@@ -265,11 +265,11 @@ def _limit(given: Any) -> Limit:
     parts = check_sequence("a constraint", given, LIMIT_CURE)
     if not 1 <= len(parts) <= 3:
         raise ValueError(f"a constraint must have one to three parts, got {abbreviate(given)}: {LIMIT_CURE}")
-    found = Limit(*parts)
-    for end in found[1:]:
+    limit = Limit(*parts)
+    for end in limit[1:]:
         if not (isinstance(end, float) and np.isinf(end)):
             check_number("a limit of a constraint", end, cure=LIMIT_CURE)
-    return found
+    return limit
 
 
 def _size(task: _Task, limit: Limit) -> float:
@@ -280,7 +280,7 @@ def _size(task: _Task, limit: Limit) -> float:
 
 
 def _active(task: _Task, u: Array, sizes: Sequence[float]) -> tuple[str, ...]:
-    found = [
+    active = [
         f"{name} {'at least' if v < 0.5 else 'at most'} {end:g}"
         for name, v, end in zip(task.names, u, np.where(u < 0.5, task.low, task.high))
         if min(v, 1.0 - v) < ACTIVE_RTOL
@@ -288,5 +288,5 @@ def _active(task: _Task, u: Array, sizes: Sequence[float]) -> tuple[str, ...]:
     for limit, size in zip(task.limits, sizes):
         value = task.gradient(limit.quantity, u)[0]
         if min(abs(value - limit.low), abs(value - limit.high)) < ACTIVE_RTOL * size:
-            found.append(limit.quantity.label)
-    return tuple(found)
+            active.append(limit.quantity.label)
+    return tuple(active)

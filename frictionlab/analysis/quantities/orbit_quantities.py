@@ -75,8 +75,8 @@ def _orbit_derivatives(orbit: PeriodicOrbit, by_state: Array, by_parameters: Arr
         )
     right = np.zeros((n + 1, by_parameters.shape[1]))
     right[:n] = -by_parameters / size[:, None]
-    found = np.linalg.solve(bordered, right)
-    return _OrbitDerivatives(found[:n] * size[:, None], found[n] * orbit.period)
+    solution = np.linalg.solve(bordered, right)
+    return _OrbitDerivatives(solution[:n] * size[:, None], solution[n] * orbit.period)
 
 
 class _Extreme(NamedTuple):
@@ -112,10 +112,10 @@ def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
 def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, Array]:
     """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
     problem = equilibrium_problem(model)
-    found = derivatives_at(problem)
-    places, moves = problem.parameter_names, found.state()[:count]
+    derivatives = derivatives_at(problem)
+    places, moves = problem.parameter_names, derivatives.state()[:count]
     slopes = [moves[:, places.index(p)] if p in places else np.zeros(count) for p in names]
-    return found.x[:count], np.array(slopes).T
+    return derivatives.x[:count], np.array(slopes).T
 
 
 class _SquaredDistance(NamedTuple):
@@ -179,25 +179,25 @@ class _OfOrbit(Quantity):
         """
         if self.near is not None:
             return periodic_orbit(model, self.near.state, period=self.near.period)
-        found = steady_state(model, self.x0, options=self.options, progress=False)
-        if found.kind != MotionKind.PERIODIC:
+        steady = steady_state(model, self.x0, options=self.options, progress=False)
+        if steady.kind != MotionKind.PERIODIC:
             raise ValueError(
                 f"the motion must settle to a periodic orbit, "
-                f"got {abbreviate(found.kind)}: give another x0=, a longer "
+                f"got {abbreviate(steady.kind)}: give another x0=, a longer "
                 "transient in options=, or an orbit as near="
             )
-        return periodic_orbit(model, found)
+        return periodic_orbit(model, steady)
 
     def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
         count = max((len(column) for column in changes.values()), default=1)
-        found = np.full(count, np.nan)
+        numbers = np.full(count, np.nan)
         for i in range(count):
             other = model.replace(**{name: float(column[i]) for name, column in changes.items()})
             try:
-                found[i] = self._value(self._orbit(other))
+                numbers[i] = self._value(self._orbit(other))
             except ValueError:
                 continue
-        return found
+        return numbers
 
     def _value(self, orbit: PeriodicOrbit) -> float:
         raise NotImplementedError
@@ -329,9 +329,11 @@ class OrbitIntensity(_OfOrbit):
 
     def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
         point, moves = _rest_point(orbit.model, names, orbit.trajectory.automaton.coordinates)
-        found = _squared_distance(orbit, point)
-        flow = parameter_flow(found.run, names, (found.expression,), free=True)
+        distance = _squared_distance(orbit, point)
+        flow = parameter_flow(distance.run, names, (distance.expression,), free=True)
         at = _orbit_derivatives(orbit, flow.state, flow.parameters)
-        end = float(((found.run.final_state[: len(point)] - point) ** 2).sum())
+        end = float(((distance.run.final_state[: len(point)] - point) ** 2).sum())
         total = flow.integrals_by_state[0] @ at.start + flow.integrals_by_parameters[0] + end * at.period
-        return found.mean, (total - found.mean * at.period) / orbit.period - 2.0 * found.apart @ moves
+        return distance.mean, (
+            total - distance.mean * at.period
+        ) / orbit.period - 2.0 * distance.apart @ moves

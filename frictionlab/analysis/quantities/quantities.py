@@ -96,8 +96,8 @@ def evaluate(
 ) -> list[float | None]:
     """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
     if isinstance(quantity, Quantity):
-        found = quantity.values(model, dict(zip(names, values.T)))
-        return [None if np.isnan(number) else float(number) for number in found]
+        at_once = quantity.values(model, dict(zip(names, values.T)))
+        return [None if np.isnan(number) else float(number) for number in at_once]
     numbers = (quantity(model.replace(**dict(zip(names, map(float, point))))) for point in values)
     return [None if number is None or np.isnan(number) else float(number) for number in numbers]
 
@@ -369,8 +369,8 @@ def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.sensitivity(fl.SliderOnBelt(), fl.CriticalValue("mu_k", (0, 4)))
-    >>> found["F"] < 0  # a larger preload lowers the onset
+    >>> sensitivity = fl.sensitivity(fl.SliderOnBelt(), fl.CriticalValue("mu_k", (0, 4)))
+    >>> sensitivity["F"] < 0  # a larger preload lowers the onset
     True
     """
     if not isinstance(quantity, Quantity):
@@ -379,10 +379,10 @@ def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
             "its derivatives have to be known"
         )
     known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
-    found = quantity.gradient(model)
-    names = tuple(name for name in known if name in found.derivatives)
+    gradient = quantity.gradient(model)
+    names = tuple(name for name in known if name in gradient.derivatives)
     at = np.array([known[name] for name in names], dtype=float)
-    slopes = np.array([found.derivatives[name] for name in names], dtype=float)
+    slopes = np.array([gradient.derivatives[name] for name in names], dtype=float)
     order = np.argsort(-np.abs(np.nan_to_num(at * slopes)), kind="stable")
     chosen = tuple(names[i] for i in order)
-    return Sensitivity(model, quantity.label, found.value, chosen, at[order], slopes[order])
+    return Sensitivity(model, quantity.label, gradient.value, chosen, at[order], slopes[order])

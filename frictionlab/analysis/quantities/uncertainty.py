@@ -228,8 +228,8 @@ def uncertainty(
     >>> import frictionlab as fl
     >>> from scipy import stats
     >>> friction = {"mu_k": stats.norm(1.5, 0.1), "F": stats.uniform(150, 100)}
-    >>> found = fl.uncertainty(fl.SliderOnBelt(), fl.GrowthRate(), friction, n=256, progress=False)
-    >>> 0 < found.probability(above=0).value < 1
+    >>> uncertainty = fl.uncertainty(fl.SliderOnBelt(), fl.GrowthRate(), friction, n=256, progress=False)
+    >>> 0 < uncertainty.probability(above=0).value < 1
     True
     """
     task = _check_task(model, quantity, distributions, n, seed, least=2 * GROUPS)
@@ -238,8 +238,8 @@ def uncertainty(
     points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
     (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
     values = quantiles(model, task.distributions, points)
-    found = _evaluated(task, values, how, "uncertainty")
-    return Uncertainty(model, task.label, tuple(task.distributions), values, found, GROUPS)
+    numbers = _evaluated(task, values, how, "uncertainty")
+    return Uncertainty(model, task.label, tuple(task.distributions), values, numbers, GROUPS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,8 +324,8 @@ def sobol_indices(
     >>> from scipy import stats
     >>> loads = {"F": stats.uniform(150, 100), "k2": stats.uniform(4e3, 2e3)}
     >>> height = fl.EquilibriumCoordinate("y1")
-    >>> found = fl.sobol_indices(fl.SliderOnBelt(), height, loads, n=64, progress=False)
-    >>> found.parameters[found.total_order.argmax()]
+    >>> indices = fl.sobol_indices(fl.SliderOnBelt(), height, loads, n=64, progress=False)
+    >>> indices.parameters[indices.total_order.argmax()]
     'F'
     """
     task = _check_task(model, quantity, distributions, n, seed, least=8)
@@ -335,25 +335,25 @@ def sobol_indices(
     a, b = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == i, b, a) for i in range(d)]
     values = quantiles(model, task.distributions, np.concatenate([a, b, *mixed]))
-    found = _evaluated(task, values, how, "Sobol indices")
-    if np.isnan(found).any():
-        none = np.isnan(found).mean()
+    numbers = _evaluated(task, values, how, "Sobol indices")
+    if np.isnan(numbers).any():
+        none = np.isnan(numbers).mean()
         raise ValueError(
             f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
             "narrow the distributions, or ask for another quantity"
         )
-    first, total, first_errors, total_errors = _indices(found.reshape(d + 2, n), seed)
+    first, total, first_errors, total_errors = _indices(numbers.reshape(d + 2, n), seed)
     names = tuple(task.distributions)
     return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
 
 
-def _indices(found: Array, seed: int) -> tuple[Array, Array, Array, Array]:
+def _indices(numbers: Array, seed: int) -> tuple[Array, Array, Array, Array]:
     """Indices of first and total order and their errors, from values (d + 2, n) at A, B and mixed points."""
     from scipy.stats import sobol_indices as indices_of
 
-    d, n = len(found) - 2, found.shape[1]
-    mixed = found[2:] if d > 1 else found[[2, 2]]  # scipy 1.15 to 1.17 fail with a single parameter
-    parts: Any = {"f_A": found[:1], "f_B": found[1:2], "f_AB": mixed[:, None, :]}
+    d, n = len(numbers) - 2, numbers.shape[1]
+    mixed = numbers[2:] if d > 1 else numbers[[2, 2]]  # scipy 1.15 to 1.17 fail with a single parameter
+    parts: Any = {"f_A": numbers[:1], "f_B": numbers[1:2], "f_AB": mixed[:, None, :]}
     result = indices_of(func=parts, n=n, rng=np.random.default_rng(seed))
     spread = result.bootstrap(n_resamples=200)
     orders = result.first_order, result.total_order
@@ -402,7 +402,7 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
         )
         journal.put_in_order()
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
-    found = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
+    flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
     if not complete:
-        raise journal.interruption(found, len(tasks))
-    return found
+        raise journal.interruption(flat, len(tasks))
+    return flat

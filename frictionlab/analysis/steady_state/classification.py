@@ -104,25 +104,25 @@ def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> R
     """
     scaled = states / np.where(size > 0, size, 1.0)
     lags = range(1, min(len(t) // MIN_PERIODS_SEEN, MAX_LAG) + 1)
-    found = [_recurrence_at_lag(t, scaled, lag) for lag in lags]
-    repeating = next((r for r in found if is_periodic(r, tolerance)), None)
+    recurrences = [_recurrence_at_lag(t, scaled, lag) for lag in lags]
+    repeating = next((r for r in recurrences if is_periodic(r, tolerance)), None)
     if repeating is None:
-        return min(found, key=lambda r: r.deviation, default=NO_RECURRENCE)
+        return min(recurrences, key=lambda r: r.deviation, default=NO_RECURRENCE)
     # A motion that spirals inwards first repeats within the tolerance at a long lag, but the deviation at a
     # shorter one decays too.
-    return next((r for r in found[: repeating.lag] if r.shrinking > MIN_SETTLING_FACTOR), repeating)
+    return next((r for r in recurrences[: repeating.lag] if r.shrinking > MIN_SETTLING_FACTOR), repeating)
 
 
-def is_periodic(found: Recurrence, tolerance: float) -> bool:
+def is_periodic(recurrence: Recurrence, tolerance: float) -> bool:
     """Whether a motion is periodic, or close to a periodic one and approaching it."""
-    return found.deviation < tolerance or (
-        found.deviation < NEAR_RECURRENCE_RTOL and found.shrinking > MIN_SETTLING_FACTOR
+    return recurrence.deviation < tolerance or (
+        recurrence.deviation < NEAR_RECURRENCE_RTOL and recurrence.shrinking > MIN_SETTLING_FACTOR
     )
 
 
-def is_near(found: Recurrence) -> bool:
+def is_near(recurrence: Recurrence) -> bool:
     """Whether a motion that is not periodic may be on its way to a periodic one."""
-    return found.deviation < NEAR_RECURRENCE_RTOL or found.shrinking > MIN_SETTLING_FACTOR
+    return recurrence.deviation < NEAR_RECURRENCE_RTOL or recurrence.shrinking > MIN_SETTLING_FACTOR
 
 
 def _recurrence_at_lag(t: Array, states: Array, lag: int) -> Recurrence:
@@ -207,21 +207,21 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
         Whether the rate has to be about constant: beats of a motion with events may look like decay for a
         while.
     """
-    found = _eigenvector_squares(samples, size)
-    if found is None:
+    parts = _eigenvector_squares(samples, size)
+    if parts is None:
         return False
-    least, share = MIN_LOSS_SHARE * found.whole, MIN_RATE_RATIO * evenly
-    shrinking, growing = (found.squares[:, chosen].sum(axis=1) for chosen in (found.inside, ~found.inside))
+    least, share = MIN_LOSS_SHARE * parts.whole, MIN_RATE_RATIO * evenly
+    shrinking, growing = (parts.squares[:, chosen].sum(axis=1) for chosen in (parts.inside, ~parts.inside))
     return _decreases(shrinking, least, share) or _decreases(growing[::-1], least, share)
 
 
 def all_parts_decay(samples: Array, size: Array) -> bool:
     """Whether all parts of a motion decay, each at a constant rate of its own."""
-    found = _eigenvector_squares(samples, size)
-    if found is None:
+    parts = _eigenvector_squares(samples, size)
+    if parts is None:
         return False
-    notable = found.squares.T[found.squares.max(axis=0) > SIGNIFICANT_SHARE * found.whole]
-    return all(_decreases(course, MIN_LOSS_SHARE * found.whole, SINGLE_RATE_RATIO) for course in notable)
+    notable = parts.squares.T[parts.squares.max(axis=0) > SIGNIFICANT_SHARE * parts.whole]
+    return all(_decreases(course, MIN_LOSS_SHARE * parts.whole, SINGLE_RATE_RATIO) for course in notable)
 
 
 def _decreases(course: Array, least: float, share: float) -> bool:
@@ -409,11 +409,11 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
         # A motion that grows without bounds does not repeat, and may have a million crossings.
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
         return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
-    found = _classify(Comparison(run), section, tolerance)
-    if found.kind != MotionKind.NOT_SETTLED:
-        return found
+    classified = _classify(Comparison(run), section, tolerance)
+    if classified.kind != MotionKind.NOT_SETTLED:
+        return classified
     drift = drift_of(run)
-    return found if drift is None else _classify(Comparison(run, drift), section, tolerance)
+    return classified if drift is None else _classify(Comparison(run, drift), section, tolerance)
 
 
 def _classify(of: Comparison, section: Section | None, tolerance: float) -> MotionClass:

@@ -160,24 +160,24 @@ def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
         return SectionPoints(run.events.t[chosen], run.events.state[chosen])
     if not isinstance(section, str) and not isinstance(section[0], str):  # an expression for this run alone
         return _states_before_events(run, _search_crossings(run, *section))
-    found = run.sections.get("section")
+    crossings = run.sections.get("section")
     return _states_before_events(
-        run, found or _search_crossings(run, *section_function(run.automaton, section)["section"])
+        run, crossings or _search_crossings(run, *section_function(run.automaton, section)["section"])
     )
 
 
-def _states_before_events(run: Trajectory, found: SectionPoints) -> SectionPoints:
+def _states_before_events(run: Trajectory, points: SectionPoints) -> SectionPoints:
     """The crossings; one at an event gets the time of the event and the state before it.
 
     The crossing found there may have the state after the event.
     """
     events = run.events
     if not len(events):
-        return found
-    i = np.clip(np.searchsorted(events.t, found.t - EVENT_TIME_ATOL), 0, len(events) - 1)
-    at_event = np.abs(events.t[i] - found.t) <= EVENT_TIME_ATOL
-    states = np.where(at_event[:, None], events.before[i], found.state)
-    return SectionPoints(np.where(at_event, events.t[i], found.t), states)
+        return points
+    i = np.clip(np.searchsorted(events.t, points.t - EVENT_TIME_ATOL), 0, len(events) - 1)
+    at_event = np.abs(events.t[i] - points.t) <= EVENT_TIME_ATOL
+    states = np.where(at_event[:, None], events.before[i], points.state)
+    return SectionPoints(np.where(at_event, events.t[i], points.t), states)
 
 
 def stick_onsets(run: Trajectory) -> Any:

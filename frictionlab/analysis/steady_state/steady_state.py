@@ -166,17 +166,21 @@ def steady_state_of_window(
     model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
 ) -> SteadyState:
     """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
-    found = classify_run(run, section, tolerance)
-    compared = found.kind != MotionKind.ENDED_EARLY and found.drift is None  # a drift leaves any equilibrium
-    drifts = found.drift is not None or found.kind == MotionKind.NOT_SETTLED
+    classified = classify_run(run, section, tolerance)
+    compared = (
+        classified.kind != MotionKind.ENDED_EARLY and classified.drift is None
+    )  # a drift leaves any equilibrium
+    drifts = classified.drift is not None or classified.kind == MotionKind.NOT_SETTLED
     return SteadyState(
         model=model,
-        kind=found.kind,
-        period=found.period,
-        onsets_per_period=onsets_per_period(run, found.period) if found.kind == MotionKind.PERIODIC else 0,
-        intensity=intensity(run, found.period) if compared else np.nan,
-        section=found.section,
-        deviation=found.returns.deviation,
+        kind=classified.kind,
+        period=classified.period,
+        onsets_per_period=onsets_per_period(run, classified.period)
+        if classified.kind == MotionKind.PERIODIC
+        else 0,
+        intensity=intensity(run, classified.period) if compared else np.nan,
+        section=classified.section,
+        deviation=classified.returns.deviation,
         time_in_mode={name: seconds / (run.raw.t or 1.0) for name, seconds in run.time_in_mode.items()},
         trajectory=run,
         transient=passed,
@@ -261,10 +265,10 @@ def find_steady_state(model: Any, x0: Any, options: SteadyStateOptions, progress
         start, passed = run.final_state, options.transient
     while True:
         run = _run_window(model, start, options, progress)
-        found = steady_state_of_window(model, run, options.section, options.tolerance, passed=passed)
+        steady = steady_state_of_window(model, run, options.section, options.tolerance, passed=passed)
         passed += options.window
-        if found.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
-            return found
+        if steady.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
+            return steady
         start = run.final_state
 
 

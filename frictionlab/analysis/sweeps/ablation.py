@@ -65,8 +65,8 @@ class Ablation(Drawable):
     studies: tuple[str, ...]
 
     def __getitem__(self, scene: str | tuple[str, ...] | Mapping[str, str]) -> Any:
-        """The result of a scene: ``found["geometry"]`` without geometry, ``found[()]`` with all
-        nonlinearities, ``found[{"contact": "HertzContact"}]`` by all levels that are not the first.
+        """The result of a scene: ``ablation["geometry"]`` without geometry, ``ablation[()]`` with all
+        nonlinearities, ``ablation[{"contact": "HertzContact"}]`` by all levels that are not the first.
         """
         asked = self._levels(scene)
         for levels, result in zip(self.scenes, self.results):
@@ -78,7 +78,7 @@ class Ablation(Drawable):
         if isinstance(scene, Mapping):
             chosen = dict(scene)
         else:
-            cure = "name nonlinearities, such as found['geometry'] or found[()]"
+            cure = "name nonlinearities, such as ablation['geometry'] or ablation[()]"
             names = (scene,) if isinstance(scene, str) else check_sequence("a scene", scene, cure)
             for name in names:
                 check_key("switch", name, self.switches)
@@ -142,8 +142,8 @@ class Ablation(Drawable):
     def _cell_numbers(self, cell: Any) -> dict[str, float]:
         if cell is None or len(self.studies) == 1:
             return {} if cell is None else numbers_of(cell, self.studies[0])
-        found = (numbers_of(result, study, f"{study}.") for study, result in cell.items())
-        return {name: number for numbers in found for name, number in numbers.items()}
+        by_study = (numbers_of(result, study, f"{study}.") for study, result in cell.items())
+        return {name: number for numbers in by_study for name, number in numbers.items()}
 
     def numbers(self, quantity: str | None = None) -> Array:
         """A quantity in all scenes, as (scenes, conditions, initial states).
@@ -195,8 +195,8 @@ class Ablation(Drawable):
         >>> import frictionlab as fl
         >>> def critical(model):
         ...     return fl.critical_value(model, "mu_k", (0, 4))
-        >>> found = fl.ablation(fl.SliderOnBelt(), critical, progress=False)
-        >>> found.effects().strongest
+        >>> ablation = fl.ablation(fl.SliderOnBelt(), critical, progress=False)
+        >>> ablation.effects().strongest
         'geometry'
         """
         name, numbers = self._quantity(quantity), self.numbers(quantity)
@@ -206,8 +206,8 @@ class Ablation(Drawable):
     def leave_one_out(self, quantity: str | None = None) -> dict[str, float]:
         """How much a quantity changes if one switch alone leaves its first level, the largest change first.
 
-        A switch with -1 in ``found.leave_one_out("kind = non-periodic")`` ends all such motion.  Changes are
-        means over parameters and initial states; `quantity` is as for :meth:`numbers`.
+        A switch with -1 in ``ablation.leave_one_out("kind = non-periodic")`` ends all such motion.  Changes
+        are means over parameters and initial states; `quantity` is as for :meth:`numbers`.
         """
         means = dict(zip(self.scenes, self.numbers(quantity).mean(axis=(1, 2)).tolist()))
         first = (0,) * len(self.factors)
@@ -308,8 +308,8 @@ def ablation(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.ablation(fl.SliderOnBelt(), lambda m: fl.critical_value(m, "mu_k", (0, 4)))
-    >>> found["geometry"] > found[()]
+    >>> ablation = fl.ablation(fl.SliderOnBelt(), lambda m: fl.critical_value(m, "mu_k", (0, 4)))
+    >>> ablation["geometry"] > ablation[()]
     True
     >>> laws = {"contact": [fl.LinearContact(), fl.CubicContact(), fl.HertzContact()], "geometry": None}
     >>> forces = fl.ablation(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, laws)
@@ -337,10 +337,10 @@ def ablation(
         )
         journal.put_in_order()
     results = [journal.results.get(i) for i in range(len(tasks))]
-    found = plan.ablation(results, tuple(named))
+    result = plan.ablation(results, tuple(named))
     if not complete:
-        raise journal.interruption(found, len(tasks))
-    return found
+        raise journal.interruption(result, len(tasks))
+    return result
 
 
 def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
@@ -398,8 +398,8 @@ class _Plan:
         per_scene = len(cells) // len(self.scenes)
         groups = [cells[i : i + per_scene] for i in range(0, len(cells), per_scene)]
         function = ", ".join(studies)
-        found = tuple(self._sweep(model, group, function) for model, group in zip(self.models, groups))
-        return Ablation(self.factors, self.scenes, self.models, found, studies)
+        sweeps = tuple(self._sweep(model, group, function) for model, group in zip(self.models, groups))
+        return Ablation(self.factors, self.scenes, self.models, sweeps, studies)
 
     def _sweep(self, model: Any, cells: list[Any], function: str) -> Any:
         if not self.axes and not self.x0:

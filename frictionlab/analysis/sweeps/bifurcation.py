@@ -115,9 +115,9 @@ class Bifurcation(Drawable):
         return tuple(self.results.get(i, {}).get("warning") for i in range(len(self.values)))
 
     def __repr__(self) -> str:
-        found = tally(kind or "not done" for kind in self.kinds)
+        counts = tally(kind or "not done" for kind in self.kinds)
         at = f"{self.parameter} {span(self.values)}, {count(len(self.values), 'value')}"
-        return f"Bifurcation({at}: {found})"
+        return f"Bifurcation({at}: {counts})"
 
     def section(self, name: str, *kinds: str) -> tuple[Array, Array]:
         """Values of the parameter and of a state at all section points, for a scatter plot.
@@ -140,8 +140,8 @@ class Bifurcation(Drawable):
         for kind in kinds:
             check_choice("kinds", kind, tuple(MotionKind), "name some of them")
         chosen = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
-        found = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
-        return np.repeat(self.values, [len(f) for f in found]), np.concatenate([*found, np.zeros(0)])
+        points = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
+        return np.repeat(self.values, [len(f) for f in points]), np.concatenate([*points, np.zeros(0)])
 
     def _states(self, i: int) -> Array:
         if self.kinds[i] == MotionKind.EQUILIBRIUM:
@@ -161,8 +161,8 @@ class Bifurcation(Drawable):
         along = self.parameter
         longest = max((len(s) for s in self.sections), default=0)
         section = np.full((len(self.values), longest, len(self.names)), np.nan)
-        for filled, found in zip(section, self.sections):
-            filled[: len(found)] = found
+        for filled, points in zip(section, self.sections):
+            filled[: len(points)] = points
         shares = np.array(list(self.shares.values())).reshape(-1, len(self.values))
         variables = {name: (along, column) for name, column in self._columns().items()}
         variables |= {"share": (("mode", along), shares), "section": ((along, "point", "state"), section)}
@@ -321,10 +321,10 @@ def bifurcation(
     with Journal(specification, how.resume, check_results) as journal:
         complete = run(list(zip(models, starts, names)), chosen, journal, how)
         journal.put_in_order()
-    found = bifurcation_from_results(specification, journal.results)
+    result = bifurcation_from_results(specification, journal.results)
     if not complete:
-        raise journal.interruption(found, len(models))
-    return found
+        raise journal.interruption(result, len(models))
+    return result
 
 
 def _models(model: Any, parameter: str, values: Any) -> list[Any]:
@@ -398,17 +398,17 @@ def steady_states_task(
 
 def steady_state_task(model: Any, start: np.ndarray, options: SteadyStateOptions) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
-    found = find_steady_state(model, start, options, progress=False)
-    period = None if np.isnan(found.period) else found.period
+    steady = find_steady_state(model, start, options, progress=False)
+    period = None if np.isnan(steady.period) else steady.period
     return {
-        "kind": found.kind,
+        "kind": steady.kind,
         "period": period,
-        "onsets": found.onsets_per_period,
-        "intensity": None if np.isnan(found.intensity) else found.intensity,
-        "shares": dict(found.time_in_mode),
-        "section": found.section.state[-MAX_SECTION_POINTS:].tolist(),
-        "final": found.trajectory.final_state.tolist(),
-        "warning": found.warning,
+        "onsets": steady.onsets_per_period,
+        "intensity": None if np.isnan(steady.intensity) else steady.intensity,
+        "shares": dict(steady.time_in_mode),
+        "section": steady.section.state[-MAX_SECTION_POINTS:].tolist(),
+        "final": steady.trajectory.final_state.tolist(),
+        "warning": steady.warning,
     }
 
 
@@ -427,10 +427,10 @@ def _run_continued(
     with deferred_interrupts(URGENT_PRESS) as interrupts, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
-                found = _named_task(name, model, rest if start is None else start, options)
-                if found is None:
+                result = _named_task(name, model, rest if start is None else start, options)
+                if result is None:
                     return False
-                journal.keep(i, found)
+                journal.keep(i, result)
             done = journal.results[i]
             start = None if done["kind"] == MotionKind.ENDED_EARLY else np.array(done["final"])
             if interrupts.count:

@@ -329,9 +329,9 @@ def effects_of(quantity: str, numbers: Array, switches: Sequence[Switch]) -> Eff
     ]
     tables = [[np.stack(rows, axis=-1) for rows in zip(*kind)] for kind in zip(*columns)]
     names = tuple(switch.name for switch in switches)
-    found = tuple(_term_name(term, switches) for term in terms)
+    term_names = tuple(_term_name(term, switches) for term in terms)
     orders = np.array([len(term) for term in terms], dtype=int)
-    return Effects(quantity, names, found, orders, *chain(*tables), used=known.sum(axis=-1))
+    return Effects(quantity, names, term_names, orders, *chain(*tables), used=known.sum(axis=-1))
 
 
 def _terms(switches: Sequence[Switch]) -> Iterator[Term]:
@@ -383,13 +383,13 @@ def _shapley_values(mean: Array, switches: Sequence[Switch]) -> Array:
     def value(chosen: Sequence[int]) -> float:
         return mean[tuple(s.end if i in chosen else s.reference for i, s in enumerate(switches))]
 
-    found = np.zeros(m)
+    values = np.zeros(m)
     for i in range(m):
         others = [j for j in range(m) if j != i]
         for size in range(m):
             weight = factorial(size) * factorial(m - size - 1) / factorial(m)
-            found[i] += weight * sum(value((*s, i)) - value(s) for s in combinations(others, size))
-    return found
+            values[i] += weight * sum(value((*s, i)) - value(s) for s in combinations(others, size))
+    return values
 
 
 def _variance_shares(mean: Array) -> Array:

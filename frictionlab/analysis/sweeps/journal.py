@@ -81,13 +81,13 @@ class Journal:
     def _open(self, path: Path) -> None:
         try:
             if path.exists() and path.stat().st_size:
-                found = _read(path, read_file(path, "give another path"))
-                _refuse_another(path, found.specification, self._specification, found.version)
+                stored = _read(path, read_file(path, "give another path"))
+                _refuse_another(path, stored.specification, self._specification, stored.version)
                 with reading(path, DELETE):
-                    self._schema(self._specification, found.results)
-                self.results = found.results
-                if found.damaged:
-                    warnings.warn(f"{path} is damaged in {found.damage}: computed again", RuntimeWarning, 4)
+                    self._schema(self._specification, stored.results)
+                self.results = stored.results
+                if stored.damaged:
+                    warnings.warn(f"{path} is damaged in {stored.damage}: computed again", RuntimeWarning, 4)
             write_journal(path, self._specification, self.results)
             self._file = path.open("ab", buffering=0)
         except OSError as error:
@@ -188,13 +188,13 @@ def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
         If the file holds no sweep, or is damaged.
     """
     path = check_path("path", path)
-    found = _read(path, read_file(path, "give a file that save(path) or resume=path wrote"))
-    if found.damaged:
+    stored = _read(path, read_file(path, "give a file that save(path) or resume=path wrote"))
+    if stored.damaged:
         raise ValueError(
-            f"{path} is damaged in {found.damage}: use it as resume={str(path)!r}, which computes "
+            f"{path} is damaged in {stored.damage}: use it as resume={str(path)!r}, which computes "
             "again what is missing"
         )
-    return found.specification, found.results
+    return stored.specification, stored.results
 
 
 def _read(path: Path, content: bytes) -> _Content:
@@ -276,10 +276,10 @@ def _locked(path: Path) -> Any:
     return lock
 
 
-def _refuse_another(path: Path, found: dict[str, Any], specification: dict[str, Any], version: str) -> None:
+def _refuse_another(path: Path, stored: dict[str, Any], specification: dict[str, Any], version: str) -> None:
     asked = {**json.loads(json.dumps(specification)), "version": __version__}
-    found = {**found, "version": version}
-    differing = [name for name in {**found, **asked} if found.get(name) != asked.get(name)]
+    stored = {**stored, "version": version}
+    differing = [name for name in {**stored, **asked} if stored.get(name) != asked.get(name)]
     if differing:
         raise ValueError(
             f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}: "

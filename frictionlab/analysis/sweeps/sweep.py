@@ -308,8 +308,8 @@ def sweep(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
-    >>> found.to_array().round(2)
+    >>> sweep = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
+    >>> sweep.to_array().round(2)
     array([ 60.75, 121.54])
     """
     require_model(model, cure="write sweep(model, function, over), the model made, such as fl.SliderOnBelt()")
@@ -341,10 +341,10 @@ def sweep(
     for i, result in journal.results.items():
         results[i] = result
     shape = [len(values) for values in axes.values()] + ([len(starts)] if starts else [])
-    found = Sweep(axes, tuple(x0), results.reshape(shape), model, own_name(function))
+    swept = Sweep(axes, tuple(x0), results.reshape(shape), model, own_name(function))
     if not complete:
-        raise journal.interruption(found, len(tasks))
-    return found
+        raise journal.interruption(swept, len(tasks))
+    return swept
 
 
 def grid_axes(over: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:

@@ -246,8 +246,8 @@ class ModeCoupling(PlanarSlider):
     --------
     >>> import frictionlab as fl
     >>> model = fl.ModeCoupling(c=0.0)
-    >>> found = fl.critical_value(model, "mu_k", bounds=(0, 2))
-    >>> abs(found - model.critical_friction) < 1e-9
+    >>> critical = fl.critical_value(model, "mu_k", bounds=(0, 2))
+    >>> abs(critical - model.critical_friction) < 1e-9
     True
     """
 

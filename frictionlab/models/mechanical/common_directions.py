@@ -123,9 +123,9 @@ def common_directions(
         Its value at rest.
     states : sequence of Symbol
     """
-    found: list[list[tuple[int, Any, Any]]] = []
+    groups: list[list[tuple[int, Any, Any]]] = []
     for i, row in enumerate(rows):
-        for group in found if row is not None else ():
+        for group in groups if row is not None else ():
             first = group[0][0]
             ratio = _ratio(row, rows[first])
             offset = None if ratio is None else expand_products(offsets[i] - ratio * offsets[first])
@@ -134,8 +134,8 @@ def common_directions(
                 break
         else:
             if row is not None and any(row):
-                found.append([(i, sympy.S.One, sympy.S.Zero)])
-    return tuple(CommonDirection(*zip(*group, strict=True)) for group in found if len(group) > 1)
+                groups.append([(i, sympy.S.One, sympy.S.Zero)])
+    return tuple(CommonDirection(*zip(*group, strict=True)) for group in groups if len(group) > 1)
 
 
 def _depends(expression: Any, states: Sequence[Any]) -> bool:

@@ -90,14 +90,14 @@ class ContactRegime:
     pressing: Any = sympy.S.Zero
 
 
-def regimes_of_contact(contact: Friction | Stop, found: LagrangeSystem) -> tuple[ContactRegime, ...]:
+def regimes_of_contact(contact: Friction | Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
     """All regimes of a contact, in the order in which they are tried."""
     if isinstance(contact, Stop):
-        return _stop_regimes(contact, found.rate(contact.distance))
-    return tuple(regime(contact, name, found) for name in contact.modes)
+        return _stop_regimes(contact, system.rate(contact.distance))
+    return tuple(regime(contact, name, system) for name in contact.modes)
 
 
-def regime(contact: Friction, name: str, found: LagrangeSystem) -> ContactRegime:
+def regime(contact: Friction, name: str, system: LagrangeSystem) -> ContactRegime:
     """One regime of a contact with friction.
 
     Raises
@@ -107,7 +107,7 @@ def regime(contact: Friction, name: str, found: LagrangeSystem) -> ContactRegime
     """
     if name not in BUILDERS:
         raise ValueError(f"no mode is called {name!r}: an interface may list {', '.join(BUILDERS)}")
-    return BUILDERS[name](contact, found)
+    return BUILDERS[name](contact, system)
 
 
 def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> Any:
@@ -115,7 +115,7 @@ def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> A
     return sign * contact.law.kinetic(normal, sign * speed)
 
 
-def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
+def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
     """Slip in one direction, Eqs. (1) to (4)."""
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
@@ -128,18 +128,18 @@ def _slip(contact: Friction, found: LagrangeSystem, name: str) -> ContactRegime:
     )
 
 
-def _slip_on(contact: Friction, found: LagrangeSystem) -> ContactRegime:
+def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
-    sign, belt = found.sliding_sign(contact), found.at_rest(contact.relative_velocity)
+    sign, belt = system.sliding_sign(contact), system.at_rest(contact.relative_velocity)
     force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
     # A belt whose speed depends on time or place may turn round; then the force has no sign.
-    turns = (RegimeEnd("belt", sign * belt, ()),) if found.varies(belt) else ()
+    turns = (RegimeEnd("belt", sign * belt, ()),) if system.varies(belt) else ()
     return ContactRegime(
         "slip", force, None, (), lambda *_: (*turns, *_leaving(contact)), pressing=contact.pressing
     )
 
 
-def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
+def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
     speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
@@ -151,7 +151,7 @@ def _stick(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     return ContactRegime("stick", None, speed, (speed,), breaks, limit, pressing=contact.pressing)
 
 
-def _separation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
+def _separation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
     if contact.penetration is None:
         return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact),))
@@ -160,7 +160,7 @@ def _separation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
     return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,))
 
 
-def _relaxation(contact: Friction, found: LagrangeSystem) -> ContactRegime:
+def _relaxation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """No contact forces, as the law would pull: it ends where it would press, or where a gap opens."""
     opens = RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)))
     return ContactRegime("relaxation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact), opens))
@@ -213,138 +213,138 @@ def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
 
 
 @lru_cache(maxsize=4096)  # one for all modes in which the contact slips
-def stick_reset(found: LagrangeSystem, contact: Any) -> Reset:
+def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     """Reset to v_r = 0 by an impulse along W, which removes only the rounding error of the event's time.
 
     There is none where the compliance depends on the state: v_r may be zero because the contact's direction
     vanishes, as at the dead centre of a crank, where no impulse changes v_r.
     """
-    pair = found.pair(contact.relative_velocity)
+    pair = system.pair(contact.relative_velocity)
     # Stated, as v_r after the impulse need not be zero to the last bit, and sympy need not see that it is.
-    resting = (contact.relative_velocity, *_alike(found, contact))
+    resting = (contact.relative_velocity, *_alike(system, contact))
     zero = {sign * speed: 1 for speed in resting for sign in (1, -1)}
     if pair is not None:
-        return Reset(_together(found, pair), zero)
-    w = found.direction(contact)
-    soft = compliance(found, w)
-    if found.varies(soft):
+        return Reset(_together(system, pair), zero)
+    w = system.direction(contact)
+    soft = compliance(system, w)
+    if system.varies(soft):
         return Reset(vanishing=zero)
-    jump = _velocity_jump(found, w, contact.relative_velocity / soft)
+    jump = _velocity_jump(system, w, contact.relative_velocity / soft)
     after = {rate: expand_products(one) for rate, one in jump.items()}
-    if found.coupled is not None:
-        after |= _last_velocity(found, contact, w, after)
+    if system.coupled is not None:
+        after |= _last_velocity(system, contact, w, after)
     return Reset(after, zero)
 
 
-def _alike(found: LagrangeSystem, contact: Any) -> tuple[Any, ...]:
+def _alike(system: LagrangeSystem, contact: Any) -> tuple[Any, ...]:
     """The relative velocities of other contacts that are zero where that of this one is."""
-    contacts: Any = found.mechanics.contacts
+    contacts: Any = system.mechanics.contacts
     i = contacts.index(contact)
-    direction = found.direction_of(i)
+    direction = system.direction_of(i)
     if direction is None:
         return ()
     others = (j for j in direction.contacts if j != i and direction.at_one_speed(j, i))
     return tuple(contacts[j].relative_velocity for j in others)
 
 
-def _last_velocity(found: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
+def _last_velocity(system: LagrangeSystem, contact: Any, w: Any, after: dict[Any, Any]) -> dict[Any, Any]:
     """One velocity after the reset, solved from v_r = 0: the jumps leave v_r with a rounding error."""
     row = numbers_of([-one for one in w])
     if row is None:
         return {}
-    values, pivot = [after.get(rate, rate) for rate in found.v], pivot_of(row)
-    rest = found.at_rest(contact.relative_velocity)
-    return {found.v[pivot]: expand_products(solved_for(row, pivot, values, rest))}
+    values, pivot = [after.get(rate, rate) for rate in system.v], pivot_of(row)
+    rest = system.at_rest(contact.relative_velocity)
+    return {system.v[pivot]: expand_products(solved_for(row, pivot, values, rest))}
 
 
-def _together(found: LagrangeSystem, pair: Any) -> dict[Any, Any]:
+def _together(system: LagrangeSystem, pair: Any) -> dict[Any, Any]:
     """Velocities after a reset to v_r = 0 between two bodies, which keep their momentum M x1' + m x2'."""
     one, two, speed = pair
-    heavy, light = found.masses[one], found.masses[two]
-    together = (heavy * found.v[one] + light * found.v[two] + light * speed) / (heavy + light)
-    return {found.v[one]: together, found.v[two]: together - speed}
+    heavy, light = system.masses[one], system.masses[two]
+    together = (heavy * system.v[one] + light * system.v[two] + light * speed) / (heavy + light)
+    return {system.v[one]: together, system.v[two]: together - speed}
 
 
 @lru_cache(maxsize=4096)
-def impact_resets(found: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
+def impact_resets(system: LagrangeSystem, contact: Friction | Stop) -> tuple[Reset, Reset]:
     """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
     if isinstance(contact, Stop):
-        return _on_stop(found, contact, contact.law), _on_stop(found, contact, CLOSING)
-    return _landing(found, contact, contact.impact), _landing(found, contact, CLOSING)
+        return _on_stop(system, contact, contact.law), _on_stop(system, contact, CLOSING)
+    return _landing(system, contact, contact.impact), _landing(system, contact, CLOSING)
 
 
-def compliance(found: LagrangeSystem, w: Any) -> Any:
+def compliance(system: LagrangeSystem, w: Any) -> Any:
     """W^T M^-1 W (1/kg), the denominator of Eq. (14)."""
-    numbers = None if found.coupled is None else numbers_of(list(w))
-    if found.coupled is not None and numbers is not None:
-        return found.coupled.softness(numbers) / found.coupled.scale
-    return (w.T * found.inverse * w)[0]
+    numbers = None if system.coupled is None else numbers_of(list(w))
+    if system.coupled is not None and numbers is not None:
+        return system.coupled.softness(numbers) / system.coupled.scale
+    return (w.T * system.inverse * w)[0]
 
 
-def _pushed(found: LagrangeSystem, w: Any, impulse: Any) -> Any:
+def _pushed(system: LagrangeSystem, w: Any, impulse: Any) -> Any:
     """M^-1 W p: how the velocities change by an impulse along W."""
-    numbers = None if found.coupled is None else numbers_of(list(w))
-    if found.coupled is not None and numbers is not None:
-        return [exact_number(one) * impulse / found.coupled.scale for one in found.coupled.times(numbers)]
-    return found.inverse * w * impulse
+    numbers = None if system.coupled is None else numbers_of(list(w))
+    if system.coupled is not None and numbers is not None:
+        return [exact_number(one) * impulse / system.coupled.scale for one in system.coupled.times(numbers)]
+    return system.inverse * w * impulse
 
 
-def velocities_after(found: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
+def velocities_after(system: LagrangeSystem, direction: Any, impulse: Any) -> dict[Any, Any]:
     """M dv = W p, Eqs. (10) to (12): the velocities that jump, after an impulse along W_N or W_T."""
-    return _velocity_jump(found, direction, impulse) if impulse != 0 else {}
+    return _velocity_jump(system, direction, impulse) if impulse != 0 else {}
 
 
-def _velocity_jump(found: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
-    changes = [p * impulse / m for p, m in zip(w, found.masses)] or _pushed(found, w, impulse)
-    return {rate: rate + change for rate, change in zip(found.v, changes, strict=True) if change != 0}
+def _velocity_jump(system: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, Any]:
+    changes = [p * impulse / m for p, m in zip(w, system.masses)] or _pushed(system, w, impulse)
+    return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
 
 
-def material_rate(found: LagrangeSystem, contact: Friction) -> Any:
+def material_rate(system: LagrangeSystem, contact: Friction) -> Any:
     """The velocity at which the bodies approach at the contact's material points: -W_N . q', and how fast the
     penetration grows with all coordinates at rest, where a ground moves with time."""
-    approaching = -sum(w * rate for w, rate in zip(found.normal(contact), found.v, strict=True))
-    return approaching + found.explicit_rate(contact.penetration)
+    approaching = -sum(w * rate for w, rate in zip(system.normal(contact), system.v, strict=True))
+    return approaching + system.explicit_rate(contact.penetration)
 
 
-def friction_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+def friction_impulse(system: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
     """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
-    stopping = contact.relative_velocity / compliance(found, found.direction(contact))
-    return law.friction(normal_impulse(found, contact, law), stopping)
+    stopping = contact.relative_velocity / compliance(system, system.direction(contact))
+    return law.friction(normal_impulse(system, contact, law), stopping)
 
 
-def normal_impulse(found: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
+def normal_impulse(system: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
     """The impulse p (N s) of the re-contact, Eq. (14)."""
-    rates = material_rate(found, contact), found.rate(contact.penetration)
-    return law.impulse(*rates, compliance(found, found.normal(contact)))
+    rates = material_rate(system, contact), system.rate(contact.penetration)
+    return law.impulse(*rates, compliance(system, system.normal(contact)))
 
 
-def rates_after_impact(found: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
+def rates_after_impact(system: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
     """Material and full penetration rate after the impact in terms of those before it, RATE_SYMBOLS."""
     material, full, soft = RATE_SYMBOLS
-    if expand_products(material_rate(found, contact) - found.rate(contact.penetration)) == 0:
+    if expand_products(material_rate(system, contact) - system.rate(contact.penetration)) == 0:
         material = full
     change = soft * law.impulse(material, full, soft)
     return expand_products(material - change), expand_products(full - change)
 
 
-def _landing(found: LagrangeSystem, contact: Friction, law: Any) -> Reset:
+def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
     # The penetration is zero at the impact; its rate after it only if the law makes it zero identically.
-    order = 2 if rates_after_impact(found, contact, law)[1] == 0 else 1
-    rubbed = velocities_after(found, found.direction(contact), friction_impulse(found, contact, law))
-    pushed = velocities_after(found, found.normal(contact), normal_impulse(found, contact, law))
+    order = 2 if rates_after_impact(system, contact, law)[1] == 0 else 1
+    rubbed = velocities_after(system, system.direction(contact), friction_impulse(system, contact, law))
+    pushed = velocities_after(system, system.normal(contact), normal_impulse(system, contact, law))
     jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
     return Reset(jump, {contact.penetration: order, -contact.penetration: order})
 
 
-def _on_stop(found: LagrangeSystem, contact: Stop, law: Any) -> Reset:
+def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
-    w, rate = found.direction(contact), found.rate(contact.distance)
+    w, rate = system.direction(contact), system.rate(contact.distance)
     order = 2 if rate_after(law, symbol("rate")) == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
-    moved = zip(found.q, _pushed(found, w, contact.distance / compliance(found, w)), strict=True)
+    moved = zip(system.q, _pushed(system, w, contact.distance / compliance(system, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
-    after = _velocity_jump(found, w, law.impulse(-rate, -rate, compliance(found, w)))
+    after = _velocity_jump(system, w, law.impulse(-rate, -rate, compliance(system, w)))
     return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
 
 
@@ -354,18 +354,18 @@ def rate_after(law: ImpactLaw, rate: Any) -> Any:
     return expand_products(rate + soft * law.impulse(-rate, -rate, soft))
 
 
-def chatter_mode(found: LagrangeSystem) -> Mode | None:
+def chatter_mode(system: LagrangeSystem) -> Mode | None:
     """The limit mode of a single contact at which the gap opens again after an impact; None for others."""
-    for contact in found.mechanics.contacts[:1]:
+    for contact in system.mechanics.contacts[:1]:
         if isinstance(contact, Friction) and contact.impact is not None and "separation" in contact.modes:
-            rate = leaving_rate(found, contact)
-            return None if rate == 0 else _limit(found, contact, rate)
+            rate = leaving_rate(system, contact)
+            return None if rate == 0 else _limit(system, contact, rate)
     return None
 
 
-def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
-    closing = closing_acceleration(found, contact)
-    force = closing / compliance(found, found.normal(contact))
+def _limit(system: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
+    closing = closing_acceleration(system, contact)
+    force = closing / compliance(system, system.normal(contact))
     outputs = {
         "penetration": contact.penetration,
         "gap": -contact.penetration,
@@ -373,13 +373,13 @@ def _limit(found: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
         "friction_force": sympy.S.Zero,
         "relative_velocity": contact.relative_velocity,
     }
-    flow = (*found.v, *_accelerations(found, contact, force), *found.phase_rate)
-    constraints = (contact.penetration, found.rate(contact.penetration))
-    events = (*_chatter_events(found, contact, rate, closing), *period_events(found, CHATTER_MODE))
+    flow = (*system.v, *_accelerations(system, contact, force), *system.phase_rate)
+    constraints = (contact.penetration, system.rate(contact.penetration))
+    events = (*_chatter_events(system, contact, rate, closing), *period_events(system, CHATTER_MODE))
     return Mode(CHATTER_MODE, flow, events, constraints, outputs, limit=True)
 
 
-def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
+def leaving_rate(system: LagrangeSystem, contact: Friction) -> Any:
     """The rate r such that a gap that closes at the rate r opens at the rate r after the impact.
 
     Zero where zero is the only such rate, where the law just reverses the rate of the gap, and for impact
@@ -387,37 +387,39 @@ def leaving_rate(found: LagrangeSystem, contact: Friction) -> Any:
     """
     material, full, soft = RATE_SYMBOLS
     rate, other = sympy.symbols("rate other")
-    law, w = rates_after_impact(found, contact, contact.impact)[1], found.normal(contact)
-    before = {material: rate + other, full: rate, soft: compliance(found, w)}
+    law, w = rates_after_impact(system, contact, contact.impact)[1], system.normal(contact)
+    before = {material: rate + other, full: rate, soft: compliance(system, w)}
     after = law.subs(before, simultaneous=True)
     slope = sympy.diff(after, rate)
     if slope.has(rate) or slope == -1:
         return sympy.S.Zero
     fixed = -after.subs(rate, 0) / (1 + slope)
-    return expand_products(fixed.subs(other, material_rate(found, contact) - found.rate(contact.penetration)))
-
-
-def closing_acceleration(found: LagrangeSystem, contact: Friction) -> Any:
-    """Second derivative of the penetration in flight, Eq. (9)."""
-    rates = (*found.v, *_accelerations(found, contact, 0), *found.phase_rate)
-    penetration_rate = found.rate(contact.penetration)
-    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(found.states, rates, strict=True))
-
-
-def _accelerations(found: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:
-    """Accelerations under a normal force without friction."""
-    return list(found.inverse * sympy.Matrix(found.forces(contact, force)))
-
-
-def period_events(found: LagrangeSystem, mode: str) -> tuple[Event, ...]:
-    """The event that sets the phase back by 2 pi, which leaves the mode as it is; () without a phase."""
-    turn = 2 * sympy.pi
-    return tuple(
-        Event("period", turn - phase, (mode,), Reset({phase: phase - turn})) for phase in found.phase
+    return expand_products(
+        fixed.subs(other, material_rate(system, contact) - system.rate(contact.penetration))
     )
 
 
-def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
+def closing_acceleration(system: LagrangeSystem, contact: Friction) -> Any:
+    """Second derivative of the penetration in flight, Eq. (9)."""
+    rates = (*system.v, *_accelerations(system, contact, 0), *system.phase_rate)
+    penetration_rate = system.rate(contact.penetration)
+    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(system.states, rates, strict=True))
+
+
+def _accelerations(system: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:
+    """Accelerations under a normal force without friction."""
+    return list(system.inverse * sympy.Matrix(system.forces(contact, force)))
+
+
+def period_events(system: LagrangeSystem, mode: str) -> tuple[Event, ...]:
+    """The event that sets the phase back by 2 pi, which leaves the mode as it is; () without a phase."""
+    turn = 2 * sympy.pi
+    return tuple(
+        Event("period", turn - phase, (mode,), Reset({phase: phase - turn})) for phase in system.phase
+    )
+
+
+def _chatter_events(system: LagrangeSystem, contact: Friction, rate: Any, closing: Any) -> tuple[Event, ...]:
     """The events that end the limit mode: flights become infinitely short, or too long.
 
     Too long is twice the dwell time below which the solver replaces them.
@@ -426,5 +428,5 @@ def _chatter_events(found: LagrangeSystem, contact: Friction, rate: Any, closing
     landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
     return (
         Event("leaving rate", rate, targets, landed),
-        Event("flight", CHATTER_TIME * closing - rate, ("separation",), impact_resets(found, contact)[0]),
+        Event("flight", CHATTER_TIME * closing - rate, ("separation",), impact_resets(system, contact)[0]),
     )

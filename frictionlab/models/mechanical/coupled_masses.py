@@ -94,11 +94,11 @@ class HeldVelocities:
 
         So the velocity keeps its value to the last bit.
         """
-        found = list(accelerations)
+        adjusted = list(accelerations)
         for row, rate in zip(self.rows, self.rates, strict=True):
             pivot = pivot_of(row)
-            found[pivot] = solved_for(row, pivot, found, rate)
-        return found
+            adjusted[pivot] = solved_for(row, pivot, adjusted, rate)
+        return adjusted
 
 
 def held_velocities(

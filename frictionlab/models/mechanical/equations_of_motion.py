@@ -32,10 +32,10 @@ def _remembered(method: Any) -> Any:
 
     @wraps(method)
     def remembering(self: LagrangeSystem, contact: Friction | Stop) -> Any:
-        found = self.__dict__.setdefault(f"_{method.__name__}_of_contacts", {})
-        if contact not in found:
-            found[contact] = method(self, contact)
-        return found[contact]
+        results = self.__dict__.setdefault(f"_{method.__name__}_of_contacts", {})
+        if contact not in results:
+            results[contact] = method(self, contact)
+        return results[contact]
 
     return remembering
 
@@ -76,8 +76,8 @@ class LagrangeSystem:
 
         Exact masses, of integers and parameters, are left to sympy, so that terms cancel exactly.
         """
-        found = None if self.masses else coupled_masses(self.mass)
-        return found if self.mass.has(sympy.Float) else None
+        coupled = None if self.masses else coupled_masses(self.mass)
+        return coupled if self.mass.has(sympy.Float) else None
 
     @cached_property
     def masses(self) -> tuple[Any, ...]:

@@ -123,22 +123,22 @@ def _mass_formulas(key: Structure, about: Mapping[str, Any]) -> Formulas:
     return formulas_of(inputs, [system.mass[i, j] for i, j in about["places"]])
 
 
-def _surely_positive(found: Any, key: Structure) -> bool:
+def _surely_positive(masses: Any, key: Structure) -> bool:
     """Whether masses that are not coupled, or coupled by numbers only, are positive whatever their values."""
     copy = symbolic_copy(key)
     signs = _signs(parameter_metadata(type(copy), copy.components))
-    if found.masses:
-        return all(one.xreplace(signs).is_positive for one in found.masses)
-    return found.coupled is not None and bool(found.coupled.scale.xreplace(signs).is_positive)
+    if masses.masses:
+        return all(one.xreplace(signs).is_positive for one in masses.masses)
+    return masses.coupled is not None and bool(masses.coupled.scale.xreplace(signs).is_positive)
 
 
 def _signs(known: Mapping[str, Parameter]) -> dict[Any, Any]:
     """For the symbol of each parameter with a lower bound of at least 0 one of which sympy knows that."""
-    found = {}
+    signs = {}
     for name, about in known.items():
         above = -1.0 if about.exclusive_minimum is None else about.exclusive_minimum
         if above >= 0 or (about.minimum or 0) > 0:
-            found[symbol(name)] = sympy.Dummy(name, positive=True)
+            signs[symbol(name)] = sympy.Dummy(name, positive=True)
         elif about.minimum == 0:
-            found[symbol(name)] = sympy.Dummy(name, nonnegative=True)
-    return found
+            signs[symbol(name)] = sympy.Dummy(name, nonnegative=True)
+    return signs

@@ -41,10 +41,10 @@ class MechanicalModel(Model):
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
         """The nonlinearities of the components; "nonsmooth" only if there are contacts, whose belts move."""
-        found, contacts = nonlinearities_of(self), numbers_of_contacts(self)
+        nonlinearities, contacts = nonlinearities_of(self), numbers_of_contacts(self)
         if not contacts or any(one is not None and one.speed == 0 for one in contacts):
-            found.pop("nonsmooth", None)
-        return MappingProxyType(found)
+            nonlinearities.pop("nonsmooth", None)
+        return MappingProxyType(nonlinearities)
 
     def without(self, *names: str) -> Self:
         """The model without some of its :attr:`nonlinearities`.

@@ -40,22 +40,22 @@ def derive_automaton(model: Any) -> HybridAutomaton:
     Several contacts have many combinations, of which a run visits few; then each mode is derived when it is
     first used.
     """
-    found, numbers = lagrange_system(model), {}
-    if len(found.mechanics.contacts) > 1:
+    system, numbers = lagrange_system(model), {}
+    if len(system.mechanics.contacts) > 1:
         key = structure_of_component(model)
         modes: Any = ModesOnDemand(
-            tuple(tuple(map(_conditions, regimes)) for regimes in found.regimes),
-            lambda combination: mode_of(found, combination),
-            found.allows,
+            tuple(tuple(map(_conditions, regimes)) for regimes in system.regimes),
+            lambda combination: mode_of(system, combination),
+            system.allows,
             (modes_of_structure, (key,)),
             lambda: structure_to_data(key),
         )
     else:
-        modes = tuple(mode_of(found, combination) for combination in found.names.combinations())
-        limit = chatter_mode(found)
+        modes = tuple(mode_of(system, combination) for combination in system.names.combinations())
+        limit = chatter_mode(system)
         if limit is not None:
             modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
-    return HybridAutomaton(found.states, modes, numbers, len(found.q))
+    return HybridAutomaton(system.states, modes, numbers, len(system.q))
 
 
 def modes_of_structure(key: Structure) -> Any:
@@ -93,14 +93,14 @@ class HoldingForce:
     product: Any = None
 
 
-def solve_contact_forces(found: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
+def solve_contact_forces(system: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
     """Accelerations and contact forces where each contact is in its regime of `chosen`."""
     names = [regime.name for regime in chosen]
-    held = [i for i, one in enumerate(chosen) if one.force is None and found.leader(i, names) == i]
-    accelerations, forces, holding = _hold(found, chosen, held)
+    held = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
+    accelerations, forces, holding = _hold(system, chosen, held)
     with_limits = {}
     for i, one in holding.items():
-        direction, limit = found.direction_of(i), chosen[i].limit
+        direction, limit = system.direction_of(i), chosen[i].limit
         if direction is not None and limit is not None:
             limits = {j: chosen[j].limit for j in direction.contacts if names[j] == "stick"}
             shares, limit = direction.shares(i, one.force, limits)
@@ -115,65 +115,65 @@ def solve_contact_forces(found: LagrangeSystem, chosen: Sequence[ContactRegime])
 Solution = tuple[list[Any], list[Any], dict[int, HoldingForce]]
 
 
-def _hold(found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]) -> Solution:
+def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]) -> Solution:
     """Accelerations, the force of each contact, and again that of each of `held`, which hold."""
-    contacts, forces = found.mechanics.contacts, [regime.force for regime in chosen]
-    free = [load - rest for load, rest in zip(found.loads, found.internal, strict=True)]
+    contacts, forces = system.mechanics.contacts, [regime.force for regime in chosen]
+    free = [load - rest for load, rest in zip(system.loads, system.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
-        found.apply(found.direction(contact), 0 if regime.force is None else regime.force, free)
+        system.apply(system.direction(contact), 0 if regime.force is None else regime.force, free)
         if regime.pressing != 0:
-            found.apply(found.normal(contact), regime.pressing, free)
+            system.apply(system.normal(contact), regime.pressing, free)
     if not held:
-        return found.accelerations(free), forces, {}
-    pair = found.pair(chosen[held[0]].held) if len(held) == 1 else None
+        return system.accelerations(free), forces, {}
+    pair = system.pair(chosen[held[0]].held) if len(held) == 1 else None
     if pair is not None:
-        accelerations, force = _as_one_body(found, pair, free)
+        accelerations, force = _as_one_body(system, pair, free)
         holding = [HoldingForce(force)]
-    elif (velocities := _held_in_numbers(found, chosen, held)) is not None:
-        accelerations, known = velocities.solve(free, found.states)
+    elif (velocities := _held_in_numbers(system, chosen, held)) is not None:
+        accelerations, known = velocities.solve(free, system.states)
         holding = [HoldingForce(force) for force in known]
     else:
-        accelerations, holding = _held_by_forces(found, chosen, held, sympy.Matrix(free))
+        accelerations, holding = _held_by_forces(system, chosen, held, sympy.Matrix(free))
     for i, one in zip(held, holding, strict=True):
         forces[i] = one.force
     return accelerations, forces, dict(zip(held, holding, strict=True))
 
 
 def _held_in_numbers(
-    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
 ) -> HeldVelocities | None:
     """The velocities held at zero, where M^-1 is in numbers; None where only sympy can find the forces."""
-    if found.coupled is None:
+    if system.coupled is None:
         return None
-    rows = [found.gradient(chosen[i].held, found.v) for i in held]
-    along = [list(found.direction(found.mechanics.contacts[i])) for i in held]
-    return held_velocities(found.coupled, rows, along, [found.rate(chosen[i].held) for i in held])
+    rows = [system.gradient(chosen[i].held, system.v) for i in held]
+    along = [list(system.direction(system.mechanics.contacts[i])) for i in held]
+    return held_velocities(system.coupled, rows, along, [system.rate(chosen[i].held) for i in held])
 
 
-def _as_one_body(found: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
+def _as_one_body(system: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
     """Accelerations of two bodies that stick to each other, as one expression, and the force between them."""
-    one, two, mass = pair.first, pair.second, found.masses
+    one, two, mass = pair.first, pair.second, system.masses
     accelerations = [force / m for force, m in zip(r, mass, strict=True)]
     accelerations[one] = accelerations[two] = (r[one] + r[two]) / (mass[one] + mass[two])
-    return accelerations, sticking_force(found, pair, r)
+    return accelerations, sticking_force(system, pair, r)
 
 
-def sticking_force(found: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
+def sticking_force(system: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
     """F_T from x1'' = x2'' with M x1'' = r1 + F_T and m x2'' = r2 - F_T, Eqs. (1) and (5)."""
-    heavy, light = found.masses[pair.first], found.masses[pair.second]
+    heavy, light = system.masses[pair.first], system.masses[pair.second]
     return (heavy * r[pair.second] - light * r[pair.first]) / (heavy + light)
 
 
 def _held_by_forces(
-    found: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
 ) -> tuple[list[Any], list[HoldingForce]]:
     """Accelerations and holding forces where contacts hold any velocities at zero, solved by sympy."""
-    inverse = found.inverse
-    rows = sympy.Matrix([found.gradient(chosen[i].held, found.v) for i in held])
+    inverse = system.inverse
+    rows = sympy.Matrix([system.gradient(chosen[i].held, system.v) for i in held])
     reach = _sparse_product(rows, inverse)
-    rates = [found.rate(chosen[i].held) for i in held]
+    rates = [system.rate(chosen[i].held) for i in held]
     along = [-(rate + part) for rate, part in zip(rates, _sparse_product(reach, free), strict=True)]
-    columns = sympy.Matrix.hstack(*(found.direction(found.mechanics.contacts[i]) for i in held))
+    columns = sympy.Matrix.hstack(*(system.direction(system.mechanics.contacts[i]) for i in held))
     softness = _sparse_product(reach, columns)
     forces: list[Any] = [None] * len(held)
     holding: list[Any] = [None] * len(held)
@@ -182,13 +182,13 @@ def _held_by_forces(
         matrix, right = softness.extract(block, block), sympy.Matrix([along[i] for i in block])
         for i, force in zip(block, matrix.LUsolve(right), strict=True):
             forces[i], holding[i] = force, HoldingForce(_expand(force))
-        if found.varies(matrix):
-            against = (isinstance(found.mechanics.contacts[held[i]], Friction) for i in block)
+        if system.varies(matrix):
+            against = (isinstance(system.mechanics.contacts[held[i]], Friction) for i in block)
             for i, one in zip(block, _products(matrix, right, (-1) ** sum(against)), strict=True):
                 holding[i] = HoldingForce(holding[i].force, *one)
     # Expanded, terms that cancel vanish: a constrained velocity keeps its value to the last bit.
     pushed = free + _sparse_product(columns, sympy.Matrix(forces))
-    accelerations = [_expand(a) for a in found.accelerations(list(pushed))]
+    accelerations = [_expand(a) for a in system.accelerations(list(pushed))]
     for i, rate in enumerate(rates):
         there = [k for k in range(rows.cols) if rows[i, k] != 0]
         if len(there) == 1:  # terms with floats may not cancel
@@ -209,80 +209,83 @@ def _sparse_product(one: Any, other: Any) -> Any:
     there: dict[int, list[tuple[int, Any]]] = {}
     for (i, k), entry in sorted(other.todok().items()):
         there.setdefault(i, []).append((k, entry))
-    found: dict[tuple[int, int], Any] = {}
+    product: dict[tuple[int, int], Any] = {}
     for (i, j), factor in sorted(one.todok().items()):
         for k, entry in there.get(j, ()):
-            found[i, k] = found.get((i, k), sympy.S.Zero) + factor * entry
-    return sympy.Matrix(one.rows, other.cols, lambda i, k: found.get((int(i), int(k)), sympy.S.Zero))
+            product[i, k] = product.get((i, k), sympy.S.Zero) + factor * entry
+    return sympy.Matrix(one.rows, other.cols, lambda i, k: product.get((int(i), int(k)), sympy.S.Zero))
 
 
-def flow_of(found: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:
+def flow_of(system: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:
     """The rates of all states."""
-    return (*found.v, *accelerations, *found.phase_rate)
+    return (*system.v, *accelerations, *system.phase_rate)
 
 
-def mode_of(found: LagrangeSystem, combination: Combination) -> Mode:
+def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
     """The mode of one regime for each contact."""
-    chosen = found.chosen(combination)
-    solved = solve_contact_forces(found, chosen)
+    chosen = system.chosen(combination)
+    solved = solve_contact_forces(system, chosen)
     names = [regime.name for regime in chosen]
-    name = found.names.name_of(combination)
+    name = system.names.name_of(combination)
     events = [
-        _event(found, combination, i, end)
+        _event(system, combination, i, end)
         for i, regime in enumerate(chosen)
-        for end in regime.ends(*solved.holding.get(found.leader(i, names), (regime.force, regime.limit)))
-        if not end.common or found.leader(i, names) == i
+        for end in regime.ends(*solved.holding.get(system.leader(i, names), (regime.force, regime.limit)))
+        if not end.common or system.leader(i, names) == i
     ]
-    events += period_events(found, name)
+    events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
-    outputs = _outputs(found, chosen, solved.forces)
-    return Mode(name, flow_of(found, solved.accelerations), tuple(events), constraints, outputs)
+    outputs = _outputs(system, chosen, solved.forces)
+    return Mode(name, flow_of(system, solved.accelerations), tuple(events), constraints, outputs)
 
 
-def _event(found: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
-    changed = (one for name in end.targets for one in _entered(found, combination, i, end, name))
-    targets = tuple(dict.fromkeys(found.names.name_of(one) for one in changed if found.allows(one)))
-    contact, label = found.mechanics.contacts[i], end.name + contact_suffix(found, i)
+def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
+    changed = (one for name in end.targets for one in _entered(system, combination, i, end, name))
+    targets = tuple(dict.fromkeys(system.names.name_of(one) for one in changed if system.allows(one)))
+    contact, label = system.mechanics.contacts[i], end.name + contact_suffix(system, i)
     if end.jump == "impact":
-        return Event(label, end.function, targets, *impact_resets(found, contact))
+        return Event(label, end.function, targets, *impact_resets(system, contact))
     if end.jump == "project":
-        return Event(label, end.function, targets, stick_reset(found, contact))
+        return Event(label, end.function, targets, stick_reset(system, contact))
     return Event(label, end.function, targets)
 
 
 def _entered(
-    found: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd, name: str
+    system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd, name: str
 ) -> Iterator[Combination]:
     """The combinations to try where the regime of contact `i` ends and that of this name follows."""
-    chosen = found.chosen(combination)
+    chosen = system.chosen(combination)
     if chosen[i].held is not None:  # a contact that is at its limit while others hold may now hold instead
-        resting = (j for j, one in enumerate(chosen) if one is found.regimes[j][combination[j]].resting)
-        yield from (_changed(found, combination, {i: name, j: "stick"}) for j in resting)
-    direction = found.direction_of(i) if end.common else None
+        resting = (j for j, one in enumerate(chosen) if one is system.regimes[j][combination[j]].resting)
+        yield from (_changed(system, combination, {i: name, j: "stick"}) for j in resting)
+    direction = system.direction_of(i) if end.common else None
     names = [regime.name for regime in chosen]
     for changes in ({i: name},) if direction is None else direction.together(i, names, name):
-        yield _changed(found, combination, changes)
+        yield _changed(system, combination, changes)
 
 
-def _changed(found: LagrangeSystem, combination: Combination, names: Mapping[int, str]) -> Combination:
+def _changed(system: LagrangeSystem, combination: Combination, names: Mapping[int, str]) -> Combination:
     """The combination with the regimes of these names, as far as the contacts have them."""
     changed = list(combination)
     for i, name in names.items():
-        known = [regime.name for regime in found.regimes[i]]
+        known = [regime.name for regime in system.regimes[i]]
         changed[i] = known.index(name) if name in known else combination[i]
     return tuple(changed)
 
 
-def contact_suffix(found: LagrangeSystem, i: int) -> str:
+def contact_suffix(system: LagrangeSystem, i: int) -> str:
     """Suffix of the outputs of a contact where there are several: _1, _2 ..."""
-    return f"_{i + 1}" if len(found.mechanics.contacts) > 1 else ""
+    return f"_{i + 1}" if len(system.mechanics.contacts) > 1 else ""
 
 
-def _outputs(found: LagrangeSystem, chosen: Sequence[ContactRegime], forces: Sequence[Any]) -> dict[str, Any]:
+def _outputs(
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], forces: Sequence[Any]
+) -> dict[str, Any]:
     outputs = {}
-    for i, (contact, regime, force) in enumerate(zip(found.mechanics.contacts, chosen, forces, strict=True)):
+    for i, (contact, regime, force) in enumerate(zip(system.mechanics.contacts, chosen, forces, strict=True)):
         outputs |= {
-            name + contact_suffix(found, i): value for name, value in _contact_outputs(contact, regime, force)
+            name + contact_suffix(system, i): value
+            for name, value in _contact_outputs(contact, regime, force)
         }
     return outputs
 

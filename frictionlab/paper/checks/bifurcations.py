@@ -53,15 +53,15 @@ def _outcome_words(kinds: tuple[str, ...]) -> list[str]:
 
 
 def _check_starts(setting: Setting) -> Finding:
-    found = {start: scenes.example_steady_states(start, setting) for start in scenes.START_NAMES}
+    by_start = {start: scenes.example_steady_states(start, setting) for start in scenes.START_NAMES}
     held, text = {}, []
-    for start, b in found.items():
+    for start, b in by_start.items():
         for mu, kind, expected in zip(b.values, _outcome_words(b.kinds), EXPECTED_OUTCOMES[start]):
             held[f"{START_WORDS[start]} at {mu:g} leads to {expected}"] = kind == expected
         rows = (f"{kind} ({s:.4g}) at {mu:g}" for mu, kind, s in zip(b.values, b.kinds, b.intensities))
         text.append(f"{START_WORDS[start]}: {', '.join(rows)}")
     held["near and far lead to the same kind of motion at 2.5"] = (
-        len({b.kinds[-1] for b in found.values()}) == 1
+        len({b.kinds[-1] for b in by_start.values()}) == 1
     )
     return Finding(f"kind (L_s in m^2) at mu_k: {'; '.join(text)}", held)
 
@@ -276,8 +276,8 @@ def _check_phase_planes(setting: Setting) -> Finding:
     return Finding(f"{text}; they differ by {100 * near:.2f} % and {100 * far:.1f} %", held)
 
 
-def _cycle_measures(found: Any) -> Any:
-    run, period = found.trajectory, found.period
+def _cycle_measures(steady: Any) -> Any:
+    run, period = steady.trajectory, steady.period
     length = min(2 * period if np.isfinite(period) else 1.0, run.raw.t)
     states = run(np.linspace(run.raw.t - length, run.raw.t, 4001))
     x, v = run.names.index("x1"), run.names.index("x1'")

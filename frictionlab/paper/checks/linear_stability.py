@@ -44,9 +44,9 @@ COALESCENCE_SHARE = 0.02  # of their first distance: two frequencies that come n
 def _equilibrium(name: str) -> Claim:
     mu_k, text = EQUILIBRIA[name]
     printed, q = text.split(), equilibrium(SliderOnBelt(mu_k=mu_k)).q
-    found = verdict_of_parts(*(agrees_with_printed(value, number) for value, number in zip(q, printed)))
+    verdict = verdict_of_parts(*(agrees_with_printed(value, number) for value, number in zip(q, printed)))
     says = f"equilibrium at mu_k {mu_k:g}: [{', '.join(printed)}] m, rad"
-    return Claim(name, "4.2.1", says, list_text(q, 6), found, PRINTED_ERRATA.get(name, ""))
+    return Claim(name, "4.2.1", says, list_text(q, 6), verdict, PRINTED_ERRATA.get(name, ""))
 
 
 def _eigenvalues() -> Claim:
@@ -160,9 +160,9 @@ def _geometry() -> Claim:
 def _two_pairs() -> Claim:
     """C8."""
     changes = two_pairs().changes
-    counts = {name: [0, *(c.unstable[1] for c in found)] for name, found in changes.items()}
+    counts = {name: [0, *(c.unstable[1] for c in several)] for name, several in changes.items()}
     held = counts[WITH_GEOMETRY] == [0, 1, 2, 1], counts[WITHOUT_GEOMETRY] == [0, 1]
-    computed = "; ".join(f"{name} {stability_changes_text(found)}" for name, found in changes.items())
+    computed = "; ".join(f"{name} {stability_changes_text(several)}" for name, several in changes.items())
     says = (
         "F = 1000 N, l1 = 0.1 m, l2 = 0.3 m: with GN two pairs are unstable over a range of mu_k, "
         "one of them stable again for larger mu_k; without GN only one ever is unstable"

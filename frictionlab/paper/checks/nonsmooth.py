@@ -36,8 +36,8 @@ SYMBOLS = {"x1": ("x1", "m"), "y1": ("y1", "m"), "normal_force": ("F_N", "N")}
 
 def _check_amplitudes(setting: Setting) -> Finding:
     """C21."""
-    found = steady_states_compared(setting)
-    with_all, sliding = ranges(found[WITH_NONSMOOTH]), ranges(found[SLIDING_ONLY])
+    compared = steady_states_compared(setting)
+    with_all, sliding = ranges(compared[WITH_NONSMOOTH]), ranges(compared[SLIDING_ONLY])
     held, text = {}, []
     for name, (symbol, unit) in SYMBOLS.items():
         held[f"that of {symbol} is much larger"] = sliding[name] > MIN_RATIO * with_all[name]

@@ -91,7 +91,7 @@ def _outcome_text(mu_k: float, kind: str, intensity: float) -> str:
 
 def _cycles_figure(setting: Setting) -> PaperFigure:
     data = Cycles({mu_k: example_cycle(mu_k, setting) for mu_k in CYCLE_MU_K})
-    summary = [f"mu_k = {mu_k:g}: {steady_state_text(found)}" for mu_k, found in data.steady_states.items()]
+    summary = [f"mu_k = {mu_k:g}: {steady_state_text(steady)}" for mu_k, steady in data.steady_states.items()]
     return PaperFigure(8, "steady states from rest", data, tuple(summary), _draw_cycles, str(setting))
 
 
@@ -100,19 +100,19 @@ def example_cycle(mu_k: float, setting: Setting) -> SteadyState:
     return scenes.steady_state_of(scenes.USUAL.replace(mu_k=mu_k), setting)
 
 
-def steady_state_text(found: SteadyState) -> str:
+def steady_state_text(steady: SteadyState) -> str:
     """Kind, frequencies and intensity."""
-    spectrum = found.spectrum(f_max=F_MAX)
+    spectrum = steady.spectrum(f_max=F_MAX)
     strongest = spectrum.peaks()[0][0] if spectrum else np.nan
-    cycle = f" at {1 / found.period:.3f} Hz, {found.onsets_per_period} onsets of stick a period"
-    moving = found.kind == MotionKind.PERIODIC
-    text = f"{found.kind}{cycle if moving else ''}, strongest line of x1 {strongest:.2f} Hz"
-    turns = f", the belt turns by up to {_rotation(found):.3g} rad" if _rotation(found) > 0 else ""
-    return f"{text}, L_s {found.intensity:.5g}, returns to {found.deviation:.1e} of its size{turns}"
+    cycle = f" at {1 / steady.period:.3f} Hz, {steady.onsets_per_period} onsets of stick a period"
+    moving = steady.kind == MotionKind.PERIODIC
+    text = f"{steady.kind}{cycle if moving else ''}, strongest line of x1 {strongest:.2f} Hz"
+    turns = f", the belt turns by up to {_rotation(steady):.3g} rad" if _rotation(steady) > 0 else ""
+    return f"{text}, L_s {steady.intensity:.5g}, returns to {steady.deviation:.1e} of its size{turns}"
 
 
-def _rotation(found: SteadyState) -> float:
-    run = found.trajectory
+def _rotation(steady: SteadyState) -> float:
+    run = steady.trajectory
     return float(np.abs(run.states[:, run.names.index("phi")]).max()) if "phi" in run.names else 0.0
 
 
@@ -137,13 +137,13 @@ def _draw_responses(result: PaperFigure) -> RunFigure:
 def _draw_cycles(result: PaperFigure) -> RunFigure:
     picture = new_figure(11.0, 9.5)
     panels = picture.subplots(3, 2)
-    for column, (mu_k, found) in zip(panels.T, result.data.steady_states.items()):
+    for column, (mu_k, steady) in zip(panels.T, result.data.steady_states.items()):
         forces, plane, lines = column
-        run, end = found.trajectory, found.trajectory.raw.t
+        run, end = steady.trajectory, steady.trajectory.raw.t
         plot_contact_forces(run, forces, window=(end - min(FORCES_SHOWN, end), end), shade=False)
         plot_phase_plane(run, plane, window=min(FORCES_SHOWN, end))
-        _draw_spectrum(found, lines)
-        forces.set_title(f"{parameter_value_text(run.source, 'mu_k', mu_k)}: {found.kind}")
+        _draw_spectrum(steady, lines)
+        forces.set_title(f"{parameter_value_text(run.source, 'mu_k', mu_k)}: {steady.kind}")
         plane.set_title("")
     for ax in panels[:2, 1]:
         legend_beside(ax)
@@ -151,8 +151,8 @@ def _draw_cycles(result: PaperFigure) -> RunFigure:
     return picture
 
 
-def _draw_spectrum(found: SteadyState, ax: Axes) -> None:
-    spectrum = found.spectrum(f_max=F_MAX)
+def _draw_spectrum(steady: SteadyState, ax: Axes) -> None:
+    spectrum = steady.spectrum(f_max=F_MAX)
     if spectrum is None:
         return
     ax.semilogy(spectrum.frequencies, spectrum.amplitudes, color=ink(ax), linewidth=1.0)
@@ -201,10 +201,10 @@ def phase_plane_cycle(k_nl: float, setting: Setting) -> SteadyState:
     )
 
 
-def _sweep_text(found: Any) -> str:
-    strong = found.intensities[is_vibration(found)]
+def _sweep_text(sweep: Any) -> str:
+    strong = sweep.intensities[is_vibration(sweep)]
     size = f"; L_s {np.nanmin(strong):.5g} to {np.nanmax(strong):.5g}" if len(strong) else ""
-    return f"{intervals_text(found)}{size}"
+    return f"{intervals_text(sweep)}{size}"
 
 
 def _draw_sections(result: PaperFigure) -> RunFigure:
@@ -212,13 +212,13 @@ def _draw_sections(result: PaperFigure) -> RunFigure:
     rows, columns = (2, len(cycles)) if cycles else (1, len(sweeps))
     picture = new_figure(max(7.5, 4.4 * columns), 4.2 * rows)
     panels = picture.subplots(rows, columns, squeeze=False)
-    for i, ((k_nl, _), found) in enumerate(sweeps.items()):
+    for i, ((k_nl, _), sweep) in enumerate(sweeps.items()):
         ax = panels[0, i]
-        plot_bifurcation(found, ax, legend=False)
-        ax.set_title(_title("abc"[i], found.model, k_nl, columns))
-    for i, (k_nl, found) in enumerate(cycles.items()):
-        plot_phase_plane(found.trajectory, panels[1, i], window=PLANES_SHOWN)
-        panels[1, i].set_title(_title("def"[i], found.model, k_nl, columns))
+        plot_bifurcation(sweep, ax, legend=False)
+        ax.set_title(_title("abc"[i], sweep.model, k_nl, columns))
+    for i, (k_nl, sweep) in enumerate(cycles.items()):
+        plot_phase_plane(sweep.trajectory, panels[1, i], window=PLANES_SHOWN)
+        panels[1, i].set_title(_title("def"[i], sweep.model, k_nl, columns))
     _row_legends(panels)
     gn = "without" if cycles else "with"
     planes = f", and phase planes at $\\mu_k$ = {PHASE_PLANE_MU_K:g}" if cycles else ""
@@ -253,8 +253,8 @@ def _draw_intensities(result: PaperFigure) -> RunFigure:
     return picture
 
 
-def _draw_intensity(found: list[Any], ax: Axes) -> None:
-    plot_intensity(found, ax, legend=False)
+def _draw_intensity(sweeps: list[Any], ax: Axes) -> None:
+    plot_intensity(sweeps, ax, legend=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,9 +280,9 @@ def preload_figure(number: int, setting: Setting) -> PaperFigure:
 def _draw_preload(result: PaperFigure) -> RunFigure:
     picture = new_figure(11.0, 7.5)
     panels = picture.subplots(2, 2, sharex=True, squeeze=False)
-    for i, (name, found) in enumerate(result.data.sweeps.items()):
-        plot_bifurcation(found, panels[0, i], legend=False)
-        plot_intensity(found, panels[1, i], legend=False)
+    for i, (name, sweep) in enumerate(result.data.sweeps.items()):
+        plot_bifurcation(sweep, panels[0, i], legend=False)
+        plot_intensity(sweep, panels[1, i], legend=False)
         panels[0, i].set_title(f"({'ab'[i]}) {name}")
         panels[1, i].set_title(f"({'cd'[i]}) {name}")
         panels[0, i].set_xlabel("")

@@ -73,7 +73,9 @@ def nonsmooth_figure(number: int, setting: Setting) -> PaperFigure:
 def _comparison_figure(setting: Setting) -> PaperFigure:
     data = NonsmoothComparison(steady_states_compared(setting))
     caption = "steady states from rest at mu_k = 2.5"
-    summary = (f"{name}: {found.kind}, {_ranges_text(found)}" for name, found in data.steady_states.items())
+    summary = (
+        f"{name}: {steady.kind}, {_ranges_text(steady)}" for name, steady in data.steady_states.items()
+    )
     return PaperFigure(16, caption, data, tuple(summary), _draw_comparison, str(setting))
 
 
@@ -85,9 +87,9 @@ def steady_states_compared(setting: Setting) -> dict[str, SteadyState]:
     return {name: scenes.steady_state_of(model, setting, section=None) for name, model in models.items()}
 
 
-def samples(found: SteadyState, name: str, seconds: float | None = None) -> tuple[Any, Any]:
+def samples(steady: SteadyState, name: str, seconds: float | None = None) -> tuple[Any, Any]:
     """Times and values of a state or of the normal force over the last `seconds`, or the whole window."""
-    run = found.trajectory
+    run = steady.trajectory
     length = run.raw.t if seconds is None else min(seconds, run.raw.t)
     count = SAMPLES if seconds is not None else 40 * SAMPLES
     t = np.clip(np.linspace(run.raw.t - length, run.raw.t, count), 0.0, run.raw.t)
@@ -99,13 +101,13 @@ def contact_force(run: Any, t: Any) -> Any:
     return np.where(run.output("friction_force", t) == 0.0, 0.0, run.output("normal_force", t))
 
 
-def ranges(found: SteadyState) -> dict[str, float]:
+def ranges(steady: SteadyState) -> dict[str, float]:
     """Largest less smallest value over the window."""
-    return {name: float(np.ptp(samples(found, name)[1])) for name in ("x1", "y1", "normal_force")}
+    return {name: float(np.ptp(samples(steady, name)[1])) for name in ("x1", "y1", "normal_force")}
 
 
-def _ranges_text(found: SteadyState) -> str:
-    x1, y1, force = ranges(found).values()
+def _ranges_text(steady: SteadyState) -> str:
+    x1, y1, force = ranges(steady).values()
     return f"range of x1 {x1:.4g} m, of y1 {y1:.4g} m, of F_N {force:.4g} N"
 
 
@@ -113,7 +115,7 @@ def _sweep_figure(setting: Setting) -> PaperFigure:
     data = NonsmoothSweeps(
         {name: scenes.stiff_sweep(n, setting) for n, name in VARIANT_NAMES.items()}, critical_mu_k()
     )
-    summary = [f"{name}: {intervals_text(found)}" for name, found in data.sweeps.items()]
+    summary = [f"{name}: {intervals_text(sweep)}" for name, sweep in data.sweeps.items()]
     summary.append(f"the equilibrium loses stability at mu_k {data.critical:.4f}")
     return PaperFigure(
         17, "steady states from rest against mu_k", data, tuple(summary), _draw_sweeps, str(setting)
@@ -130,9 +132,9 @@ def critical_mu_k() -> float:
 def _draw_comparison(result: PaperFigure) -> RunFigure:
     picture = new_figure(8.5, 8.0)
     panels = picture.subplots(3, 1, sharex=True)
-    for name, found in result.data.steady_states.items():
+    for name, steady in result.data.steady_states.items():
         for ax, state in zip(panels, ("x1", "y1", "normal_force")):
-            t, values = samples(found, state, COMPARISON_SHOWN)
+            t, values = samples(steady, state, COMPARISON_SHOWN)
             ax.plot(t - t[0], values, label=name, linewidth=1.2, **VARIANT_STYLES[name])
     for ax, state, letter in zip(panels, ("x1", "y1"), "ab"):
         ax.set(ylabel=f"{state_label(state)} ({state_unit(state)})", title=f"({letter})")
@@ -153,8 +155,8 @@ def _draw_sweeps(result: PaperFigure) -> RunFigure:
     data = result.data
     picture = new_figure(13.2, 4.4)
     panels = picture.subplots(1, 3)
-    for ax, (name, found), letter in zip(panels, data.sweeps.items(), "ab"):
-        plot_bifurcation(found, ax, legend=False)
+    for ax, (name, sweep), letter in zip(panels, data.sweeps.items(), "ab"):
+        plot_bifurcation(sweep, ax, legend=False)
         ax.set_title(f"({letter}) {name}")
     handles = {h.get_label(): h for ax in panels[:2] for h in ax.get_legend_handles_labels()[0]}
     _legend_below(panels[0], list(handles.values()))
@@ -238,15 +240,15 @@ def frequency_panel(name: str, setting: Setting) -> FrequencyPanel:
 
 def spectrum_lines(model: Any, times: scenes.Times, method: Method, tolerance: float) -> dict[str, Any]:
     """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
-    found = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
-    spectrum = found.spectrum(f_max=F_MAX)
-    if spectrum is None or found.kind == MotionKind.EQUILIBRIUM:
-        return {"kind": found.kind, "strongest": None, "amplitudes": [0.0] * FREQUENCY_BINS}
+    steady = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
+    spectrum = steady.spectrum(f_max=F_MAX)
+    if spectrum is None or steady.kind == MotionKind.EQUILIBRIUM:
+        return {"kind": steady.kind, "strongest": None, "amplitudes": [0.0] * FREQUENCY_BINS}
     bins = np.minimum((spectrum.frequencies * (FREQUENCY_BINS / F_MAX)).astype(int), FREQUENCY_BINS - 1)
     amplitudes = np.zeros(FREQUENCY_BINS)
     np.maximum.at(amplitudes, bins, spectrum.amplitudes)
     strongest = float(spectrum.peaks()[0][0])
-    return {"kind": found.kind, "strongest": strongest, "amplitudes": amplitudes.tolist()}
+    return {"kind": steady.kind, "strongest": strongest, "amplitudes": amplitudes.tolist()}
 
 
 def _unstable_frequencies(model: Any, values: Array) -> tuple[Array, Array]:

@@ -193,13 +193,13 @@ def _artists(shape: Shape, ax: Axes) -> list[Any]:
         return [Polygon(np.zeros((1, 2)), facecolor=background(ax), zorder=3, **edge)]
     width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
     order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
-    found = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
+    artists = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
     if shape.kind == "arrow":  # it is drawn over a body
-        add_halo(found[0], ax)
+        add_halo(artists[0], ax)
     if shape.kind == "belt":
         marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}
-        found.append(Line2D([], [], color=ink(ax), **marked))
-    return found
+        artists.append(Line2D([], [], color=ink(ax), **marked))
+    return artists
 
 
 def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:

@@ -53,12 +53,12 @@ UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#
 HATCH = "////"
 
 
-def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_steady_state(steady: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
     """Draw what a motion settled to, in a phase plane: some periods of it, or a cross at an equilibrium.
 
     Parameters
     ----------
-    found : SteadyState
+    steady : SteadyState
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
@@ -69,19 +69,19 @@ def plot_steady_state(found: Any, ax: Axes | None = None, *, name: str | None = 
     list of Line2D
         One for every mode that occurs, or one cross.
     """
-    run = found.trajectory
+    run = steady.trajectory
     shown: str = run.names[0] if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
     alone, ax = ax is None, axes_or_new(ax)
-    if found.kind == MotionKind.EQUILIBRIUM:
+    if steady.kind == MotionKind.EQUILIBRIUM:
         column = run.names.index(shown)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
         lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
-        seconds = SHOWN_PERIODS * found.period if found.kind == MotionKind.PERIODIC else SHOWN_SECONDS
+        seconds = SHOWN_PERIODS * steady.period if steady.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         lines = plot_phase_plane(run, ax, name=shown, window=min(seconds, float(run.raw.t)))
-    label_phase_plane(ax, shown, f"Steady state: {found.kind}")
+    label_phase_plane(ax, shown, f"Steady state: {steady.kind}")
     if alone:
         legend_beside(ax)
     return lines
@@ -138,12 +138,12 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> 
     return lines
 
 
-def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
+def plot_lyapunov(lyapunov: Any, ax: Axes | None = None) -> ErrorbarContainer:
     """Draw Lyapunov exponents, the largest first, with their standard errors; infinite ones are left out.
 
     Parameters
     ----------
-    found : LyapunovSpectrum
+    lyapunov : LyapunovSpectrum
     ax : Axes or None
         None draws into a new figure.
 
@@ -152,10 +152,10 @@ def plot_lyapunov(found: Any, ax: Axes | None = None) -> ErrorbarContainer:
     ErrorbarContainer
     """
     ax = axes_or_new(ax)
-    finite = np.isfinite(found.exponents)
+    finite = np.isfinite(lyapunov.exponents)
     place = 1 + np.flatnonzero(finite)
-    errors = found.standard_errors[finite]
-    bars = ax.errorbar(place, found.exponents[finite], errors, fmt="o", color=legible(BLUE, ax))
+    errors = lyapunov.standard_errors[finite]
+    bars = ax.errorbar(place, lyapunov.exponents[finite], errors, fmt="o", color=legible(BLUE, ax))
     ax.axhline(0.0, **pen(GREY, 0.8, ax))
     ax.set(xlabel="direction", ylabel="Lyapunov exponent (1/s)", xticks=place)
     return bars
@@ -201,14 +201,14 @@ class BasinArtists(NamedTuple):
     attractors: list[Line2D]
 
 
-def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
+def plot_basins(basins: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
     """Draw which attractor each initial state goes to, and over it the attractors within the axes.
 
     Initial states that were not computed are hatched.
 
     Parameters
     ----------
-    found : Basins
+    basins : Basins
     ax : Axes or None
         None draws into a new figure, ``artists.mesh.axes.figure``.
     legend : bool
@@ -223,42 +223,42 @@ def plot_basins(found: Any, ax: Axes | None = None, *, legend: bool = True) -> B
     >>> import frictionlab as fl
     >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
     >>> speeds = ("x1'", [0.0, 0.5]), ("y1'", [0.0, 0.1])
-    >>> found = fl.basins(model, *speeds, "near", window=10.0, progress=False)
-    >>> plot_basins(found).mesh.get_array().tolist()
+    >>> basins = fl.basins(model, *speeds, "near", window=10.0, progress=False)
+    >>> plot_basins(basins).mesh.get_array().tolist()
     [[0, 1], [0, 1]]
     """
     ax = axes_or_new(ax)
     ax.patch.set(facecolor=background(ax), edgecolor=GREY, hatch=HATCH)  # seen where the mesh has no colour
-    colours = _colours(found, ax)
+    colours = _colours(basins, ax)
     norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, max(1, len(colours)))
     mesh = ax.pcolormesh(
-        found.x_values,
-        found.y_values,
-        np.ma.masked_less(found.labels, 0),
+        basins.x_values,
+        basins.y_values,
+        np.ma.masked_less(basins.labels, 0),
         cmap=ListedColormap(colours or [GREY]),
         norm=norm if colours else None,
         shading="nearest",
         rasterized=True,
     )
     limits = ax.get_xlim(), ax.get_ylim()
-    lines = [line for a in found.attractors if a.settled for line in _attractor(found, a, ax)]
+    lines = [line for a in basins.attractors if a.settled for line in _attractor(basins, a, ax)]
     ax.set(
         xlim=limits[0],
         ylim=limits[1],
-        xlabel=_initial_state_label(found.x),
-        ylabel=_initial_state_label(found.y),
+        xlabel=_initial_state_label(basins.x),
+        ylabel=_initial_state_label(basins.y),
     )
     if legend:
-        legend_beside(ax, _handles(found, colours, background(ax)))
+        legend_beside(ax, _handles(basins, colours, background(ax)))
     return BasinArtists(mesh, lines)
 
 
-def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
+def plot_basin_stability(stability: Any, ax: Axes | None = None) -> BarContainer:
     """Draw the share of random initial states that goes to each attractor, with its standard error.
 
     Parameters
     ----------
-    found : BasinStability
+    stability : BasinStability
     ax : Axes or None
         None draws into a new figure, ``bars.patches[0].axes.figure``.
 
@@ -267,9 +267,9 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
     BarContainer
     """
     ax = axes_or_new(ax)
-    names, shares = list(found.fractions), list(found.fractions.values())
-    errors = [found.errors[name] for name in names]
-    colours: dict[str, Any] = {"color": _colours(found, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
+    names, shares = list(stability.fractions), list(stability.fractions.values())
+    errors = [stability.errors[name] for name in names]
+    colours: dict[str, Any] = {"color": _colours(stability, ax), "edgecolor": ink(ax), "ecolor": ink(ax)}
     bars = ax.bar(names, shares, yerr=errors, capsize=4.0, **colours)
     if bars.errorbar is not None:
         add_halo_to_errors(bars.errorbar, ax)
@@ -277,19 +277,19 @@ def plot_basin_stability(found: Any, ax: Axes | None = None) -> BarContainer:
     return bars
 
 
-def _colours(found: Any, ax: Axes) -> list[str]:
+def _colours(basins: Any, ax: Axes) -> list[str]:
     rest, motion = cycle(COLOURS_OF_REST), cycle(COLOURS_OF_MOTION)
     colours = [
         UNCLASSIFIED_COLOURS[a.kind]
         if not a.settled
         else next(rest if a.kind == MotionKind.EQUILIBRIUM else motion)
-        for a in found.attractors
+        for a in basins.attractors
     ]
     return [legible(colour, ax) for colour in colours]
 
 
-def _attractor(found: Any, attractor: Any, ax: Axes) -> list[Line2D]:
-    columns = [found.names.index(name) for name in (found.x, found.y)]
+def _attractor(basins: Any, attractor: Any, ax: Axes) -> list[Line2D]:
+    columns = [basins.names.index(name) for name in (basins.x, basins.y)]
     x, y = attractor.path[:, columns].T
     style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
     lines = ax.plot(x, y, style, label=attractor.name, **pen(BLACK, 1.4, ax))
@@ -301,12 +301,12 @@ def _initial_state_label(name: str) -> str:
     return f"initial {state_label(name)} ({state_unit(name)})"
 
 
-def _handles(found: Any, colours: list[str], empty: str) -> list[Any]:
-    shares = found.fractions
+def _handles(basins: Any, colours: list[str], empty: str) -> list[Any]:
+    shares = basins.fractions
     handles = [
         Patch(facecolor=colour, edgecolor=GREY, label=f"{a.name}: {shares[a.name]:.1%}")
-        for a, colour in zip(found.attractors, colours)
+        for a, colour in zip(basins.attractors, colours)
     ]
-    if (found.labels < 0).any():
+    if (basins.labels < 0).any():
         handles.append(Patch(facecolor=empty, edgecolor=GREY, hatch=HATCH, label="not computed"))
     return handles

@@ -265,20 +265,20 @@ def _orbit_measure(orbit: Any, name: str | None) -> float:
 
 def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
     """Stretches of equal stability; each includes the next one's first orbit, so the line is not broken."""
-    found, start = [], 0
+    intervals, start = [], 0
     for value, group in groupby(stable.tolist()):
         count = len(list(group))
-        found.append((value, slice(start, start + count + 1)))
+        intervals.append((value, slice(start, start + count + 1)))
         start += count
-    return found
+    return intervals
 
 
-def plot_sweep(found: Any, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
+def plot_sweep(sweep: Any, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
     """Draw the numbers that a sweep gave: curves over one parameter, or colours over two.
 
     Parameters
     ----------
-    found : Sweep
+    sweep : Sweep
         Over one parameter, with a curve for each initial state, or over two parameters with at most one
         initial state.  Its results are numbers, or None.
     ax : Axes or None
@@ -301,31 +301,31 @@ def plot_sweep(found: Any, ax: Axes | None = None, *, label: str | None = None) 
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
-    >>> found.plot(label="normal force (N)").get_xlabel()
+    >>> sweep = fl.sweep(fl.SliderOnBelt(), lambda m: fl.equilibrium(m).normal_force, {"F": [100, 200]})
+    >>> sweep.plot(label="normal force (N)").get_xlabel()
     'preload on the slider $F$ (N)'
     """
-    values, text = _numbers(found), found.function if label is None else label
-    names, starts = list(found.over), found.labels() or [""]
-    values = values.reshape(*(len(at) for at in found.over.values()), len(starts))
+    values, text = _numbers(sweep), sweep.function if label is None else label
+    names, starts = list(sweep.over), sweep.labels() or [""]
+    values = values.reshape(*(len(at) for at in sweep.over.values()), len(starts))
     if len(names) > 2 or (len(names) == 2 and len(starts) > 1):
         raise ValueError(
             f"a sweep must have one parameter, or two and one initial state, to be drawn, got "
-            f"{', '.join(names)} and {len(starts)} states: draw parts of found.to_array()"
+            f"{', '.join(names)} and {len(starts)} states: draw parts of sweep.to_array()"
         )
     ax = axes_or_new(ax)
-    ax.set_xlabel(parameter_label(found.model, names[0]))
+    ax.set_xlabel(parameter_label(sweep.model, names[0]))
     if len(names) == 1:
-        return _draw_curves(found.over[names[0]], values, starts, text, ax)
-    ax.set_ylabel(parameter_label(found.model, names[1]))
-    mesh = ax.pcolormesh(*found.over.values(), values[..., 0].T, shading="nearest", rasterized=True)
+        return _draw_curves(sweep.over[names[0]], values, starts, text, ax)
+    ax.set_ylabel(parameter_label(sweep.model, names[1]))
+    mesh = ax.pcolormesh(*sweep.over.values(), values[..., 0].T, shading="nearest", rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, label=text)
     return [mesh]
 
 
-def _numbers(found: Any) -> np.ndarray:
+def _numbers(sweep: Any) -> np.ndarray:
     try:
-        return found.to_array()
+        return sweep.to_array()
     except (TypeError, ValueError) as error:
         raise TypeError(
             f"results must be numbers to be drawn ({error}): let the function return a number"

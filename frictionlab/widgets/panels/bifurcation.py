@@ -93,7 +93,7 @@ class ProgressiveSweep:
 
     Attributes
     ----------
-    found : dict of float to SteadyStatePoints
+    steady_states : dict of float to SteadyStatePoints
     previews : dict of float to SteadyStatePoints
         Values that have a preview; what is found replaces it.
     unsettled : dict of float to UnsettledMotion
@@ -102,19 +102,19 @@ class ProgressiveSweep:
 
     def __init__(self, model: Any, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
-        self.found: dict[float, SteadyStatePoints] = {}
+        self.steady_states: dict[float, SteadyStatePoints] = {}
         self.previews: dict[float, SteadyStatePoints] = {}
         self.unsettled: dict[float, UnsettledMotion] = {}
 
     def left(self, values: Sequence[float]) -> list[float]:
         """The values still to be computed: first those without a result, then those to be extended."""
-        missing = [value for value in _coarse_to_fine(values) if value not in self.found]
+        missing = [value for value in _coarse_to_fine(values) if value not in self.steady_states]
         open_ones = [value for value in values if value in self.unsettled]
         return missing + sorted(open_ones, key=lambda value: self.unsettled[value].times)
 
     def shown(self, value: float) -> SteadyStatePoints | None:
         """What is known of a value so far."""
-        return self.found.get(value) or self.previews.get(value)
+        return self.steady_states.get(value) or self.previews.get(value)
 
     def preview(self, values: Sequence[float]) -> bool:
         """Preview some values of which nothing is known; False if there are none or it would save no time."""
@@ -130,7 +130,7 @@ class ProgressiveSweep:
         """Compute results for about as long as there is between two pictures."""
         end = perf_counter() + TIME_SLICE
         while (left := self.left(values)) and perf_counter() < end:
-            new = [value for value in left[:BATCH_SIZE] if value not in self.found]
+            new = [value for value in left[:BATCH_SIZE] if value not in self.steady_states]
             if new:
                 self._start(new)
             else:
@@ -163,7 +163,7 @@ class ProgressiveSweep:
         )
 
     def _keep(self, value: float, result: Any, times: int) -> None:
-        self.found[value] = _points(result)
+        self.steady_states[value] = _points(result)
         self.unsettled.pop(value, None)
         if result["kind"] == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
             self.unsettled[value] = UnsettledMotion(result["final"], times)
@@ -235,9 +235,9 @@ class BifurcationPanel:
         self._shown: Any = None
 
     @property
-    def found(self) -> dict[float, SteadyStatePoints]:
+    def steady_states(self) -> dict[float, SteadyStatePoints]:
         """Kind of motion and section points at each value."""
-        return self.sweep.found if self.sweep else {}
+        return self.sweep.steady_states if self.sweep else {}
 
     def __call__(self, result: Any) -> Drawing:
         """The points in the range, by the kind of motion, and a line at the model's own value."""
@@ -247,7 +247,7 @@ class BifurcationPanel:
         inside, wanted, progress = self._fill(sweep, result, (low, high))
         name = result.settings.coordinate
         column = result.model.coordinates.index(name)
-        kinds = [found.kind for found in inside.values()]
+        kinds = [steady.kind for steady in inside.values()]
         curves = {kind: _section_curve(inside, kind, column) for kind in MOTION_STYLES if kind in kinds}
         own = result.model.parameters[self.parameter]
         curves["_here"] = Curve([own, own], [0.0, 1.0], SELECTED_VALUE_LINE, "strip")
@@ -258,7 +258,7 @@ class BifurcationPanel:
         waiting = kinds.count(MotionKind.NOT_SETTLED)
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
         note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
-        previews = sum(value not in sweep.found for value in inside)
+        previews = sum(value not in sweep.steady_states for value in inside)
         note += f"\n{previews} of a short transient" if previews else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
@@ -277,9 +277,9 @@ class BifurcationPanel:
         # In a script nobody watches the diagram fill: it gets the coarse one only, without a preview.
         watched = has_event_loop()
         grid = (fine if watched else coarse).tolist()
-        values = [*grid, *(v for v in sweep.found if low <= v <= high and v not in grid)]
+        values = [*grid, *(v for v in sweep.steady_states if low <= v <= high and v not in grid)]
         # After a change by a slider or a click the present diagram is shown before more is computed.
-        begun = bool(sweep.found or sweep.previews)
+        begun = bool(sweep.steady_states or sweep.previews)
         if (result is self._shown or not begun) and not (watched and sweep.preview(coarse.tolist())):
             sweep.work(values)
         self._shown, left = result, len(sweep.left(values))
@@ -302,8 +302,8 @@ class BifurcationPanel:
         return self.sweep
 
 
-def _section_curve(found: Mapping[float, SteadyStatePoints], kind: str, column: int) -> Curve:
-    chosen = [(value, states[:, column]) for value, (its, states) in found.items() if its == kind]
+def _section_curve(steady: Mapping[float, SteadyStatePoints], kind: str, column: int) -> Curve:
+    chosen = [(value, states[:, column]) for value, (its, states) in steady.items() if its == kind]
     x = [np.full(len(states), value) for value, states in chosen]
     y = [states for _, states in chosen]
     style = {"linestyle": "none", **MOTION_STYLES[kind]}

@@ -90,18 +90,18 @@ def _coordinate_curve(result: Any, name: str, i: int, angles: tuple[str, ...]) -
 
 def forces(result: Any) -> Drawing:
     """Normal and friction force against time; the rates, where a model has no contact forces."""
-    found = force_outputs(result.run.automaton)
+    outputs = force_outputs(result.run.automaton)
     what, curves = (
-        ("contact force (N)", _force_curves(result, found)) if found else ("rate", _rate_curves(result))
+        ("contact force (N)", _force_curves(result, outputs)) if outputs else ("rate", _rate_curves(result))
     )
     t = result.times()
     limits = float(t[0]), float(t[-1])
     return Drawing("time (s)", what, {**curves, **mode_strip(result)}, xlim=limits)
 
 
-def _force_curves(result: Any, found: dict[str, tuple[str, str]]) -> dict[str, Curve]:
+def _force_curves(result: Any, outputs: dict[str, tuple[str, str]]) -> dict[str, Curve]:
     t, curves = result.times(), {}
-    for name, (text, colour) in found.items():
+    for name, (text, colour) in outputs.items():
         x, y = envelope(t, result.run.output(name, t))
         curves[text.partition(" (")[0]] = Curve(x, y, {"color": colour})
     return curves
@@ -131,29 +131,33 @@ def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
 
 
 def _equilibrium_point(result: Any, name: str) -> tuple[list[float], list[float]]:
-    found = result.eigenvalues
-    if found is None:  # the text beside the picture says why
+    eigenvalues = result.eigenvalues
+    if eigenvalues is None:  # the text beside the picture says why
         return [], []
-    return [float(found.equilibrium.q[result.run.names.index(name)])], [0.0]
+    return [float(eigenvalues.equilibrium.q[result.run.names.index(name)])], [0.0]
 
 
 def spectrum(result: Any) -> Drawing:
     """Amplitude spectrum over the second half of the run."""
-    name, found, f_max = result.settings.coordinate, result.spectrum, highest_frequency(result.model)
+    name, spectrum, f_max = result.settings.coordinate, result.spectrum, highest_frequency(result.model)
     labels = "frequency (Hz)", f"amplitude of {state_label(name)} ({state_unit(name)})"
-    if found is None:
+    if spectrum is None:
         return Drawing(
             *labels, {"_spectrum": Curve([], [])}, note="the run is too short for one", xlim=(0, f_max)
         )
-    curve = Curve(found.frequencies, found.amplitudes, {"color": BLACK, "linewidth": 1.0})
-    note = f"strongest line {found.strongest:.4g} Hz" if found.amplitudes.any() else "at rest"
+    curve = Curve(spectrum.frequencies, spectrum.amplitudes, {"color": BLACK, "linewidth": 1.0})
+    note = f"strongest line {spectrum.strongest:.4g} Hz" if spectrum.amplitudes.any() else "at rest"
     return Drawing(*labels, {"_spectrum": curve}, yscale="log", note=note, xlim=(0.0, f_max))
 
 
 def eigenvalues(result: Any) -> Drawing:
     """Growth rate and frequency of each mode, those that grow in another colour."""
-    found = result.eigenvalues
-    values: Any = np.zeros(0, dtype=complex) if found is None else found.values[found.values.imag >= 0]
+    eigenvalues = result.eigenvalues
+    values: Any = (
+        np.zeros(0, dtype=complex)
+        if eigenvalues is None
+        else eigenvalues.values[eigenvalues.values.imag >= 0]
+    )
     grows, frequencies = values.real > 0, values.imag / (2 * np.pi)
     curves = {
         "_no growth": Curve([0.0, 0.0], [0.0, 1.0], ZERO_GROWTH_LINE, "strip"),
@@ -162,7 +166,7 @@ def eigenvalues(result: Any) -> Drawing:
             values.real[grows], frequencies[grows], EIGENVALUE_MARKER | {"color": VERMILLION, "marker": "^"}
         ),
     }
-    note = "no equilibrium" if found is None else ""
+    note = "no equilibrium" if eigenvalues is None else ""
     # Growth rates that are rounding errors alone would give the axis a range of 1e-13.
     neutral = np.all(np.abs(values.real) <= NEUTRAL * np.abs(values))
     xlim = (-1.0, 1.0) if neutral else None
@@ -195,7 +199,7 @@ class CriticalValuePanel:
 
     def __call__(self, result: Any) -> Drawing:
         """The curve, and a point in the colour of its stability."""
-        model, found = result.model, result.eigenvalues
+        model, eigenvalues = result.model, result.eigenvalues
         for name in (self.parameter, self.over):
             check_parameter_name(model, name)
         curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
@@ -204,11 +208,11 @@ class CriticalValuePanel:
             curve.work()
         self._shown = result
         here = [model.parameters[self.over]], [model.parameters[self.parameter]]
-        stable = found is not None and found.stable
+        stable = eigenvalues is not None and eigenvalues.stable
         curves = {
             "critical": Curve(curve.at, curve.values, {"color": BLACK}),
             "here, stable": _operating_point(here, stable, BLUE, "o"),
-            "here, unstable": _operating_point(here, found is not None and not stable, VERMILLION, "^"),
+            "here, unstable": _operating_point(here, eigenvalues is not None and not stable, VERMILLION, "^"),
         }
         x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
         progress = (curve.at.size, CURVE_POINTS) if curve.left and has_event_loop() else None
@@ -289,10 +293,10 @@ def select_panels(asked: Iterable[Any]) -> dict[str, Any]:
         asked = [asked]
     asked = check_sequence("panels", asked, f"take some of {', '.join(NAMES)}")
     made = {MECHANISM: MovingMechanism(), **PANELS}
-    found = {_panel_name(panel): made[panel] if isinstance(panel, str) else panel for panel in asked}
-    if not found:
+    chosen = {_panel_name(panel): made[panel] if isinstance(panel, str) else panel for panel in asked}
+    if not chosen:
         raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(NAMES)}")
-    return found
+    return chosen
 
 
 def _panel_name(panel: Any) -> str:

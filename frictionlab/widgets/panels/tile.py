@@ -55,23 +55,23 @@ def data_range(arrays: Iterable[Any]) -> Limits | None:
     return (float(min(a.min() for a in kept)), float(max(a.max() for a in kept))) if kept else None
 
 
-def linear_limits(now: Limits | None, found: Limits | None) -> Limits:
+def linear_limits(now: Limits | None, needed: Limits | None) -> Limits:
     """The present limits, if the data are inside and fill them well enough; else new round ones."""
-    if found is None:
+    if needed is None:
         return now or (0.0, 1.0)
-    low, high = _with_minimum_range(*found)
-    if now and now[0] <= found[0] and found[1] <= now[1] and high - low >= MIN_FILL * (now[1] - now[0]):
+    low, high = _with_minimum_range(*needed)
+    if now and now[0] <= needed[0] and needed[1] <= now[1] and high - low >= MIN_FILL * (now[1] - now[0]):
         return now
     margin = LIMIT_MARGIN * (high - low)
     step = _round_step((high - low + 2 * margin) / TICK_COUNT)
     return math.floor((low - margin) / step) * step, math.ceil((high + margin) / step) * step
 
 
-def logarithmic_limits(now: Limits | None, found: Limits | None) -> Limits:
+def logarithmic_limits(now: Limits | None, needed: Limits | None) -> Limits:
     """Limits of a logarithmic axis: five decades below the largest value, in whole decades."""
-    if found is None or found[1] <= 0:
+    if needed is None or needed[1] <= 0:
         return now or (10.0**-DECADES, 1.0)
-    top = math.log10(found[1])
+    top = math.log10(needed[1])
     if now and math.log10(now[1]) - 1.5 < top < math.log10(now[1]):
         return now
     high = math.floor(top) + 1.0

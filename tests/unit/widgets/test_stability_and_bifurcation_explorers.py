@@ -127,20 +127,20 @@ def shown(explorer):
 def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
     panel = diagram.picture.panels["bifurcation"]
     diagram.controls["range"].value = (0.0, 1.2)
-    coarse = dict(panel.found)
+    coarse = dict(panel.steady_states)
     assert len(shown(diagram)) >= 24
     diagram.controls["range"].value = (0.3, 0.6)
     fine = shown(diagram)
     assert len(fine) >= 24
     assert (fine.min(), fine.max()) == (0.3, 0.6)
-    assert all(panel.found[value] is coarse[value] for value in coarse)
+    assert all(panel.steady_states[value] is coarse[value] for value in coarse)
     assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
 
 
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
     sweep = diagram.picture.panels["bifurcation"].sweep
-    found, method = sweep.found, sweep.options.method
+    found, method = sweep.steady_states, sweep.options.method
     assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
     model = FLAT.replace(mu_s=4.0)
     options = {"transient": 5.0, "window": 10.0, "t_max": LONGEST, "method": method, "progress": False}
@@ -152,9 +152,9 @@ def test_the_points_are_those_of_the_analysis(diagram):
 
 def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(diagram):
     panel = diagram.picture.panels["bifurcation"]
-    before = dict(panel.found)
+    before = dict(panel.steady_states)
     diagram.controls["mu_k"].value = 0.45
-    assert panel.found == before
+    assert panel.steady_states == before
     assert diagram.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
     t, x = diagram.picture.tiles["response"].lines["$x_{1}$"].get_data()
     assert np.array_equal(x, diagram.run(t)[:, 0])
@@ -165,10 +165,10 @@ def test_another_parameter_means_another_diagram(diagram):
     panel = diagram.picture.panels["bifurcation"]
     assert not diagram.controls["F"].continuous_update
     assert diagram.controls["mu_k"].continuous_update
-    before = panel.found
+    before = panel.steady_states
     diagram.controls["F"].value = 250.0
-    assert panel.found is not before
-    assert len(panel.found) == 24
+    assert panel.steady_states is not before
+    assert len(panel.steady_states) == 24
 
 
 def at(explorer, name, x, y):
@@ -205,8 +205,8 @@ def filled():
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
         while explorer.busy.left:
-            done = len(panel.found) - len(panel.sweep.unsettled)
-            seen.append((dict(panel.found), done, mark.value, mark.layout.visibility))
+            done = len(panel.steady_states) - len(panel.sweep.unsettled)
+            seen.append((dict(panel.steady_states), done, mark.value, mark.layout.visibility))
             await asyncio.sleep(0.02)
         return explorer, seen
 
@@ -220,7 +220,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
         assert f"{done} of 300" in words
         assert visibility == "visible"
     panel = explorer.picture.panels["bifurcation"]
-    assert (len(panel.found), explorer.busy.widget.layout.visibility) == (300, "hidden")
+    assert (len(panel.steady_states), explorer.busy.widget.layout.visibility) == (300, "hidden")
     assert explorer.picture.tiles["bifurcation"].note.get_text() == "300 values"
     assert explorer.error is None
     assert panel.sweep.options.transient == 5.0
@@ -230,7 +230,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
 def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
     explorer, seen = filled
     every = np.linspace(*explorer.controls["range"].value, 300)
-    last = explorer.picture.panels["bifurcation"].found
+    last = explorer.picture.panels["bifurcation"].steady_states
     assert sorted(last) == every.tolist()
     order = np.searchsorted(every, list(last)).tolist()
     assert sorted(order[:24]) == [*range(0, 300, 13)]
@@ -245,9 +245,11 @@ def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
     async def browser():
         explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
         sweep, tile = explorer.picture.panels["bifurcation"].sweep, explorer.picture.tiles["bifurcation"]
-        while len(sweep.found) < 12:
+        while len(sweep.steady_states) < 12:
             await asyncio.sleep(0.02)
-            seen.append((len(sweep.previews), len(sweep.found), tile.note.get_text(), len(shown(explorer))))
+            seen.append(
+                (len(sweep.previews), len(sweep.steady_states), tile.note.get_text(), len(shown(explorer)))
+            )
         explorer.close()
         return sweep, seen
 
@@ -278,11 +280,11 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
         drawn = explorer.picture.images["response"].value
         for value in (0.51, 0.52, 0.53):
             explorer.controls["mu_k"].value = value
-            counts.append(len(panel.found))
+            counts.append(len(panel.steady_states))
             assert explorer.picture.images["response"].value != drawn
             await asyncio.sleep(0.05)
         assert "of 300 values" in explorer.picture.tiles["bifurcation"].note.get_text()
-        while len(panel.found) == counts[-1]:
+        while len(panel.steady_states) == counts[-1]:
             await asyncio.sleep(0.05)
         explorer.close()
         return counts
@@ -330,7 +332,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
         while explorer.busy.left:
             await asyncio.sleep(0.02)
             tile = explorer.picture.tiles["bifurcation"]
-            notes.append((len(panel.found), tile.note.get_text(), set(panel.sweep.unsettled)))
+            notes.append((len(panel.steady_states), tile.note.get_text(), set(panel.sweep.unsettled)))
         return explorer, notes
 
     explorer, notes = asyncio.run(browser())
@@ -343,7 +345,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options.method
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
-    kind, states = panel.found[value]
+    kind, states = panel.steady_states[value]
     assert kind == alone.kinds[0] == "periodic"
     assert np.array_equal(states, alone.sections[0])
 
@@ -360,10 +362,10 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
         panel, before = explorer.picture.panels["bifurcation"], None
         while explorer.busy.left:
             await asyncio.sleep(0.02)
-            if before is None and len(panel.found) == 300:
-                before = dict(panel.found)
+            if before is None and len(panel.steady_states) == 300:
+                before = dict(panel.steady_states)
                 explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
-                shown = explorer.model.mu_k, dict(panel.found)
+                shown = explorer.model.mu_k, dict(panel.steady_states)
         return explorer, before, shown
 
     explorer, before, (mu_k, found) = asyncio.run(browser())

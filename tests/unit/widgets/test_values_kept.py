@@ -59,9 +59,9 @@ def test_every_control_gives_back_the_value_that_is_set(model):
 def test_the_range_of_a_diagram_comes_back_from_a_browser_without_a_change():
     explorer = fl.explore_bifurcation(fl.ModeCoupling(), "a1")
     explorer.scheduler.cancel()
-    updates, found = explorer.updates, dict(explorer.picture.panels["bifurcation"].found)
+    updates, found = explorer.updates, dict(explorer.picture.panels["bifurcation"].steady_states)
     explorer.controls["range"].value = told_by_browser(explorer.controls["range"])
     assert explorer.model == fl.ModeCoupling()
     assert explorer.updates == updates
-    assert explorer.picture.panels["bifurcation"].found == found
+    assert explorer.picture.panels["bifurcation"].steady_states == found
     explorer.close()
