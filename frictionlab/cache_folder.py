@@ -146,10 +146,10 @@ def _note_use(path: Path, info: os.stat_result) -> None:
 @cache  # once in a process is often enough
 def prune(base: Path) -> None:
     """Remove files that have not been used for long, and the oldest ones beyond the size that is kept."""
-    kept, now = 0, time.time()
+    total, now = 0, time.time()
     for used, size, path in sorted(_files(base), reverse=True):
-        kept += size
-        if kept > KEPT_BYTES or now - used > KEPT_SECONDS:
+        total += size
+        if total > KEPT_BYTES or now - used > KEPT_SECONDS:
             LOGGER.info("removing %s from the cache", path)
             with suppress(OSError):
                 path.unlink()

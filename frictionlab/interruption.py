@@ -54,8 +54,8 @@ def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
     """
     if threading.current_thread() is threading.main_thread():
         _LAST[0] = result
-    kept = "nothing was computed yet" if result is None else "frictionlab.partial_result() is what there is"
-    return KeyboardInterrupt(f"{what} by ctrl-C; {kept}{more}")
+    remark = "nothing was computed yet" if result is None else "frictionlab.partial_result() is what there is"
+    return KeyboardInterrupt(f"{what} by ctrl-C; {remark}{more}")
 
 
 def partial_result() -> Any:

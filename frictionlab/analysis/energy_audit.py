@@ -239,8 +239,8 @@ class Balance:
 
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
         """Whether the contact's spring acts in each mode: not in flight, nor in the limit mode of chatter."""
-        apart = *APART, CHATTER_MODE
-        return np.array([name.split(JOINT)[contact.place] not in apart for name in self.mode_names])
+        without_contact = *APART, CHATTER_MODE
+        return np.array([name.split(JOINT)[contact.place] not in without_contact for name in self.mode_names])
 
 
 @lru_cache(maxsize=64)

@@ -187,8 +187,8 @@ def amplitude_spectrum(
     # Subtract the mean weighted by the window, so that nothing of it is left in the first lines.
     amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
     frequencies = np.arange(len(amplitudes)) / length
-    kept = frequencies <= f_max
-    return Spectrum(frequencies[kept], amplitudes[kept], 1 / length, stop - length, stop, shown)
+    in_range = frequencies <= f_max
+    return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, shown)
 
 
 def highest_frequency(source: Any) -> float:

@@ -70,8 +70,8 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         with write_file(path) as beside, ZipFile(beside, "w", ZIP_DEFLATED, compresslevel=9) as archive:
             archive.comment = serialisation.LOADED.digest.encode()
-            for kept in sorted(Path(folder).rglob("*.structure")):
-                archive.writestr(kept.name, cache_folder.read(kept) or b"")
+            for structure in sorted(Path(folder).rglob("*.structure")):
+                archive.writestr(structure.name, cache_folder.read(structure) or b"")
 
 
 def main() -> None:

@@ -88,17 +88,17 @@ def _doubtful_parts(key: Structure) -> tuple[list[Any], Formulas]:
 
     Of each part there are the name of the law's method, its text and the names of its parameters.
     """
-    kept = derivations_of(key, key.parameters)
+    derivations = derivations_of(key, key.parameters)
 
     def parts() -> list[tuple[str, Any]]:
         known = frozenset(parameter_symbols(key))
         return [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, known)]
 
-    words = kept.value(
+    words = derivations.value(
         "laws", lambda: [[place, str(part), sorted(map(str, part.free_symbols))] for place, part in parts()]
     )
     values = kept_formulas(
-        kept, "laws", lambda: formulas_of(parameter_symbols(key), [part for _, part in parts()])
+        derivations, "laws", lambda: formulas_of(parameter_symbols(key), [part for _, part in parts()])
     )
     return words, values
 
@@ -188,19 +188,19 @@ def automaton_of_model(model: Any) -> HybridAutomaton:
     """
     key, parameters = structure_of_component(model), model.parameters
     check_laws(key, parameters)
-    kept = derivations_of(key, tuple(parameters))
-    known = kept.get("automaton")
+    derivations = derivations_of(key, tuple(parameters))
+    known = derivations.get("automaton")
     if known is None:
         derived = automaton_of_structure(key)
         modes: Any = derived.modes
-        if not kept.keeps or (derived.on_demand and modes.names.more_than(MOST_KEPT_MODES)):
+        if not derivations.keeps or (derived.on_demand and modes.names.more_than(MOST_KEPT_MODES)):
             numbers = {symbol(name): value for name, value in parameters.items()}
             numbers |= dict(derived.parameters)
             return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
         known = _outline(derived)
-        kept.keep("automaton", known)
+        derivations.keep("automaton", known)
     values = {**parameters, **known["parameters"]}
-    return late_automaton(Late(known, values, partial(_automaton_with_values, key), kept))
+    return late_automaton(Late(known, values, partial(_automaton_with_values, key), derivations))
 
 
 def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> HybridAutomaton:

@@ -90,7 +90,7 @@ class StepStudy:
         *fixed, exact = self.of(impact)
         moving = np.array([kind != MotionKind.EQUILIBRIUM for kind in exact.kinds]) & (exact.intensity > 0)
         off = {s.step: np.abs(s.intensity - exact.intensity)[moving] for s in fixed if s.step is not None}
-        return {step: apart / exact.intensity[moving] for step, apart in off.items()}
+        return {step: deviation / exact.intensity[moving] for step, deviation in off.items()}
 
 
 def step_study(

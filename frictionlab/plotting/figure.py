@@ -168,8 +168,8 @@ def envelope(x: Any, y: Any, bins: int = ENVELOPE_BINS) -> tuple[Array, Array]:
     extremes = np.concatenate(
         [_extreme_indices(np.minimum, y, edges), _extreme_indices(np.maximum, y, edges)]
     )
-    kept = np.unique(np.append(extremes, [0, len(y) - 1]))
-    return x[kept], y[kept]
+    indices = np.unique(np.append(extremes, [0, len(y) - 1]))
+    return x[indices], y[indices]
 
 
 def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray[np.intp]:

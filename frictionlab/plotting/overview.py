@@ -115,8 +115,8 @@ def label_phase_plane(ax: Axes, name: str, title: str) -> None:
 
 def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """The two columns, NaN outside the chosen samples and the one after each, so that lines meet."""
-    kept = chosen | np.append(False, chosen[:-1])
-    return np.where(kept[:, None], states, np.nan).T
+    shown = chosen | np.append(False, chosen[:-1])
+    return np.where(shown[:, None], states, np.nan).T
 
 
 def plot_spectrum(

@@ -107,9 +107,9 @@ class MovingMechanism:
 
     name = "mechanism"
 
-    def __init__(self, kept: str = "") -> None:
-        self._title = kept
-        canvas = Canvas(plays=True, follows=bool(kept))
+    def __init__(self, title: str = "") -> None:
+        self._title = title
+        canvas = Canvas(plays=True, follows=bool(title))
         self.canvas = canvas.add_class("fl-panel").add_class("fl-panel-mechanism")
 
     def show(self, result: Any, dark: bool) -> None:
@@ -210,8 +210,8 @@ def _belt(picture: BeltPicture) -> tuple[dict[str, Any], list[Any]]:
         "force_colours": [*map(legible, FORCE_COLOURS)],
     }
     scene |= {"names": {name: aside for name, (_, aside) in SPRING_LABELS.items()}}
-    seen = picture.frames
-    return scene, [picture.layout.rows, seen.normal_force, seen.friction_force, seen.x1, seen.rate]
+    frames = picture.frames
+    return scene, [picture.layout.rows, frames.normal_force, frames.friction_force, frames.x1, frames.rate]
 
 
 def _parts(picture: Parts) -> tuple[dict[str, Any], list[Any]]:

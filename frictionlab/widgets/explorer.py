@@ -79,8 +79,8 @@ class Explorer:
                 self.picture.images[name].on_click(in_this_thread(partial(self._clicked, name)))
         shown = *self.extra.values(), *self.components.controls.values()
         shown = *shown, self.parameters.widget, self.running.widget
-        seen = [self.picture.images[name] if name in drawn else panels[name].canvas for name in panels]
-        self.widget = self.layout.arrange(self.busy.widget, shown, seen, self.files.widget)
+        outputs = [self.picture.images[name] if name in drawn else panels[name].canvas for name in panels]
+        self.widget = self.layout.arrange(self.busy.widget, shown, outputs, self.files.widget)
         self.scheduler.request()
 
     @property
@@ -148,9 +148,9 @@ class Explorer:
 
     def swap(self) -> None:
         """Keep the present scene and set the controls to the one kept before, if there is one."""
-        if (kept := self.comparison.state) is not None:
+        if (other := self.comparison.state) is not None:
             self._keep()
-            self.set_values(kept)
+            self.set_values(other)
 
     def load(self, content: str | bytes) -> None:
         """Set the controls to a state that was saved.

@@ -258,8 +258,8 @@ def slider(name: str, about: Parameter, value: float) -> NumberControl:
 def slider_positions(low: float, high: float, value: float, logarithmic: bool) -> list[float]:
     """The values of a slider: both ends, round numbers between them, and the value itself to the last bit."""
     between = _logarithmic_values(low, high) if logarithmic else _linear_values(low, high)
-    kept = [x for x in between if low < x < high and not equal_within_rounding(x, value)]
-    return sorted({low, *kept, value, high})
+    inner = [x for x in between if low < x < high and not equal_within_rounding(x, value)]
+    return sorted({low, *inner, value, high})
 
 
 def label_control(control: Any, name: str, text: str, tooltip: str) -> Any:

@@ -61,9 +61,9 @@ class TimeRecord:
     def __post_init__(self) -> None:
         t, start = _ascending(self.t, stamps=True)
         object.__setattr__(self, "start", start)
-        kept, errors = _columns(self.values, self.error, len(t), "times")
+        columns, errors = _columns(self.values, self.error, len(t), "times")
         object.__setattr__(self, "t", t)
-        object.__setattr__(self, "values", kept)
+        object.__setattr__(self, "values", columns)
         object.__setattr__(self, "error", errors)
 
     @property
@@ -127,8 +127,8 @@ class SpectrumRecord:
             )
         object.__setattr__(self, "frequencies", lines)
         check_choice("window", self.window, WINDOWS, "say that of the measurement")
-        kept, errors = _columns(self.values, self.error, len(lines), "frequencies")
-        object.__setattr__(self, "values", kept)
+        columns, errors = _columns(self.values, self.error, len(lines), "frequencies")
+        object.__setattr__(self, "values", columns)
         object.__setattr__(self, "error", errors)
 
     @classmethod
@@ -280,18 +280,18 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     if not values:
         raise ValueError('values must hold one state at least, got none: write {"x1": measured}')
-    kept = {n: _measured(f"values[{abbreviate(n)}]", column) for n, column in values.items()}
-    for name, column in kept.items():
+    columns = {n: _measured(f"values[{abbreviate(n)}]", column) for n, column in values.items()}
+    for name, column in columns.items():
         rule = f"values[{abbreviate(name)}] must hold a finite number for each of the {count} {of}"
         if column.shape != (count,):
             raise ValueError(f"{rule}, got shape {column.shape}: leave out {of} without one")
         if not np.isfinite(column).all():
             first = int(np.argmin(np.isfinite(column)))
             raise ValueError(f"{rule}, got {column[first]} at index {first}: leave out {of} without one")
-    errors: Any = error if isinstance(error, Mapping) else dict.fromkeys(kept, error)
-    for name in kept:
+    errors: Any = error if isinstance(error, Mapping) else dict.fromkeys(columns, error)
+    for name in columns:
         check_number(f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation")
-    return kept, {name: float(errors[name]) for name in kept}
+    return columns, {name: float(errors[name]) for name in columns}
 
 
 def _measured(name: str, column: Any) -> Array:

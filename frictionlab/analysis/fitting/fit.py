@@ -186,8 +186,8 @@ def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple
     _, sizes, directions = np.linalg.svd(scaled, full_matrices=True)
     sizes = np.concatenate([sizes, np.zeros(len(directions) - len(sizes))])
     known = sizes > RANK_RTOL * sizes[0] if sizes[0] > 0 else np.zeros(len(sizes), dtype=bool)
-    kept = directions[known] / sizes[known, None]
-    covariance = kept.T @ kept * np.outer(scales, scales)
+    determined = directions[known] / sizes[known, None]
+    covariance = determined.T @ determined * np.outer(scales, scales)
     lost = np.abs(directions[~known])
     part = (lost > NULL_SHARE).any(axis=0)
     covariance[part, part] = np.inf

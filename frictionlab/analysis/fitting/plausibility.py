@@ -32,13 +32,13 @@ def doubts_about(data: Sequence[Any], run: Trajectory) -> Iterator[str]:
 
 
 def _doubts_about_times(t: Array, shortest: float) -> Iterator[str]:
-    apart = float(np.median(np.diff(t))) if len(t) > 1 else np.inf
-    if shortest < apart < np.inf:
+    interval = float(np.median(np.diff(t))) if len(t) > 1 else np.inf
+    if shortest < interval < np.inf:
         yield (
-            f"the times of a record are {apart:g} s apart, and the model moves up and down within "
+            f"the times of a record are {interval:g} s apart, and the model moves up and down within "
             f"{shortest:.3g} s: t must be in s, is it in ms?"
         )
-    if t[0] > max(MAX_LEAD * apart, shortest):
+    if t[0] > max(MAX_LEAD * interval, shortest):
         yield (
             f"a record begins at {t[0]:g} s, and the motion at 0 s, with x0: subtract {t[0]:g} from t if x0 "
             "is the state at the first measurement"

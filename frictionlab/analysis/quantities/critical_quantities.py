@@ -103,8 +103,8 @@ def _ends(
     states = at(points)
     moves = np.abs(np.diff(states)).max(axis=0)
     gone: Any = np.isnan(states).any(axis=0)
-    apart = np.isnan(moves) | (moves > JUMP_FACTOR * np.nanmedian(moves)) if not gone.all() else gone[1:]
-    for i in np.flatnonzero(apart & ~(gone[1:] & gone[:-1])):
+    jumps = np.isnan(moves) | (moves > JUMP_FACTOR * np.nanmedian(moves)) if not gone.all() else gone[1:]
+    for i in np.flatnonzero(jumps & ~(gone[1:] & gone[:-1])):
         low, high, x, y = points[i], points[i + 1], states[:, i], states[:, i + 1]
         first = np.abs(y - x).max()
         for _ in range(HALVINGS):

@@ -249,7 +249,7 @@ def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) 
     check_mapping("bounds", bounds, 'give limits by parameter, such as {"c1": (0.0, 10.0)}')
     if not bounds:
         raise ValueError("bounds must hold one parameter at least, got none: name those that may change")
-    kept = {name: check_bounds(model, name, ends) for name, ends in bounds.items()}
+    ranges = {name: check_bounds(model, name, ends) for name, ends in bounds.items()}
     limits = [_limit(one) for one in check_sequence("constraints", constraints, LIMIT_CURE)]
     for one in (quantity, *(limit.quantity for limit in limits)):
         if not isinstance(one, Quantity):
@@ -257,7 +257,7 @@ def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) 
                 f"quantity must be one such as fl.GrowthRate(), "
                 f"got {abbreviate(one)}: its derivatives have to be known"
             )
-    return _Task(model, kept, limits)
+    return _Task(model, ranges, limits)
 
 
 def _limit(given: Any) -> Limit:

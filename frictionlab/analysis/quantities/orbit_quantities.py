@@ -96,10 +96,10 @@ def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
     turns = again.sections["turn"]
     times, jumps = run.raw.event_times, run.raw.event_states[:, 0, place]
     # A velocity that jumps through zero is recorded as a turn too.
-    apart = np.abs(turns.t[:, None] - times).min(axis=1, initial=np.inf) > SAME_TIME_SHARE * orbit.period
+    separate = np.abs(turns.t[:, None] - times).min(axis=1, initial=np.inf) > SAME_TIME_SHARE * orbit.period
 
     def of_side(sign: int) -> _Extreme:
-        smooth = np.where(apart, sign * turns.state[:, place], -np.inf)
+        smooth = np.where(separate, sign * turns.state[:, place], -np.inf)
         if len(jumps) and (sign * jumps).max() > smooth.max(initial=-np.inf):
             i = int(np.argmax(sign * jumps))
             return _Extreme(float(jumps[i]), float(times[i]), i)
@@ -121,29 +121,29 @@ def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, 
 class _SquaredDistance(NamedTuple):
     """A run over one period of an orbit that integrates the squared distance from a point.
 
-    `expression` is that squared distance, `mean` its mean over the period, and `apart` (c,) the mean of each
-    coordinate's difference from the point.
+    `expression` is that squared distance, `mean` its mean over the period, and `displacements` (c,) the mean
+    of each coordinate's difference from the point.
     """
 
     run: Trajectory
     expression: Any
     mean: float
-    apart: Array
+    displacements: Array
 
 
 def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
     run, period = orbit.trajectory, orbit.period
     chosen = run.automaton.states[: len(point)]
     rest = [sympy.Symbol(f"{x.name} at rest") for x in chosen]
-    apart = [x - e for x, e in zip(chosen, rest)]
-    square = sum((d**2 for d in apart), sympy.S.Zero)
+    displacements = [x - e for x, e in zip(chosen, rest)]
+    square = sum((d**2 for d in displacements), sympy.S.Zero)
     named = {e: float(value) for e, value in zip(rest, point)}
     automaton = type(run.automaton)(
         run.automaton.states, run.automaton.modes, {**run.automaton.parameters, **named}, len(chosen)
     )
-    asked = {"square": square} | {f"apart {i}": d for i, d in enumerate(apart)}
+    asked = {"square": square} | {f"displacement {i}": d for i, d in enumerate(displacements)}
     again = solve(automaton, period, x0=orbit.state, quadratures=asked, progress=False)
-    means = np.array([again.quadratures[f"apart {i}"] for i in range(len(point))]) / period
+    means = np.array([again.quadratures[f"displacement {i}"] for i in range(len(point))]) / period
     return _SquaredDistance(again, square, float(again.quadratures["square"] / period), means)
 
 
@@ -336,4 +336,4 @@ class OrbitIntensity(_OfOrbit):
         total = flow.integrals_by_state[0] @ at.start + flow.integrals_by_parameters[0] + end * at.period
         return distance.mean, (
             total - distance.mean * at.period
-        ) / orbit.period - 2.0 * distance.apart @ moves
+        ) / orbit.period - 2.0 * distance.displacements @ moves

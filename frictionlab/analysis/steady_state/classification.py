@@ -237,8 +237,8 @@ def _eigenvector_squares(samples: Array, size: Array) -> EigenvectorSquares | No
     if len(steps) < TREND_PARTS:
         return None
     _, spread, directions = np.linalg.svd(_triangle(_triangle(steps)), full_matrices=False)
-    kept = spread > SAMPLE_RANK_RTOL * spread[0]
-    spread, directions = spread[kept], directions[kept]
+    significant = spread > SAMPLE_RANK_RTOL * spread[0]
+    spread, directions = spread[significant], directions[significant]
     if not len(spread) or len(steps) <= 2 * len(spread):
         return None
     shares = _product(steps, directions.T / spread)
@@ -440,16 +440,16 @@ def _section_recurrence(
     of: Comparison, crossings: SectionPoints, tolerance: float
 ) -> tuple[Array, Recurrence]:
     """The states at crossings of a section, as they are compared, and their recurrence."""
-    crossings = _apart(crossings)
+    crossings = _separate_crossings(crossings)
     states, size = of.columns(crossings.state), state_ranges(of.columns(of.run.raw.step_states))
     return states, find_recurrence(crossings.t, states, size, tolerance)
 
 
-def _apart(crossings: SectionPoints) -> SectionPoints:
+def _separate_crossings(crossings: SectionPoints) -> SectionPoints:
     """The crossings without those at once after another, of which rounding decides how many there are.
 
     So it is where infinitely many impacts come to an end, and where a section is only touched.
     """
     after = np.diff(crossings.t)
-    apart = np.append(True, after > AT_ONCE_SHARE * after.max(initial=0.0))[: len(crossings.t)]
-    return SectionPoints(crossings.t[apart], crossings.state[apart])
+    separate = np.append(True, after > AT_ONCE_SHARE * after.max(initial=0.0))[: len(crossings.t)]
+    return SectionPoints(crossings.t[separate], crossings.state[separate])

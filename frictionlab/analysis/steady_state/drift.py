@@ -109,8 +109,8 @@ def drift_of(run: Trajectory) -> Drift | None:
         return Drift(run, places, across, [])
     angles = [i for i in places if _is_same_after(run, [i])]
     if angles:
-        kept = np.eye(len(places))[:, [k for k, i in enumerate(places) if i not in angles]]
-        return Drift(run, places, kept, angles)
+        basis = np.eye(len(places))[:, [k for k, i in enumerate(places) if i not in angles]]
+        return Drift(run, places, basis, angles)
     if len(places) > 1 and _is_same_after(run, places):  # all of them turn together
         return Drift(run, places, np.vstack([-np.ones(len(places) - 1), np.eye(len(places) - 1)]), places[:1])
     return None

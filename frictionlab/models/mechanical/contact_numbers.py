@@ -45,13 +45,13 @@ def numbers_of_contacts(model: Any) -> list[ContactNumbers | None]:
 @cache
 def _formulas(key: Structure) -> tuple[list[int], Formulas]:
     """How many numbers each contact has, none where it is a stop, and all of them as formulas."""
-    kept = derivations_of(key, key.parameters)
+    derivations = derivations_of(key, key.parameters)
 
     def derive() -> Formulas:
         return formulas_of(parameter_symbols(key), [one for some in _expressions(key) for one in some])
 
-    counts = kept.value("contacts", lambda: [len(some) for some in _expressions(key)])
-    return counts, kept_formulas(kept, "contacts", derive)
+    counts = derivations.value("contacts", lambda: [len(some) for some in _expressions(key)])
+    return counts, kept_formulas(derivations, "contacts", derive)
 
 
 def _expressions(key: Structure) -> list[list[Any]]:

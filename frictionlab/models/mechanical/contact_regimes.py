@@ -182,10 +182,10 @@ BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
 
 def _leaving(contact: Friction) -> tuple[RegimeEnd, ...]:
     """What ends contact: nothing where it is bilateral, as its interface has no mode for a lost contact."""
-    apart = _known(contact, APART[::-1])
+    open_regimes = _known(contact, APART[::-1])
     gap = (RegimeEnd("gap", contact.penetration, _known(contact, ("separation",))),)
-    pulls = (RegimeEnd("F_N", contact.pressing, apart),)
-    if not apart:
+    pulls = (RegimeEnd("F_N", contact.pressing, open_regimes),)
+    if not open_regimes:
         return ()
     if contact.penetration is None:
         return pulls

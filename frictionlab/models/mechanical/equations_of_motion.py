@@ -431,13 +431,13 @@ def _coupled(rows: Sequence[Row]) -> list[list[Row]]:
     groups: list[tuple[set[int], list[Row]]] = []
     for row in rows:
         columns, some = {i for i, entry in enumerate(row) if entry != 0}, [row]
-        apart = []
+        separate = []
         for others, group in groups:
             if columns & others:
                 columns, some = columns | others, [*group, *some]
             else:
-                apart.append((others, group))
-        groups = [*apart, (columns, some)]
+                separate.append((others, group))
+        groups = [*separate, (columns, some)]
     return [group for _, group in groups]
 
 

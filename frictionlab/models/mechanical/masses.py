@@ -95,9 +95,9 @@ def _function(
 @cache
 def _masses(key: Structure) -> tuple[dict[str, Any], Formulas]:
     """The entries of M as formulas of coordinates, phase and parameters; none where T is surely positive."""
-    kept = derivations_of(key, key.parameters)
-    about = kept.value("masses", lambda: _about_masses(key))
-    return about, kept_formulas(kept, "masses", lambda: _mass_formulas(key, about))
+    derivations = derivations_of(key, key.parameters)
+    about = derivations.value("masses", lambda: _about_masses(key))
+    return about, kept_formulas(derivations, "masses", lambda: _mass_formulas(key, about))
 
 
 def _about_masses(key: Structure) -> dict[str, Any]:

@@ -101,11 +101,11 @@ def _coalescence() -> Claim:
 def modes_couple(data: Coalescence, k_nl: float) -> bool:
     """Whether the frequencies of the pair meet, and one of its growth rates turns positive there."""
     locus, pair = data.loci[k_nl], list(data.pairs[k_nl])
-    apart = np.abs(np.diff(locus.frequencies[:, pair], axis=1))[:, 0]
+    distances = np.abs(np.diff(locus.frequencies[:, pair], axis=1))[:, 0]
     beyond = locus.at > data.changes[k_nl][0].value
     growing = locus.growth_rates[:, pair] > 0
     turned = not growing[~beyond].any() and (growing[beyond].sum(axis=1) == 1).all()
-    return bool(turned and apart[beyond].min() < COALESCENCE_SHARE * apart[0])
+    return bool(turned and distances[beyond].min() < COALESCENCE_SHARE * distances[0])
 
 
 def _critical_falls() -> Claim:

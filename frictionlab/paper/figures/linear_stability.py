@@ -64,9 +64,9 @@ def growing_modes(locus: RootLocus) -> list[int]:
 def coupled_pair(locus: RootLocus, mode: int) -> tuple[int, int]:
     """A growing mode and the one nearest in frequency where it grows fastest, by ascending index."""
     row = locus.frequencies[np.nanargmax(locus.growth_rates[:, mode])]
-    apart = np.abs(row - row[mode])
-    apart[mode] = np.inf
-    first, second = sorted((mode, int(np.argmin(apart))))
+    distances = np.abs(row - row[mode])
+    distances[mode] = np.inf
+    first, second = sorted((mode, int(np.argmin(distances))))
     return first, second
 
 

@@ -261,13 +261,14 @@ def _unstable_frequencies(model: Any, values: Array) -> tuple[Array, Array]:
 
 def deviation_text(each: FrequencyPanel) -> str:
     """How far the strongest line is from the eigenvalue that grows fastest."""
-    apart = each.deviations
-    if not len(apart):
+    deviations = each.deviations
+    if not len(deviations):
         return "no motion where an eigenvalue grows"
+    median, values = 100 * np.median(deviations), len(deviations)
     return (
         f"strongest line {np.nanmin(each.strongest):.2f} to {np.nanmax(each.strongest):.2f} Hz, "
-        f"off the unstable eigenfrequency by {100 * np.median(apart):.1f} % (median, {len(apart)} values), "
-        f"{100 * apart.max():.1f} % at most"
+        f"off the unstable eigenfrequency by {median:.1f} % (median, {values} values), "
+        f"{100 * deviations.max():.1f} % at most"
     )
 
 

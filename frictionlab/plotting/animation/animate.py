@@ -155,8 +155,10 @@ def picture_of(
     visible."""
     if isinstance(mechanism, Mechanism):
         return parts(run, mechanism, t, magnify)
-    seen, p = sample_frames(run, t), parameters(run)
-    return BeltPicture(seen, lay_out_belt(seen, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify), p["F"])
+    frames, p = sample_frames(run, t), parameters(run)
+    return BeltPicture(
+        frames, lay_out_belt(frames, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify), p["F"]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,18 +280,18 @@ def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str
 
 def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[Artist]]:
     """The function that shows a frame of the picture."""
-    seen = scene.picture
-    step = float(seen.t[1] - seen.t[0]) if len(seen.t) > 1 else 1.0
+    picture = scene.picture
+    step = float(picture.t[1] - picture.t[0]) if len(picture.t) > 1 else 1.0
     digits = max(0, int(np.ceil(-np.log10(step))))
     pace = f"{1 / speed:.3g} times slower" if speed < 1 else f"{speed:.3g} times faster"
     pace = "real time" if speed == 1 else pace
 
     def update(frame: int) -> list[Artist]:
-        mode = str(seen.mode[frame])
-        moved = seen.move(scene.parts, frame, scene.colours.get(mode))
-        scene.phase.set_data([seen.x[frame]], [seen.rate[frame]])
+        mode = str(picture.mode[frame])
+        moved = picture.move(scene.parts, frame, scene.colours.get(mode))
+        scene.phase.set_data([picture.x[frame]], [picture.rate[frame]])
         scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
-        scene.title.set_text(f"t = {seen.t[frame]:.{digits}f} s: {mode}; {pace}")
+        scene.title.set_text(f"t = {picture.t[frame]:.{digits}f} s: {mode}; {pace}")
         return [*moved, scene.phase, scene.title]
 
     return update

@@ -207,7 +207,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
     visible."""
     values = {name: np.full(len(t), float(value)) for name, value in run.automaton.values.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
-    seen = SampledRun(run, t, values, modes_at(run, t))
+    samples = SampledRun(run, t, values, modes_at(run, t))
     used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
     largest = max((float(np.abs(value).max()) for value in used), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
@@ -215,13 +215,13 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
     forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}
     top = max((float(np.abs(force).max()) for force in forces.values()), default=0.0)
     scale = LONGEST / top if top > 0 else 1.0
-    shapes = [shape for part in mechanism.parts for shape in _shapes(part, seen, s, (forces, scale))]
+    shapes = [shape for part in mechanism.parts for shape in _shapes(part, samples, s, (forces, scale))]
     sizes: dict[str, float] = {}
     for (_, name), force in forces.items():
         letter = FORCES[name][1]
         sizes[letter] = max(sizes.get(letter, 0.0), float(np.abs(force).max()))
     first = run.names[0]
-    return Parts(t, values[first], values[first + "'"], seen.mode, first, tuple(shapes), s, sizes)
+    return Parts(t, values[first], values[first + "'"], samples.mode, first, tuple(shapes), s, sizes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,10 +233,10 @@ class SampledRun:
     values: dict[str, Array]
     mode: np.ndarray
 
-    def at(self, place: Any, s: float) -> list[Array]:
-        """x and y (K,) of a place."""
-        place = place if isinstance(place, Point) else Point(*place)
-        return [base + self._moved(name, s) for base, name in ((place.x, place.right), (place.y, place.up))]
+    def at(self, point: Point | tuple[float, float], s: float) -> list[Array]:
+        """x and y (K,) of a point."""
+        point = point if isinstance(point, Point) else Point(*point)
+        return [base + self._moved(name, s) for base, name in ((point.x, point.right), (point.y, point.up))]
 
     def _moved(self, name: str, s: float) -> Array:
         if not name:
@@ -244,26 +244,26 @@ class SampledRun:
         return (-s if name.startswith("-") else s) * self.values[name.lstrip("-")]
 
 
-def _shapes(part: Any, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
-    ones = np.ones(len(seen.t))
+def _shapes(part: Any, samples: SampledRun, s: float, forces: Any) -> list[Shape]:
+    ones = np.ones(len(samples.t))
     if isinstance(part, Wall):
-        return [Shape("wall", np.column_stack([*seen.at(part.start, s), *seen.at(part.end, s)]), GREY)]
+        return [Shape("wall", np.column_stack([*samples.at(part.start, s), *samples.at(part.end, s)]), GREY)]
     if isinstance(part, Spring):
-        return [Shape("spring", _spring(part, seen, s))]
+        return [Shape("spring", _spring(part, samples, s))]
     if isinstance(part, Block):
         sizes = part.width * ones, part.height * ones
-        return [Shape("disc" if part.disc else "block", np.column_stack([*seen.at(part.at, s), *sizes]))]
+        return [Shape("disc" if part.disc else "block", np.column_stack([*samples.at(part.at, s), *sizes]))]
     if isinstance(part, Belt):
-        way = s * seen.values[part.speed] * (seen.t - seen.t[0]) if part.speed else 0.0 * ones
+        way = s * samples.values[part.speed] * (samples.t - samples.t[0]) if part.speed else 0.0 * ones
         still = part.start * ones, part.end * ones, part.y * ones
         return [Shape("belt", np.column_stack([*still, way]), GREY)]
-    return _pair(part, seen, s, forces)
+    return _pair(part, samples, s, forces)
 
 
-def _pair(part: Forces, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
+def _pair(part: Forces, samples: SampledRun, s: float, forces: Any) -> list[Shape]:
     """The arrows of both contact forces."""
     sizes, scale = forces
-    foot, nothing = seen.at(part.at, s), np.zeros(len(seen.t))
+    foot, nothing = samples.at(part.at, s), np.zeros(len(samples.t))
     vectors = {
         "normal_force": (nothing, scale * sizes[part.contact, "normal_force"]),
         "friction_force": (scale * sizes[part.contact, "friction_force"], nothing),
@@ -271,15 +271,15 @@ def _pair(part: Forces, seen: SampledRun, s: float, forces: Any) -> list[Shape]:
     return [Shape("arrow", np.column_stack([*foot, *v]), FORCES[name][0]) for name, v in vectors.items()]
 
 
-def _spring(part: Spring, seen: SampledRun, s: float) -> Array:
-    start, end = seen.at(part.start, s), seen.at(part.end, s)
+def _spring(part: Spring, samples: SampledRun, s: float) -> Array:
+    start, end = samples.at(part.start, s), samples.at(part.end, s)
     if part.loose:
-        hangs, rest = seen.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
+        hangs, rest = samples.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
         start = [np.where(hangs, x + dx, y) for x, dx, y in zip(end, rest, start, strict=True)]
     return np.column_stack([*start, *end])
 
 
 def _names(mechanism: Mechanism) -> set[str]:
-    """Names of the coordinates and parameters that move the places of a mechanism."""
-    places = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Point)]
-    return {name for place in places for name in (place.right, place.up) if name}
+    """Names of the coordinates and parameters that move the points of a mechanism."""
+    points = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Point)]
+    return {name for point in points for name in (point.right, point.up) if name}

@@ -64,7 +64,7 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
     """
     ax = axes_or_new(ax)
     values, errors = effects.values[:, condition], effects.errors[:, condition]
-    kept = np.argsort(-np.abs(np.nan_to_num(values)), kind="stable")[:MAX_BARS]
+    largest = np.argsort(-np.abs(np.nan_to_num(values)), kind="stable")[:MAX_BARS]
     groups = [
         (
             effects.switches,
@@ -73,7 +73,7 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
             BLUE,
             "Shapley",
         ),
-        ([effects.terms[i] for i in kept], values[kept], errors[kept], ORANGE, "effect"),
+        ([effects.terms[i] for i in largest], values[largest], errors[largest], ORANGE, "effect"),
     ]
     drawn, labels = [], []
     for names, sizes, spreads, colour, label in groups:

@@ -287,8 +287,8 @@ def _make_tiles(
     return figure, canvas, tiles
 
 
-def _keep(kept: dict[str, Drawing], tiles: dict[str, Tile]) -> None:
-    for name, drawing in kept.items():
+def _keep(drawings: dict[str, Drawing], tiles: dict[str, Tile]) -> None:
+    for name, drawing in drawings.items():
         tiles[name].keep(drawing)
 
 

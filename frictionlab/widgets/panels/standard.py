@@ -58,15 +58,15 @@ def mode_strip(result: Any) -> dict[str, Curve]:
     """A thick line for every mode of the model, broken where the run is in other modes."""
     colours = _colours_of_modes(result.run)
     t, modes = result.times(), result.modes
-    kept = slice(None, None, max(1, len(t) // STRIP_SAMPLES))
-    t, modes = t[kept], modes[kept]
+    sampled = slice(None, None, max(1, len(t) // STRIP_SAMPLES))
+    t, modes = t[sampled], modes[sampled]
     return {mode: _strip_curve(t, modes == mode, colour) for mode, colour in colours.items()}
 
 
 def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
+    shown = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
     style = {"color": colour, "linewidth": STRIP_THICKNESS, "solid_capstyle": "butt", "zorder": 1.0}
-    return Curve(np.where(kept, t, np.nan), np.where(kept, STRIP_HEIGHT, np.nan), style, "strip")
+    return Curve(np.where(shown, t, np.nan), np.where(shown, STRIP_HEIGHT, np.nan), style, "strip")
 
 
 def response(result: Any) -> Drawing:
@@ -126,8 +126,8 @@ def phase(result: Any) -> Drawing:
 
 
 def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
-    kept = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
-    return Curve(np.where(kept, x, np.nan), np.where(kept, rate, np.nan), {"color": colour})
+    shown = chosen | np.append(False, chosen[:-1])  # up to the sample after, so that lines meet
+    return Curve(np.where(shown, x, np.nan), np.where(shown, rate, np.nan), {"color": colour})
 
 
 def _equilibrium_point(result: Any, name: str) -> tuple[list[float], list[float]]:

@@ -51,8 +51,8 @@ AXES_RECTANGLE = 0.205, 0.175, 0.615, 0.685  # left, bottom, width, height, as s
 def data_range(arrays: Iterable[Any]) -> Limits | None:
     """Smallest and largest finite number; None where there is none."""
     finite = [a[np.isfinite(a)] for a in (np.asarray(a, dtype=float).ravel() for a in arrays)]
-    kept = [a for a in finite if a.size]
-    return (float(min(a.min() for a in kept)), float(max(a.max() for a in kept))) if kept else None
+    given = [a for a in finite if a.size]
+    return (float(min(a.min() for a in given)), float(max(a.max() for a in given))) if given else None
 
 
 def linear_limits(now: Limits | None, needed: Limits | None) -> Limits:
