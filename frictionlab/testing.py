@@ -228,7 +228,7 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     return run
 
 
-def check_run(model: Any, run: Trajectory) -> None:
+def check_run(model: Model, run: Trajectory) -> None:
     """Raise AssertionError unless a run came to its end and kept the rules of contact and friction."""
 
     if not run.status.ok:
@@ -237,7 +237,7 @@ def check_run(model: Any, run: Trajectory) -> None:
         fail(model, "a motion must keep the rules of contact and friction", broken)
 
 
-def _check_equations(model: Any) -> None:
+def _check_equations(model: Model) -> None:
     for mode in model.automaton().names:
         try:
             equations = model.equations(mode)
@@ -247,7 +247,7 @@ def _check_equations(model: Any) -> None:
             fail(model, f"equations({mode!r}) must print, also in LaTeX", equations)
 
 
-def _check_structure(model: Any) -> None:
+def _check_structure(model: Model) -> None:
     program = program_of(model.automaton())[0]
     for name, value in model.parameters.items():
         if not value or name not in {*parameters_of(type(model)), *_component_parameters(model)}:
@@ -260,11 +260,11 @@ def _check_structure(model: Any) -> None:
             fail(model, f"the value of {name} must change numbers only", "another structure")
 
 
-def _component_parameters(model: Any) -> set[str]:
+def _component_parameters(model: Model) -> set[str]:
     return {name for part in model.components.values() for name in parameters_of(type(part))}
 
 
-def _check_agreement(model: Any, t_end: float) -> None:
+def _check_agreement(model: Model, t_end: float) -> None:
     own = simulate(model, t_end, progress=False).final_state
     other = simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
     error = np.abs(own - other).max() / (np.abs(own).max() or 1.0)

@@ -23,6 +23,7 @@ from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.models import SliderOnBelt
 from frictionlab.models.mechanical.equations_of_motion import system_of
 from frictionlab.models.symbols import structure_of_component, symbol
 
@@ -32,7 +33,7 @@ RTOL = 1e-9
 MAX_STEPS = 100_000  # most steps of the slow methods; runs that reach the end take a fifth of it
 
 
-def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def regularised_flow(model: SliderOnBelt) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """States and their rates, with F_T = mu_k F_N tanh(v_r/width), and F_N = 0 unless the penetration is
     positive."""
     system = system_of(structure_of_component(model))
@@ -45,7 +46,7 @@ def regularised_flow(model: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     return system.states, tuple(sympy.sympify(rate, strict=True).subs(numbers) for rate in rates)
 
 
-def run_regularised(model: Any, t_end: float) -> tuple[np.ndarray, float, int]:
+def run_regularised(model: SliderOnBelt, t_end: float) -> tuple[np.ndarray, float, int]:
     """Final state from rest, wall time of a second run (a short first one compiles), and steps."""
     from scipy.integrate import solve_ivp
 

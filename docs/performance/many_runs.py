@@ -30,6 +30,7 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
+from frictionlab.models import Model, SliderOnBelt
 from frictionlab.presentation import markdown_table
 from reference_scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
 from timing import interleaved_medians, warm_up, warm_up_lanes
@@ -52,7 +53,7 @@ class EnsembleScene:
     """A scene: a model, the range of mu_k of its runs, and their length in s."""
 
     name: str
-    model: Any
+    model: SliderOnBelt
     mu_k: tuple[float, float]
     t_end: float
 
@@ -100,7 +101,7 @@ def _ensemble_row(scene: EnsembleScene, count: int, t_end: float, repeats: int) 
     return EnsembleRow(scene.name, count, *interleaved_medians(ways, repeats))
 
 
-def _one_by_one(models: Sequence[Any], t_end: float) -> None:
+def _one_by_one(models: Sequence[Model], t_end: float) -> None:
     for model in models:
         simulate(model, t_end, progress=False)
 
@@ -162,7 +163,7 @@ def run_sweep(values: Any, t_end: float, method: Method, workers: int) -> Sweep:
     )
 
 
-def _final_state(model: Any, start: str, t_end: float, method: Method) -> list[float]:
+def _final_state(model: Model, start: str, t_end: float, method: Method) -> list[float]:
     return simulate(model, t_end, x0=start, method=method, progress=False).final_state.tolist()
 
 

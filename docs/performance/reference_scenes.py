@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 import sympy
@@ -85,7 +84,7 @@ class ReferenceScene:
     x0: np.ndarray
     t_end: float
     reference: Callable[[], np.ndarray]
-    model: Any = None
+    model: SliderOnBelt | None = None
     events: tuple[int, int] | None = None
 
     def missed(self, count: int) -> int | None:
@@ -113,7 +112,7 @@ def scenes() -> dict[str, ReferenceScene]:
     return {scene.name: scene for scene in every}
 
 
-def _model(name: str, text: str, model: Any, t_end: float) -> ReferenceScene:
+def _model(name: str, text: str, model: SliderOnBelt, t_end: float) -> ReferenceScene:
     automaton = model.automaton()
     rest = np.zeros(len(automaton.states))
     unlike = model if "separation" in model.interface.modes else None
@@ -122,7 +121,7 @@ def _model(name: str, text: str, model: Any, t_end: float) -> ReferenceScene:
     )
 
 
-def _chatter(model: Any) -> ReferenceScene:
+def _chatter(model: SliderOnBelt) -> ReferenceScene:
     """Chatter, which has no closed form: the reference is the solver itself with another order and a much
     shorter limit of chatter."""
     automaton, rest, t_end = model.automaton(), np.zeros(10), 1.0
@@ -148,7 +147,7 @@ def _coulomb() -> ReferenceScene:
     )
 
 
-def _linear(model: Any) -> ReferenceScene:
+def _linear(model: SliderOnBelt) -> ReferenceScene:
     """All nonlinearities left out: a linear system, solved by the exponential of its matrix."""
     automaton, t_end = model.automaton(), 10.0
     rest = np.zeros(len(automaton.states))

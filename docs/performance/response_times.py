@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any
 
-from frictionlab.models import MassOnBelt, SliderOnBelt
+from frictionlab.models import MassOnBelt, Model, SliderOnBelt
 from frictionlab.pages import export
 from frictionlab.presentation import markdown_table
 from frictionlab.widgets.controls import main_parameters
@@ -68,7 +68,7 @@ class SliderStep:
 
 
 def latencies(
-    model: Any,
+    model: Model,
     parameters: Sequence[str] | None = None,
     count: int = STEPS_PER_SLIDER,
     panels: Sequence[str] = LATENCY_PANELS,

@@ -24,7 +24,6 @@ from functools import cache, partial
 from itertools import compress, product
 from statistics import median
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -40,6 +39,7 @@ from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.tape.program import Program
 from frictionlab.hybrid.tape.tape import Tape
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import Model
 from frictionlab.presentation import markdown_table
 from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
 from timing import interleaved_medians, warm_up
@@ -122,7 +122,7 @@ def nonlinearity_costs(t_end: float = 20.0, repeats: int = 5) -> list[Nonlineari
     return [_cost_of(n, m, s / t_end) for n, m, s in zip(COMBINATIONS, models, seconds, strict=True)]
 
 
-def _cost_of(left_out: tuple[str, ...], model: Any, seconds: float) -> NonlinearityCost:
+def _cost_of(left_out: tuple[str, ...], model: Model, seconds: float) -> NonlinearityCost:
     cost = program_of(model.automaton())[0].cost()
     products = sum(mode["product"] + mode["square"] + mode["quotient"] for mode in cost.values())
     operations = products + sum(mode["affine"] for mode in cost.values())

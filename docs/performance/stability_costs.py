@@ -31,7 +31,14 @@ from frictionlab.analysis.simulate import simulate
 from frictionlab.components import PlasticImpact
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow
-from frictionlab.models import ImpactOscillator, MassOnBelt, ModeCoupling, SliderOnBelt, SliderOnRigidBelt
+from frictionlab.models import (
+    ImpactOscillator,
+    MassOnBelt,
+    ModeCoupling,
+    Model,
+    SliderOnBelt,
+    SliderOnRigidBelt,
+)
 from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 from reference_scenes import FULL_GAP_RATE_SLIDER
@@ -140,11 +147,11 @@ def _cases() -> Iterator[tuple[Any, Quantity]]:
             yield model, OrbitIntensity(near=orbit)
 
 
-def _orbit_of(model: Any) -> PeriodicOrbit:
+def _orbit_of(model: Model) -> PeriodicOrbit:
     return periodic_orbit(model, simulate(model, 200.0, progress=False))
 
 
-def _cost_of(model: Any, quantity: Quantity, repeats: int) -> SensitivityCost:
+def _cost_of(model: Model, quantity: Quantity, repeats: int) -> SensitivityCost:
     def alone() -> Any:
         return quantity(model)
 

@@ -18,6 +18,7 @@ from external import ExternalMethod
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
+from frictionlab.models import SliderOnBelt
 from frictionlab.presentation import markdown_table
 from reference_scenes import ReferenceScene
 from tables import three_digits
@@ -70,12 +71,12 @@ def measure(
         else _row_without_package(scene, way)
         for way in ways
     ]
-    return rows if scene.model is None else [*rows, _regularised_row(scene)]
+    return rows if scene.model is None else [*rows, _regularised_row(scene, scene.model)]
 
 
-def _regularised_row(scene: ReferenceScene) -> WorkPrecisionRow:
+def _regularised_row(scene: ReferenceScene, model: SliderOnBelt) -> WorkPrecisionRow:
     """The row of the regularised model, whose error is that of the smoothing."""
-    state, seconds, steps = run_regularised(scene.model, scene.t_end)
+    state, seconds, steps = run_regularised(model, scene.t_end)
     name = "model made smooth, LSODA"
     return WorkPrecisionRow(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)
 

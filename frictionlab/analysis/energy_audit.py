@@ -118,7 +118,7 @@ class Terms:
 class Balance:
     """A model's energy balance at states (N, states) in modes (N,), which are indices into `mode_names`."""
 
-    def __init__(self, model: Any, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
+    def __init__(self, model: MechanicalModel, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
         self._terms = terms_of(structure_of_component(model))
 

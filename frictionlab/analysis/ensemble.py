@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,8 +22,11 @@ from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
 from frictionlab.hybrid.tape.arguments import check_automaton
 from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.validation import abbreviate, check_flag, check_number, explains_keywords, is_sequence
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
 
 __all__ = ["BatchResult", "ensemble"]
 
@@ -32,7 +35,7 @@ MOST_MODES_IN_LANES = 81  # those of four contacts; deriving more takes longer t
 
 @explains_keywords
 def ensemble(
-    models: Sequence[Any],
+    models: Sequence[ModelOrAutomaton],
     t_end: float,
     *,
     x0: Any = "rest",
@@ -134,7 +137,7 @@ def _is_one_for_each(x0: Any) -> bool:
     return any(isinstance(each, (str, Mapping)) or np.ndim(each) > 0 for each in x0)
 
 
-def _problems(models: Sequence[Any], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
+def _problems(models: Sequence[ModelOrAutomaton], x0: Any, t_end: float, method: Taylor) -> list[Problem]:
     each = x0 if _is_one_for_each(x0) else [x0] * len(models)
     if len(each) != len(models):
         raise ValueError(
@@ -160,7 +163,7 @@ def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float =
     return Problem(*program_of(automaton), x0, t_end)
 
 
-def _check_model(model: Any, i: int) -> HybridAutomaton:
+def _check_model(model: ModelOrAutomaton, i: int) -> HybridAutomaton:
     try:
         automaton = automaton_of(model)
         check_automaton(automaton)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import check_flag, check_number, explains_keywords
 
 from .motion_scales import Array, state_scales
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
 
 MAX_BLOCKS = 1_000_000  # each is a run
 
@@ -56,7 +59,7 @@ class LyapunovSpectrum(Drawable):
 
 @explains_keywords
 def lyapunov(
-    model: Any,
+    model: ModelOrAutomaton,
     x0: Any = "rest",
     *,
     transient: float = 200.0,

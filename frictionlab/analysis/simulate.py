@@ -31,7 +31,7 @@ from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.masses import check_masses
-from frictionlab.models.model import Model, automaton_of, require_model
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import (
@@ -46,7 +46,7 @@ from frictionlab.validation import (
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
 
-def model_initial_state(model: Any, x0: Any, automaton: Any = None) -> Any:
+def model_initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton | None = None) -> Any:
     """The initial state that a name, a mapping or an array stands for.
 
     States that a mapping leaves out are as at rest; those that an array leaves out are zero.  Give the
@@ -96,7 +96,9 @@ def named_state(x0: Any) -> Any:
     return numbers.tolist()
 
 
-def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = None) -> np.ndarray:
+def initial_state_of(
+    model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton | None = None
+) -> np.ndarray:
     """The initial state (n,) of a run of a model or an automaton; raises for a bad `x0`."""
     automaton = automaton_of(model) if automaton is None else automaton
     start = state_from_x0(automaton, model_initial_state(model, x0, automaton))
@@ -107,7 +109,7 @@ def initial_state_of(model: Any, x0: Any, automaton: HybridAutomaton | None = No
 
 @explains_keywords
 def simulate(
-    model: Any,
+    model: Model,
     t_end: float,
     *,
     x0: Any = "rest",
@@ -184,7 +186,7 @@ def simulate(
     return with_warning(run_automaton(automaton, t_end, start, chosen, options))
 
 
-def load(path: str | Path, model: Any = None) -> Trajectory:
+def load(path: str | Path, model: ModelOrAutomaton | None = None) -> Trajectory:
     """A run that :meth:`Trajectory.save` wrote.
 
     Parameters

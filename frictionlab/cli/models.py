@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .parsing import (
     OneLineParser,
@@ -13,6 +13,9 @@ from .parsing import (
     model_of,
     print_json,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 MODELS_DESCRIPTION = """\
 List the models, each with a line and a reference; with a NAME the parameters
@@ -72,5 +75,5 @@ def _one_model(name: str) -> tuple[dict[str, Any], str]:
     return {**model_data(model), **about, "described": rows}, "\n".join([*head, *lines])
 
 
-def _switches(model: Any) -> str:
+def _switches(model: Model) -> str:
     return ", ".join(model.nonlinearities) or "nothing"

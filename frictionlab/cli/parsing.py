@@ -13,9 +13,12 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from frictionlab.validation import nearest_name
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
@@ -250,7 +253,7 @@ def _literal(node: ast.expr, text: str) -> Any:
         raise ValueError(f"{rule}, got {ast.unparse(node)!r} in {text!r}: write numbers out") from None
 
 
-def model_data(model: Any) -> dict[str, Any]:
+def model_data(model: Model) -> dict[str, Any]:
     """The entries about a model in the commands' JSON."""
     return {"model": type(model).__name__, "call": repr(model), "parameters": dict(model.parameters)}
 

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import parsing
 from .parsing import (
@@ -29,6 +29,9 @@ from .parsing import (
     values_of,
 )
 from .stability import equilibrium_lines, stability_data
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),
@@ -191,7 +194,7 @@ def _method_settings(method: Any) -> dict[str, Any]:
     return {name: value for name, value in method.describe().items() if name != "name"}
 
 
-def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
+def initial_state_from_options(chosen: argparse.Namespace, model: Model) -> Any:
     """The state that --x0 names, or the numbers it holds."""
     from frictionlab.analysis.simulate import model_initial_state
 
@@ -208,7 +211,7 @@ def initial_state_from_options(chosen: argparse.Namespace, model: Any) -> Any:
     return state
 
 
-def before(model: Any, method: Any, chosen: argparse.Namespace) -> str:
+def before(model: Model, method: Any, chosen: argparse.Namespace) -> str:
     """The lines printed before the run: what is run, and what is known without running it."""
     return "\n".join([_job_line(model, method, chosen), *equilibrium_lines(model)])
 
@@ -219,7 +222,7 @@ def after(run: Any) -> str:
     return "\n".join([f"\nRun: {run.status}", *doubt, *_event_lines(run), *_time_lines(run), _cost_line(run)])
 
 
-def _job_line(model: Any, method: Any, chosen: argparse.Namespace) -> str:
+def _job_line(model: Model, method: Any, chosen: argparse.Namespace) -> str:
     start = {"rest": "from rest", "near": "from near the equilibrium"}.get(chosen.x0, f"from {chosen.x0}")
     return f"{model!r}\n{chosen.t_end:g} s {start}, {_method_line(method)}"
 
@@ -297,7 +300,7 @@ def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
 
 
 def _simulate(
-    model: Any, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
+    model: Model, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
 ) -> tuple[Any, KeyboardInterrupt | None]:
     """The run, or None if there is none, and the interruption if ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate

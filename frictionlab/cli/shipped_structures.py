@@ -16,10 +16,13 @@ from contextlib import suppress
 from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from .parsing import model_of
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 
 def shipped_models() -> Iterator[Any]:
@@ -34,7 +37,7 @@ def shipped_models() -> Iterator[Any]:
                 yield model.without(*names)
 
 
-def derive(model: Any) -> None:
+def derive(model: Model) -> None:
     """Derive all that a run, its picture and its summary need, and the nonlinearities for `without`."""
     import numpy as np
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .parsing import (
     OneLineParser,
@@ -16,6 +16,9 @@ from .parsing import (
     model_from_options,
     print_json,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 EIG_DESCRIPTION = """\
 Print the equilibrium of steady sliding and its eigenvalues: frequencies,
@@ -78,7 +81,7 @@ def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def equilibrium_lines(model: Any) -> Iterator[str]:
+def equilibrium_lines(model: Model) -> Iterator[str]:
     """Equilibrium and eigenvalues, or one line that says why there are none."""
     from frictionlab.stability import equilibrium
 
@@ -95,7 +98,7 @@ def equilibrium_lines(model: Any) -> Iterator[str]:
         yield f"\nNo sliding equilibrium: {error}"
 
 
-def _eigenvalue_lines(model: Any) -> Iterator[str]:
+def _eigenvalue_lines(model: Model) -> Iterator[str]:
     from frictionlab.stability import eigenvalues
 
     try:
@@ -114,7 +117,7 @@ def _eigenvalue_lines(model: Any) -> Iterator[str]:
             yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
 
 
-def stability_data(model: Any) -> dict[str, Any]:
+def stability_data(model: Model) -> dict[str, Any]:
     """Equilibrium and eigenvalues for JSON; raises ValueError where there are none."""
     from frictionlab.stability import eigenvalues
 
@@ -161,6 +164,6 @@ def _change_line(row: dict[str, Any]) -> str:
     )
 
 
-def _no_change(chosen: argparse.Namespace, model: Any) -> list[str]:
+def _no_change(chosen: argparse.Namespace, model: Model) -> list[str]:
     between = f"{chosen.parameter} from {chosen.low:g} to {chosen.high:g}"
     return [f"{model!r}", f"  no change of stability with {between}: `frictionlab eig` says which it is"]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.components.component import (
     Component,
@@ -31,6 +31,9 @@ from frictionlab.components.contact import (
     SlidingOnly,
 )
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 
 @cache
@@ -94,7 +97,7 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     return owners
 
 
-def parameter_unit(model: Any, name: str) -> str:
+def parameter_unit(model: Model, name: str) -> str:
     """Unit of a parameter of a model; "" for a parameter of an automaton, which has no metadata."""
     if not hasattr(model, "components"):
         return ""
@@ -217,7 +220,7 @@ class ParameterTable:
         return f"<p>{escape(self.title)}</p><table><tr>{head}</tr>{body}</table>"
 
 
-def parameter_table(model: Any) -> ParameterTable:
+def parameter_table(model: Model) -> ParameterTable:
     """The table of a model's parameters."""
     components = model.components
     about, owner = parameter_metadata(type(model), components), parameter_owners(type(model), components)
@@ -253,7 +256,7 @@ class Nonlinearity:
     about: str
     without: Callable[[Any], Mapping[str, Any]]
 
-    def missing(self, model: Any) -> bool:
+    def missing(self, model: Model) -> bool:
         """Whether the model is without it already."""
         try:
             return all(getattr(model, name) == value for name, value in self.without(model).items())
@@ -261,7 +264,7 @@ class Nonlinearity:
             return False
 
 
-def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
+def nonlinearities_of(model: Model) -> dict[str, Nonlinearity]:
     """The nonlinearities that follow from a model's roles, in the order of `OF_COMPONENTS`."""
     nonlinearities = {}
     for name, (base, about, instead) in OF_COMPONENTS.items():
@@ -270,11 +273,11 @@ def nonlinearities_of(model: Any) -> dict[str, Nonlinearity]:
     return nonlinearities
 
 
-def _replaced(role: str, instead: Callable[[Any], Any], model: Any) -> dict[str, Any]:
+def _replaced(role: str, instead: Callable[[Any], Any], model: Model) -> dict[str, Any]:
     return {role: instead(getattr(model, role))}
 
 
-def without(model: Any, names: tuple[str, ...]) -> dict[str, Any]:
+def without(model: Model, names: tuple[str, ...]) -> dict[str, Any]:
     """The parameters and components, by name, that take the place of these nonlinearities.
 
     Raises

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy
 from sympy import Symbol
@@ -13,6 +13,9 @@ from sympy.printing.latex import LatexPrinter
 from frictionlab.automaton.mode import check_mode_name
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import automaton_of_structure, structure_of_component
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 TIME = Symbol("t", real=True)
 TIME_DERIVATIVE_DOTS = {1: r"\dot", 2: r"\ddot"}
@@ -120,7 +123,7 @@ class Equations:
         return f"$\\displaystyle {self.latex()}$"
 
 
-def flow_equations(model: Any, mode: str) -> Equations:
+def flow_equations(model: Model, mode: str) -> Equations:
     """The equations of a mode as its flow gives them, with its constraints and conditions.
 
     They are x'' = flow for each coordinate, and x' = flow for the states that are neither coordinates nor
@@ -150,7 +153,7 @@ def flow_equations(model: Any, mode: str) -> Equations:
     )
 
 
-def parameter_letters(model: Any) -> dict[str, str]:
+def parameter_letters(model: Model) -> dict[str, str]:
     """LaTeX of the parameters."""
     return {name: about.symbol for name, about in parameter_metadata(type(model), model.components).items()}
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
@@ -38,6 +38,9 @@ from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
 
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
 NORMAL_IMPULSE, TANGENTIAL_IMPULSE = symbol("p"), symbol("p_T")
 
 
@@ -47,7 +50,7 @@ def stop_equations(stop: Stop, rate: Any) -> tuple[Any, ...]:
     return equation(before, rate), equation(after, rate_after(stop.law, before))
 
 
-def impact_equations(model: Any) -> tuple[tuple[Any, ...], dict[str, Any]]:
+def impact_equations(model: MechanicalModel) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """Eqs. (10) to (17) for a symbolic model with one contact, and their symbols by name.
 
     Velocities just before and just after the impact are named ``y1'-`` and ``y1'+``.  Eq. (16) is the one
@@ -86,7 +89,7 @@ def _with_friction(
     return *jumps, equation(TANGENTIAL_IMPULSE, rubbing), equation(NORMAL_IMPULSE, solved.xreplace(rubbed))
 
 
-def impact_letters(model: Any, letters: Mapping[str, str]) -> dict[str, str]:
+def impact_letters(model: MechanicalModel, letters: Mapping[str, str]) -> dict[str, str]:
     """LaTeX of the velocities before and after an impact, as in the paper, and of the coordinates."""
     chosen = {}
     for name in model.coordinates:
@@ -99,7 +102,7 @@ def impact_letters(model: Any, letters: Mapping[str, str]) -> dict[str, str]:
     return chosen
 
 
-def _kinematics_with_sign(model: Any, sign: str) -> LagrangeSystem:
+def _kinematics_with_sign(model: MechanicalModel, sign: str) -> LagrangeSystem:
     q = [symbol(name) for name in model.coordinates]
     return system_at(model, q, [symbol(f"{name}'{sign}") for name in model.coordinates])
 
@@ -132,7 +135,7 @@ class TimeDependentSystem(NamedTuple):
         return in_time_functions(expression, self.functions)
 
 
-def lagrange_equations(model: Any, mode: str) -> Equations:
+def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
     """The equations of a mode, of "slip" in both directions, or of the "impact".
 
     Where slip has two modes, "slip" gives both in one, with sgn(v_r) as in Eq. (3).

@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, parameters_of, value_repr
@@ -287,6 +287,9 @@ class Model(Component):
         return f"{type(self).__name__}({', '.join(_differences(self))})"
 
 
+ModelOrAutomaton: TypeAlias = Model | HybridAutomaton  # what analyses take that ask for no parameters' laws
+
+
 def with_signature(cls: type[M]) -> type[M]:
     """Give a model class the signature that help and tab completion show."""
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
@@ -294,7 +297,9 @@ def with_signature(cls: type[M]) -> type[M]:
 
 
 def require_model(
-    model: Any, kinds: str = "a model such as SliderOnBelt", cure: str = "make one, such as fl.SliderOnBelt()"
+    model: object,
+    kinds: str = "a model such as SliderOnBelt",
+    cure: str = "make one, such as fl.SliderOnBelt()",
 ) -> Model:
     """Return the model; raise TypeError, which names the accepted `kinds`, for anything else."""
     if isinstance(model, Model):
@@ -306,7 +311,7 @@ def require_model(
     raise TypeError(f"model must be {kinds}, got {got}: {cure}")
 
 
-def check_parameter_name(model: Any, name: Any) -> None:
+def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     of_model = isinstance(model, Model)
     known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
@@ -315,7 +320,7 @@ def check_parameter_name(model: Any, name: Any) -> None:
         raise unknown_parameter(type(model).__name__, name, known, hint)
 
 
-def automaton_of(model: Any) -> HybridAutomaton:
+def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
     """The automaton of a model, or the automaton itself.
 
     Raises

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
 from functools import cache, lru_cache, partial, wraps
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.expressions import multiply_out, unsorted_product
@@ -30,6 +30,9 @@ from frictionlab.lazy_names import sympy
 from frictionlab.validation import abbreviate
 
 from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
 LOGGER = logging.getLogger(__name__)
@@ -63,7 +66,7 @@ def parameter_symbols(key: Structure) -> tuple[Any, ...]:
     return tuple(map(symbol, key.parameters))
 
 
-def structure_values(model: Any) -> tuple[float, ...]:
+def structure_values(model: Model) -> tuple[float, ...]:
     """Values of the parameters of the model's structure, in the order of :func:`parameter_symbols`."""
     values = model.parameters
     return tuple(values[name] for name in structure_of_component(model).parameters)
@@ -178,7 +181,7 @@ def automaton_of_structure(key: Structure) -> HybridAutomaton:
     return derived
 
 
-def automaton_of_model(model: Any) -> HybridAutomaton:
+def automaton_of_model(model: Model) -> HybridAutomaton:
     """The automaton of a model; models of one structure share their `modes` object.
 
     Raises

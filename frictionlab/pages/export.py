@@ -65,7 +65,7 @@ class SolverNotBuiltError(FileNotFoundError):
 
 
 def export_page(
-    model: Any,
+    model: Model,
     path: str | Path,
     *,
     sliders: Mapping[str, tuple[float, float]] | Sequence[str] | None = None,

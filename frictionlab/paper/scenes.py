@@ -95,7 +95,7 @@ class Setting:
         """To which share of its size a motion has to return to count as periodic."""
         return RETURN_TOLERANCES[self.algorithm]
 
-    def adapt_model(self, model: Any) -> Any:
+    def adapt_model(self, model: SliderOnBelt) -> Any:
         """The model with the impact law asked for; without GN both laws are the same."""
         if self.impact == "paper" or "phi" not in model.coordinates:
             return model
@@ -126,7 +126,7 @@ FIXED_STEP_TIMES = Times(300.0, 60.0)
 STIFF_TIMES = Times(150.0, 50.0)  # at 30 Hz; in sliding only it settles as slowly as the usual one
 
 
-def times_of(model: Any, setting: Setting) -> Times:
+def times_of(model: SliderOnBelt, setting: Setting) -> Times:
     """The times for a model, by the cost of its motion and by how slowly it settles."""
     if setting.algorithm == "paper":
         return FIXED_STEP_TIMES
@@ -174,7 +174,7 @@ def _sorted_grid(values: Array) -> Array:
 
 
 def steady_states(
-    model: Any,
+    model: SliderOnBelt,
     values: Any,
     setting: Setting,
     x0: str = "rest",
@@ -211,7 +211,7 @@ def steady_states(
 
 
 def sweep_results(
-    name: str, function: Callable[[Any], Any], model: Any, over: dict[str, Any], setting: Setting
+    name: str, function: Callable[[Any], Any], model: SliderOnBelt, over: dict[str, Any], setting: Setting
 ) -> Any:
     """`fl.sweep` of a function; `name` identifies it and all that it depends on except the model."""
     model = setting.adapt_model(model)
@@ -291,7 +291,7 @@ def sliding_sweep_downwards(setting: Setting) -> Any:
     return steady_states(stiff_model(False), values, setting, "continue", section=TURNING_SECTION)
 
 
-def steady_state_of(model: Any, setting: Setting, section: Any = STICK_SECTION) -> SteadyState:
+def steady_state_of(model: SliderOnBelt, setting: Setting, section: Any = STICK_SECTION) -> SteadyState:
     """The steady state of one model from rest, with its run; a figure and its claim share it."""
     model = setting.adapt_model(model)
     times, tolerance = times_of(model, setting), setting.tolerance
@@ -300,7 +300,7 @@ def steady_state_of(model: Any, setting: Setting, section: Any = STICK_SECTION) 
 
 @lru_cache(maxsize=32)
 def _cached_steady_state(
-    model: Any, times: Times, method: Method, section: Any, tolerance: float, progress: bool
+    model: SliderOnBelt, times: Times, method: Method, section: Any, tolerance: float, progress: bool
 ) -> SteadyState:
     options: dict[str, Any] = times._asdict() | {"method": method, "tolerance": tolerance}
     return steady_state(model, section=section, progress=progress, **options)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,6 +28,9 @@ from frictionlab.plotting.labels import parameter_label
 
 from . import scenes
 from .scenes import IMPACTS, RETURN_TOLERANCES, Setting, sweep_results
+
+if TYPE_CHECKING:
+    from frictionlab.models.library.sliders import SliderOnBelt
 
 Array = NDArray[np.float64]
 STUDY_STEPS = (5e-4, 2e-4, 1e-4, 5e-5)  # s
@@ -148,7 +151,9 @@ def _values_of(rows: Any, name: str) -> Array:
     return np.array([np.nan if row[name] is None else row[name] for row in rows], dtype=float)
 
 
-def _steady_motion(model: Any, method: Method, tolerance: float, times: scenes.Times) -> dict[str, Any]:
+def _steady_motion(
+    model: SliderOnBelt, method: Method, tolerance: float, times: scenes.Times
+) -> dict[str, Any]:
     steady = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
     spectrum = None if steady.kind == MotionKind.EQUILIBRIUM else steady.spectrum()
     strongest = None if spectrum is None else float(spectrum.peaks()[0][0])

@@ -11,6 +11,7 @@ from textwrap import fill
 from typing import Any
 
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.model import Model, ModelOrAutomaton
 from frictionlab.models.symbols import structure_of_component
 from frictionlab.presentation import ANGLE_LETTERS, is_angle
 
@@ -46,13 +47,13 @@ def state_label(name: str) -> str:
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
 
 
-def parameter_symbol(model: Any, name: str) -> str:
+def parameter_symbol(model: ModelOrAutomaton, name: str) -> str:
     """Symbol of a parameter as matplotlib's mathtext; an automaton has no metadata, so there the name."""
     about = _parameter_metadata(model, name)
     return f"${about.symbol}$" if about else name
 
 
-def parameter_label(model: Any, name: str) -> str:
+def parameter_label(model: ModelOrAutomaton, name: str) -> str:
     """Meaning, symbol and unit of a parameter, for an axis."""
     about = _parameter_metadata(model, name)
     if about is None:
@@ -63,14 +64,14 @@ def parameter_label(model: Any, name: str) -> str:
     )
 
 
-def parameter_value_text(model: Any, name: str, value: float) -> str:
+def parameter_value_text(model: ModelOrAutomaton, name: str, value: float) -> str:
     """ "symbol = value unit", for a legend or a title."""
     about = _parameter_metadata(model, name)
     unit = f" {superscript_exponents(about.unit)}" if about and about.unit else ""
     return f"{parameter_symbol(model, name)} = {_number_text(value)}{unit}"
 
 
-def distinguishing_labels(models: Sequence[Any], varied: Container[str] = ()) -> list[str]:
+def distinguishing_labels(models: Sequence[ModelOrAutomaton], varied: Container[str] = ()) -> list[str]:
     """Labels that distinguish models in a legend: parameter values that differ, else the models' reprs.
 
     Parameters
@@ -79,20 +80,22 @@ def distinguishing_labels(models: Sequence[Any], varied: Container[str] = ()) ->
     varied : container of str
         Parameters that are left out, since the axes show them.
     """
-    alike = (
-        all(hasattr(model, "components") for model in models)
-        and len({*map(structure_of_component, models)}) == 1
-    )
+    with_metadata = [model for model in models if isinstance(model, Model)]
+    structures = {*map(structure_of_component, with_metadata)}
+    alike = len(with_metadata) == len(models) and len(structures) == 1
     names = [
         name
-        for name in (models[0].parameters if alike else ())
-        if name not in varied and len({model.parameters[name] for model in models}) > 1
+        for name in (with_metadata[0].parameters if alike else ())
+        if name not in varied and len({model.parameters[name] for model in with_metadata}) > 1
     ]
     if len(models) == 1:
         return [repr(models[0])]
     if not names:
         return [fill(repr(model), LEGEND_WIDTH, break_long_words=False) for model in models]
-    return [", ".join(parameter_value_text(m, name, m.parameters[name]) for name in names) for m in models]
+    return [
+        ", ".join(parameter_value_text(model, name, model.parameters[name]) for name in names)
+        for model in with_metadata
+    ]
 
 
 def superscript_exponents(unit: str) -> str:
@@ -111,7 +114,7 @@ def _number_text(value: float) -> str:
     return f"${factor}10^{{{int(exponent)}}}$"
 
 
-def _parameter_metadata(model: Any, name: str) -> Any:
+def _parameter_metadata(model: ModelOrAutomaton, name: str) -> Any:
     return (
         parameter_metadata(type(model), model.components).get(name) if hasattr(model, "components") else None
     )

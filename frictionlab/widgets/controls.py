@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets
 
@@ -21,6 +21,9 @@ from frictionlab.validation import abbreviate
 
 from .number_control import label_control, remove_browser_rounding, slider
 from .result import QUICK_METHOD, WHAT_MOVES, Settings
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 OPERATION_PARAMETERS = "F", "v"  # the model's own parameters that are changed most in operation
 MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
@@ -55,7 +58,7 @@ class ParameterControls:
         The sliders that are always in sight.
     """
 
-    def __init__(self, model: Any, changed: Callable[[Any], None]) -> None:
+    def __init__(self, model: Model, changed: Callable[[Any], None]) -> None:
         self._changed = changed
         self.sliders: dict[str, Any] = {}
         self._start: dict[str, float] = {}
@@ -67,7 +70,7 @@ class ParameterControls:
         self.widget = ipywidgets.VBox([self.main, self._more])
         self.show(model)
 
-    def show(self, model: Any) -> None:
+    def show(self, model: Model) -> None:
         """Show the sliders for the parameters of this model, and no others."""
         names = tuple(model.parameters)
         if names == self._shown:
@@ -84,7 +87,7 @@ class ParameterControls:
         self._more.layout.display = "" if self._rest.children else "none"
         self._shown = names
 
-    def values(self, model: Any) -> dict[str, float]:
+    def values(self, model: Model) -> dict[str, float]:
         """The values of the sliders for the parameters of this model."""
         self.show(model)
         return {
@@ -103,7 +106,7 @@ class ParameterControls:
             control.close()
 
 
-def main_parameters(model: Any) -> list[str]:
+def main_parameters(model: Model) -> list[str]:
     """All parameters if they are few; else those of the friction law, of operation, of other components."""
     owner = parameter_owners(type(model), model.components)
     if len(owner) <= MAX_UNFOLDED:
@@ -123,7 +126,7 @@ class ComponentControls:
     impact : Dropdown or None
     """
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: Model) -> None:
         self._model = model
         self._full = _with_all(model)
         nonlinearities = model.nonlinearities
@@ -160,7 +163,7 @@ class ComponentControls:
         return self._model.replace(**chosen)
 
 
-def _with_all(model: Any) -> dict[str, dict[str, Any]]:
+def _with_all(model: Model) -> dict[str, dict[str, Any]]:
     """Components that restore each nonlinearity a model lacks: the defaults of the model's class."""
     usual = type(model)()
     lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
@@ -217,7 +220,7 @@ class RunControls:
         """All of them by name."""
         return {name: getattr(self, name) for name in CONTROL_NAMES}
 
-    def settings(self, model: Any) -> Settings:
+    def settings(self, model: Model) -> Settings:
         """The settings for a model.
 
         Raises
@@ -247,7 +250,7 @@ def _zero_state_text(names: tuple[str, ...]) -> str:
     return ", ".join(["0"] * 2 * len(names))
 
 
-def _window_options(model: Any) -> list[tuple[str, float | str | None]]:
+def _window_options(model: Model) -> list[tuple[str, float | str | None]]:
     lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
     return [("what moves", WHAT_MOVES), *((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.hybrid.compilation import needs_compilation
 from frictionlab.models.model import check_parameter_name
@@ -31,6 +31,9 @@ from .layout import Layout, close_all, error_text
 from .result import Result, Settings, default_settings, starting_model
 from .state import Comparison, Files, History, State, check_names, control_data, set_control, state_from_text
 from .update_scheduler import PAUSE_AFTER_CHANGE, BusyIndicator, UpdateScheduler, in_this_thread
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 
 class Explorer:
@@ -273,7 +276,7 @@ class Explorer:
             self.scheduler.request_later()
 
 
-def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:
+def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> Explorer:
     """Change a model with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range; so have those of your own
@@ -318,7 +321,7 @@ def explore(model: Any = None, panels: Iterable[Any] | None = None) -> Explorer:
     return Explorer(default_settings(model), select_panels(panels))
 
 
-def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F") -> Explorer:
+def explore_stability(model: Model | None = None, parameter: str = "mu_k", over: str = "F") -> Explorer:
     """Move a model through a plane of two parameters and watch its eigenvalues.
 
     Sliders move it, or a click into the plane.
@@ -358,7 +361,7 @@ def explore_stability(model: Any = None, parameter: str = "mu_k", over: str = "F
     return Explorer(default_settings(model), panels)
 
 
-def explore_bifurcation(model: Any = None, parameter: str = "mu_k") -> Explorer:
+def explore_bifurcation(model: Model | None = None, parameter: str = "mu_k") -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The range slider sets the range shown: 24 values at first, in a notebook or an application 300 in the end.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anywidget
 import ipywidgets
@@ -20,6 +20,9 @@ from frictionlab.presentation import state_unit
 
 from .result import python_snippet, time_of_rest, to_json
 from .update_scheduler import has_event_loop
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 NOTHING_SLIDES = (
     "Steady sliding and its stability are not of this model: nothing in it slides on something that moves."
@@ -182,7 +185,7 @@ def no_sliding_text(result: Any) -> str:
     return text
 
 
-def can_slide_steadily(model: Any) -> bool:
+def can_slide_steadily(model: Model) -> bool:
     """Whether something in a model slides while all coordinates are at rest: on a belt, say."""
     mode = next(iter(model.automaton().modes))
     velocities = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import require_model
 from frictionlab.models.serialisation import is_public
 from frictionlab.stability import Eigenvalues, eigenvalues
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 SIMULATED_PERIODS, SHOWN_PERIODS = (
     200,
@@ -69,7 +72,7 @@ class Settings:
         The coordinate of phase plane and spectrum.
     """
 
-    model: Any
+    model: Model
     t_end: float
     x0: str | tuple[float, ...]
     method: Method
@@ -77,13 +80,13 @@ class Settings:
     coordinate: str
 
 
-def default_settings(model: Any, method: Method = QUICK_METHOD) -> Settings:
+def default_settings(model: Model, method: Method = QUICK_METHOD) -> Settings:
     """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
     period = rounded_period(model)
     return Settings(model, SIMULATED_PERIODS * period, "rest", method, WHAT_MOVES, model.coordinates[0])
 
 
-def starting_model(model: Any) -> Any:
+def starting_model(model: Model | None) -> Model:
     """The model to start from.
 
     Raises
@@ -146,7 +149,7 @@ def _with_package_prefix(text: str) -> str:
     return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
 
 
-def _import_lines(model: Any) -> Iterator[str]:
+def _import_lines(model: Model) -> Iterator[str]:
     """Import lines for laws that are not the package's own."""
     for cls in dict.fromkeys(_component_classes(model)):
         if is_public(cls):

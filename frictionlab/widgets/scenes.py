@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qsl, urlencode
 
 import ipywidgets
@@ -20,6 +20,9 @@ from .explorer import Explorer, explore
 from .layout import error_text
 from .state import FileButton, State, state_from_text
 from .update_scheduler import in_this_thread
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 SCENE = "scene"  # the name of the scene's entry in a link
 LINK_VARIABLE = "QUERY_STRING"  # environment variable in which Voila tells a kernel what follows the address
@@ -111,7 +114,7 @@ class Scenes:
         self._has_link = True
         return self._show(*self._scenes[name])
 
-    def _show(self, model: Any, about: str) -> Explorer:
+    def _show(self, model: Model, about: str) -> Explorer:
         old = getattr(self, "explorer", None)
         self.explorer = explore(model, self._panels)
         self.explorer.files.take = self.load

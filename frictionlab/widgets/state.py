@@ -136,7 +136,7 @@ def check_names(given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
             raise ValueError(f"the explorer must have the control {name!r}, got none of that name{hint}")
 
 
-def state_text(model: Any, changed: State) -> str:
+def state_text(model: Model, changed: State) -> str:
     """The text of a file with the model at the start and what was changed since."""
     return json.dumps({"format": FORMAT, "model": model.to_dict(), "changed": changed}, indent=1)
 

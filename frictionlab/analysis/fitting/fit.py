@@ -8,7 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,9 @@ from frictionlab.validation import (
     float_array,
 )
 
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
+
 Array = NDArray[np.float64]
 MAX_SEGMENTS = 10_000  # of a fit, each with an initial state of its own
 STRONG_CORRELATION = 0.95  # above it two parameters are named as hard to tell apart
@@ -86,7 +89,7 @@ class Fit(Drawable):
 
     drawn_by = "plot_fit"
 
-    model: Any
+    model: Model
     parameters: tuple[str, ...]
     values: Array
     covariance: Array
@@ -196,7 +199,7 @@ def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple
 
 
 def fit(
-    model: Any,
+    model: Model,
     data: Any,
     parameters: Sequence[str],
     *,
@@ -278,7 +281,7 @@ def fit(
     return _result(task, _solve(task, single, unknowns[:count], "one run"), single)
 
 
-def _check(model: Any, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> Task:
+def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> Task:
     require_model(model, cure="write fit(model, data, parameters), the model made")
     records, names = as_data(data), _names("parameters", parameters)
     if not names:
@@ -307,7 +310,7 @@ def _check_distinct(what: str, names: tuple[str, ...]) -> None:
         raise ValueError(f"{what} must name each one once, got {names}: leave out the repeated ones")
 
 
-def _check_bounds(model: Any, names: tuple[str, ...], bounds: Any) -> dict[str, tuple[float, float]]:
+def _check_bounds(model: Model, names: tuple[str, ...], bounds: Any) -> dict[str, tuple[float, float]]:
     cure = 'give limits by parameter, such as {"k1": (5e3, 2e4)}'
     check_mapping("bounds", bounds, cure)
     limits: dict[str, tuple[float, float]] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 DIFFERENCE_SHARE = 1e-6  # of a state or parameter: step of finite differences, where no derivative exists
@@ -64,7 +67,7 @@ class Pieces:
 class Task(NamedTuple):
     """The checked arguments of a fit."""
 
-    model: Any
+    model: Model
     data: tuple[Any, ...]
     names: tuple[str, ...]
     start: Array
@@ -137,7 +140,7 @@ def inverse_error(task: Task, pieces: Pieces) -> float:
 
 
 def motion_misfit(
-    model: Any, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
+    model: Model, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
 ) -> Misfit:
     """Residuals of records, event times and spectra, over their errors, and the mismatch between pieces.
 
@@ -239,7 +242,7 @@ def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) 
     add(missing, np.zeros((len(missing), n)), np.zeros((len(missing), flow.end.shape[1] - n)), piece)
 
 
-def frequency_misfit(model: Any, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
+def frequency_misfit(model: Model, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
     """Residuals of eigenfrequencies, over their errors."""
     rows, slopes = [], []
     for one in (one for one in data if isinstance(one, Frequencies)):
@@ -257,21 +260,21 @@ def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> A
     return times[(times >= low) & ((times <= high) if last else (times < high))]
 
 
-def _run(model: Any, start: Array, length: float) -> Trajectory:
+def _run(model: Model, start: Array, length: float) -> Trajectory:
     run = solve(automaton_of(model), length, x0=start, progress=False, source=model)
     if not run.status.ok:
         raise ValueError(f"a run of the fit ends early: {run.status}")
     return run
 
 
-def _flow(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
+def _flow(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
     try:
         return sampled_flow(run, names, np.minimum(times, run.raw.t))
     except ValueError:  # grazing, two events at one instant: no derivative exists
         return _differences(model, run, names, times)
 
 
-def _differences(model: Any, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
+def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
     """The sampled flow by finite differences, for motions that have no derivative."""
     n, start = len(run.names), run.problem.x0
     times = np.minimum(times, run.raw.t)

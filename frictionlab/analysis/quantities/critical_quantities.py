@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,9 @@ from frictionlab.stability.flow import (
     null_vectors,
 )
 from frictionlab.validation import check_limits, check_text
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
 
 SCAN_POINTS = 257
 HALVINGS = 40
@@ -168,7 +171,7 @@ class _AtFirstLoss(Quantity):
             )
         return change
 
-    def _losses(self, model: Any, changes: Mapping[str, Array]) -> FirstLosses:
+    def _losses(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> FirstLosses:
         problem = equilibrium_problem(model)
         limits = check_bounds(problem.model, self.parameter, self.bounds)
         if self.parameter in changes:
@@ -202,10 +205,10 @@ class CriticalValue(_AtFirstLoss):
     def label(self) -> str:
         return f"critical {self.parameter}"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         return self._losses(model, changes).values
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         change = self._change(problem)
         slopes, _ = _critical_slopes(problem, self.parameter, change)
@@ -232,10 +235,10 @@ class CriticalFrequency(_AtFirstLoss):
     def label(self) -> str:
         return f"frequency at the critical {self.parameter} (Hz)"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         return self._losses(model, changes).frequencies
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         change = self._change(problem)
         _, slopes = _critical_slopes(problem, self.parameter, change)
@@ -280,7 +283,7 @@ class FoldValue(Quantity):
     def label(self) -> str:
         return f"{self.parameter} at the fold"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         problem = equilibrium_problem(model)
         low, high = check_bounds(problem.model, self.parameter, self.bounds)
         count = max((np.size(column) for column in changes.values()), default=1)
@@ -288,7 +291,7 @@ class FoldValue(Quantity):
         folds = (fold_point(problem, self.parameter, (low, high), row) for row in rows)
         return np.array([np.nan if point is None else point.value for point in folds])
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         limits = check_bounds(problem.model, self.parameter, self.bounds)
         point = fold_point(problem, self.parameter, limits, {})

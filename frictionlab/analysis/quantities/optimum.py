@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from frictionlab.validation import (
     check_sequence,
     check_text,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 MAX_STEPS = 200
@@ -55,11 +58,11 @@ class ParameterValue(Quantity):
     def label(self) -> str:
         return self.name
 
-    def values(self, model: Any, changes: Mapping[str, Any]) -> Array:
+    def values(self, model: Model, changes: Mapping[str, Any]) -> Array:
         check_parameter_name(model, self.name)
         return np.atleast_1d(np.asarray(changes.get(self.name, model.parameters[self.name]), dtype=float))
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: Model) -> Gradient:
         check_parameter_name(model, self.name)
         return Gradient(float(model.parameters[self.name]), {self.name: 1.0})
 
@@ -97,7 +100,7 @@ class Optimum(Drawable):
 
     drawn_by = "plot_optimum"
 
-    model: Any
+    model: Model
     quantity: str
     value: float
     parameters: tuple[str, ...]
@@ -120,7 +123,7 @@ class Optimum(Drawable):
 
 
 def optimum(
-    model: Any,
+    model: Model,
     quantity: Quantity,
     bounds: Mapping[str, tuple[float, float]],
     constraints: Sequence[tuple[Any, ...]] = (),
@@ -209,7 +212,7 @@ def optimum(
 class _Task:
     """An optimisation problem in scaled parameters u (P,), 0 at their lower and 1 at their upper bounds."""
 
-    def __init__(self, model: Any, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
+    def __init__(self, model: Model, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
         self.model, self.names, self.limits = model, tuple(bounds), tuple(limits)
         self.low, self.high = np.array([*bounds.values()], dtype=float).T
         here = np.array([model.parameters[name] for name in self.names], dtype=float)
@@ -243,7 +246,7 @@ class _Task:
         return lambda u: -side * self.gradient(limit.quantity, u)[1] / size
 
 
-def _check(model: Any, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _Task:
+def _check(model: Model, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _Task:
     require_model(model, cure="write optimum(model, quantity, bounds), the model made")
     check_choice("goal", goal, ("least", "largest"), "say which")
     check_mapping("bounds", bounds, 'give limits by parameter, such as {"c1": (0.0, 10.0)}')

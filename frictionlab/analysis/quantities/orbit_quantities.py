@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import sympy
@@ -40,6 +40,9 @@ from frictionlab.models.model import automaton_of
 from frictionlab.presentation import state_unit
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.validation import abbreviate, check_choice, check_text
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
 
 SAME_TIME_SHARE = 1e-12  # share of the period: a turning point this near to an event is at the event
 REGULAR_RTOL = 1e-9  # least over largest singular value of the bordered matrix: smaller in a family of orbits
@@ -109,7 +112,7 @@ def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
     return of_side(1), of_side(-1)
 
 
-def _rest_point(model: Any, names: tuple[str, ...], count: int) -> tuple[Array, Array]:
+def _rest_point(model: ModelOrAutomaton, names: tuple[str, ...], count: int) -> tuple[Array, Array]:
     """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
     problem = equilibrium_problem(model)
     derivatives = derivatives_at(problem)
@@ -169,7 +172,7 @@ class _OfOrbit(Quantity):
                 "write fl.SteadyStateOptions(...)"
             )
 
-    def _orbit(self, model: Any) -> PeriodicOrbit:
+    def _orbit(self, model: ModelOrAutomaton) -> PeriodicOrbit:
         """The orbit of a model.
 
         Raises
@@ -188,7 +191,7 @@ class _OfOrbit(Quantity):
             )
         return periodic_orbit(model, steady)
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         count = max((len(column) for column in changes.values()), default=1)
         numbers = np.full(count, np.nan)
         for i in range(count):
@@ -202,7 +205,7 @@ class _OfOrbit(Quantity):
     def _value(self, orbit: PeriodicOrbit) -> float:
         raise NotImplementedError
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         orbit = self._orbit(model)
         names = varied_names(orbit.trajectory.automaton)
         value, slopes = self._with_slopes(orbit, names)
@@ -273,7 +276,7 @@ class OrbitAmplitude(_OfOrbit):
     def label(self) -> str:
         return f"amplitude of {self.name} ({state_unit(self.name)})"
 
-    def _orbit(self, model: Any) -> PeriodicOrbit:
+    def _orbit(self, model: ModelOrAutomaton) -> PeriodicOrbit:
         automaton = automaton_of(model)
         names = tuple(str(state) for state in automaton.states[: automaton.coordinates])
         check_choice("name", self.name, names, "name one of the coordinates")

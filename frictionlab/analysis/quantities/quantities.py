@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from frictionlab.stability.flow import (
     null_vectors,
 )
 from frictionlab.validation import abbreviate, check_choice, check_field, check_key, check_text
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
 
 Array = NDArray[np.float64]
 BLOCK = 2500  # points that one task computes together
@@ -58,7 +61,7 @@ class Quantity(ABC):
         """Name of the quantity, with its unit."""
 
     @abstractmethod
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         """The number and its exact derivatives by all parameters.
 
         Raises
@@ -68,10 +71,10 @@ class Quantity(ABC):
         """
 
     @abstractmethod
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         """The numbers (N,) for N values of each parameter in `changes`; NaN where there is none."""
 
-    def __call__(self, model: Any) -> float | None:
+    def __call__(self, model: ModelOrAutomaton) -> float | None:
         value = float(self.values(model, {})[0])
         return None if np.isnan(value) else value
 
@@ -82,7 +85,7 @@ class Quantity(ABC):
 
 
 def evaluation_tasks(
-    model: Any, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
+    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
 ) -> tuple[list[tuple[Any, ...]], list[str]]:
     """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
     size = BLOCK if isinstance(quantity, Quantity) else 1
@@ -92,7 +95,7 @@ def evaluation_tasks(
 
 
 def evaluate(
-    model: Any, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
+    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
 ) -> list[float | None]:
     """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
     if isinstance(quantity, Quantity):
@@ -127,12 +130,12 @@ class EquilibriumCoordinate(Quantity):
     def label(self) -> str:
         return f"{self.name} at equilibrium ({state_unit(self.name)})"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         problem = equilibrium_problem(model)
         values, count = problem.at(changes)
         return problem.solve(values, count)[self._index(problem)]
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         at = derivatives_at(problem)
         i = self._index(problem)
@@ -170,10 +173,10 @@ class GrowthRate(Quantity):
         which = "largest growth rate" if self.mode is None else f"growth rate of mode {self.mode}"
         return f"{which} (1/s)"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         return _chosen(equilibrium_problem(model), self.mode, changes).real
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         value, slopes = _eigenvalue_gradient(problem, self.mode)
         return gradient_of(problem, value.real, slopes.real)
@@ -205,10 +208,10 @@ class ModeFrequency(Quantity):
         which = "of the least damped mode" if self.mode is None else f"of mode {self.mode}"
         return f"frequency {which} (Hz)"
 
-    def values(self, model: Any, changes: Mapping[str, Array]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         return _chosen(equilibrium_problem(model), self.mode, changes).imag / (2 * np.pi)
 
-    def gradient(self, model: Any) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         value, slopes = _eigenvalue_gradient(problem, self.mode)
         return gradient_of(problem, value.imag / (2 * np.pi), slopes.imag / (2 * np.pi))
@@ -298,7 +301,7 @@ class Sensitivity(Drawable):
 
     drawn_by = "plot_sensitivity"
 
-    model: Any
+    model: ModelOrAutomaton
     quantity: str
     value: float
     parameters: tuple[str, ...]
@@ -331,7 +334,7 @@ class Sensitivity(Drawable):
         return dataframe(columns, {"parameter": list(self.parameters)}, {})
 
 
-def sensitivity(model: Any, quantity: Quantity) -> Sensitivity:
+def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
     """Exact derivatives of a quantity by all parameters of a model.
 
     No finite differences are used: sympy differentiates the equations, and linear systems give the

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +24,15 @@ from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.stored_data import listed, none_or, real
 from frictionlab.validation import abbreviate, check_mapping, check_number
 
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
+
 Array = NDArray[np.float64]
 GROUPS = 8
 MOST = 1 << 30  # points, of which no more are distinct; seeds
 
 
-def check_distributions(model: Any, distributions: Any) -> dict[str, Any]:
+def check_distributions(model: Model, distributions: Any) -> dict[str, Any]:
     """Distributions by parameter, each with a quantile function.
 
     Raises
@@ -58,7 +61,7 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(count)
 
 
-def quantiles(model: Any, distributions: Mapping[str, Any], points: Array) -> Array:
+def quantiles(model: Model, distributions: Mapping[str, Any], points: Array) -> Array:
     """The values of parameters (N, d) at points (N, d) of the unit cube.
 
     Raises
@@ -107,7 +110,7 @@ class Uncertainty(Drawable):
 
     drawn_by = "plot_uncertainty"
 
-    model: Any
+    model: Model
     quantity: str
     parameters: tuple[str, ...]
     points: Array
@@ -180,7 +183,7 @@ class Uncertainty(Drawable):
 
 
 def uncertainty(
-    model: Any,
+    model: Model,
     quantity: Quantity | Callable[[Any], Any],
     distributions: Mapping[str, Any],
     *,
@@ -261,7 +264,7 @@ class SobolIndices(Drawable):
 
     drawn_by = "plot_sobol_indices"
 
-    model: Any
+    model: Model
     quantity: str
     parameters: tuple[str, ...]
     first_order: Array
@@ -286,7 +289,7 @@ class SobolIndices(Drawable):
 
 
 def sobol_indices(
-    model: Any,
+    model: Model,
     quantity: Quantity | Callable[[Any], Any],
     distributions: Mapping[str, Any],
     *,
@@ -365,7 +368,7 @@ def _indices(numbers: Array, seed: int) -> tuple[Array, Array, Array, Array]:
 class _Task(NamedTuple):
     """The checked arguments of a computation."""
 
-    model: Any
+    model: Model
     quantity: Any
     distributions: dict[str, Any]
     label: str
@@ -373,7 +376,7 @@ class _Task(NamedTuple):
     seed: int
 
 
-def _check_task(model: Any, quantity: Any, distributions: Any, n: Any, seed: Any, least: int) -> _Task:
+def _check_task(model: Model, quantity: Any, distributions: Any, n: Any, seed: Any, least: int) -> _Task:
     require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
     check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
     n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 import sympy
@@ -29,12 +29,15 @@ from frictionlab.presentation import Drawable, FrozenMapping
 from frictionlab.stability import equilibrium
 from frictionlab.validation import check_flag
 
+if TYPE_CHECKING:
+    from frictionlab.models.model import ModelOrAutomaton
+
 Array = NDArray[np.float64]
 SQUARED_DISTANCE = "square"
 INTENSITY_SAMPLES = 100_001  # samples of a run whose method integrates no quadratures
 
 
-def equilibrium_coordinates(model: Any) -> Array | None:
+def equilibrium_coordinates(model: ModelOrAutomaton) -> Array | None:
     """Coordinates (n,) of the sliding equilibrium; None where there is none."""
     try:
         return equilibrium(model).q
@@ -124,7 +127,7 @@ class SteadyState(Drawable):
 
     drawn_by = "plot_steady_state"
 
-    model: Any
+    model: ModelOrAutomaton
     kind: MotionKind
     period: float
     onsets_per_period: int
@@ -163,7 +166,7 @@ class SteadyState(Drawable):
 
 
 def steady_state_of_window(
-    model: Any, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
+    model: ModelOrAutomaton, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
 ) -> SteadyState:
     """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
     classified = classify_run(run, section, tolerance)
@@ -189,7 +192,7 @@ def steady_state_of_window(
 
 
 def steady_state(
-    model: Any,
+    model: ModelOrAutomaton,
     x0: Any = "rest",
     *,
     options: SteadyStateOptions | None = None,
@@ -248,14 +251,16 @@ def steady_state(
     return find_steady_state(model, initial_state_of(model, x0), chosen, progress)
 
 
-def check_section(model: Any, section: Section | None) -> None:
+def check_section(model: ModelOrAutomaton, section: Section | None) -> None:
     """Raise unless a motion of the model can have the section."""
     automaton = automaton_of(model)
     if section is not None:
         section_function(automaton, section)
 
 
-def find_steady_state(model: Any, x0: Any, options: SteadyStateOptions, progress: bool) -> SteadyState:
+def find_steady_state(
+    model: ModelOrAutomaton, x0: Any, options: SteadyStateOptions, progress: bool
+) -> SteadyState:
     """The steady state from an initial state (n,); arguments as of :func:`steady_state`, already checked."""
     start, passed, t_max = x0, 0.0, options.t_max
     if options.transient > 0:
@@ -272,12 +277,14 @@ def find_steady_state(model: Any, x0: Any, options: SteadyStateOptions, progress
         start = run.final_state
 
 
-def _run_transient(model: Any, x0: Any, chosen: SteadyStateOptions, progress: bool) -> Trajectory:
+def _run_transient(
+    model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, progress: bool
+) -> Trajectory:
     options: dict[str, Any] = {"method": chosen.solver, "progress": progress, "source": model}
     return solve(automaton_of(model), chosen.transient, x0=x0, **options)
 
 
-def _run_window(model: Any, x0: Any, chosen: SteadyStateOptions, progress: bool) -> Trajectory:
+def _run_window(model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, progress: bool) -> Trajectory:
     """A run with the section and the integrand of L_s along it, where the method can record them."""
     method = chosen.solver
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from .factorial_design import (
 )
 from .journal import Journal, results_schema
 from .sweep import Sweep, function_name, grid_axes, run_tasks, studies_by_name
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +249,7 @@ def _result_text(result: Any) -> str:
 
 
 def ablation(
-    model: Any,
+    model: Model,
     studies: Callable[..., Any] | Mapping[str, Callable[..., Any]],
     switches: Any = None,
     *,
@@ -351,7 +354,7 @@ def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
 class _Plan:
     """Which models are studied from which initial states."""
 
-    model: Any
+    model: Model
     factors: tuple[Switch, ...]
     axes: Mapping[str, Array]
     x0: tuple[Any, ...]
@@ -401,7 +404,7 @@ class _Plan:
         sweeps = tuple(self._sweep(model, group, function) for model, group in zip(self.models, groups))
         return Ablation(self.factors, self.scenes, self.models, sweeps, studies)
 
-    def _sweep(self, model: Any, cells: list[Any], function: str) -> Any:
+    def _sweep(self, model: Model, cells: list[Any], function: str) -> Any:
         if not self.axes and not self.x0:
             return cells[0]
         results = np.empty(len(cells), dtype=object)

@@ -250,7 +250,7 @@ def _column(rows: list[Any], name: str) -> Array:
 
 
 def bifurcation(
-    model: Any,
+    model: Model,
     parameter: str,
     values: Any,
     x0: Any = "rest",
@@ -327,7 +327,7 @@ def bifurcation(
     return result
 
 
-def _models(model: Any, parameter: str, values: Any) -> list[Any]:
+def _models(model: Model, parameter: str, values: Any) -> list[Model]:
     require_model(model, cure="write bifurcation(model, parameter, values)")
     check_parameter_name(model, parameter)
     values = float_array("values", values, "give those of the parameter").ravel()
@@ -336,7 +336,7 @@ def _models(model: Any, parameter: str, values: Any) -> list[Any]:
     return [model.replace(**{parameter: float(value)}) for value in values]
 
 
-def _initial_states(models: Sequence[Any], x0: Any) -> list[np.ndarray]:
+def _initial_states(models: Sequence[Model], x0: Any) -> list[np.ndarray]:
     """The initial state of each model; names and mappings are resolved for each."""
     first, named = initial_state_of(models[0], x0), isinstance(x0, (str, Mapping))
     return [first, *(initial_state_of(m, x0) if named else first for m in models[1:])]
@@ -370,7 +370,7 @@ def _run_independently(
     )
 
 
-def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[Sequence[int]]:
+def _groups(left: Sequence[int], models: Sequence[Model], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
     automaton = models[0].automaton()
     smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
@@ -379,7 +379,7 @@ def _groups(left: Sequence[int], models: Sequence[Any], method: Method) -> list[
 
 
 def steady_states_task(
-    models: Sequence[Any], starts: Sequence[np.ndarray], options: SteadyStateOptions
+    models: Sequence[Model], starts: Sequence[np.ndarray], options: SteadyStateOptions
 ) -> list[dict[str, Any]]:
     """One task: the steady states of some models, the same as if each were computed alone."""
     transient, t_max = options.transient, options.t_max
@@ -396,7 +396,7 @@ def steady_states_task(
     ]
 
 
-def steady_state_task(model: Any, start: np.ndarray, options: SteadyStateOptions) -> dict[str, Any]:
+def steady_state_task(model: Model, start: np.ndarray, options: SteadyStateOptions) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
     steady = find_steady_state(model, start, options, progress=False)
     period = None if np.isnan(steady.period) else steady.period
@@ -439,7 +439,7 @@ def _run_continued(
 
 
 def _named_task(
-    name: str, model: Any, start: np.ndarray, options: SteadyStateOptions
+    name: str, model: Model, start: np.ndarray, options: SteadyStateOptions
 ) -> dict[str, Any] | None:
     """The steady state at a value; None after ctrl-C.  An error gives the value's name."""
     try:
@@ -451,7 +451,7 @@ def _named_task(
 
 
 def _sweep_arguments(
-    model: Any, parameter: str, models: Sequence[Any], x0: Any, options: SteadyStateOptions
+    model: Model, parameter: str, models: Sequence[Model], x0: Any, options: SteadyStateOptions
 ) -> Any:
     start = named_state(x0)
     values = [getattr(m, parameter) for m in models]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import chain, combinations, product
 from math import factorial
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.components.component import Component
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 Scene = tuple[int, ...]  # one level for each switch
@@ -65,7 +68,7 @@ class Switch:
         return " ".join(words if self.changes is None else reversed(words))
 
 
-def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
+def switches_of(model: Model, switches: Any = None) -> tuple[Switch, ...]:
     """The switches that `fl.ablation` was asked for; all nonlinearities where `switches` is None.
 
     Raises
@@ -95,7 +98,7 @@ def switches_of(model: Any, switches: Any = None) -> tuple[Switch, ...]:
     )
 
 
-def _known(model: Any, name: Any) -> str:
+def _known(model: Model, name: Any) -> str:
     known = tuple(model.nonlinearities)
     if not isinstance(name, str) or name not in known:
         hint = did_you_mean(name, known) if isinstance(name, str) else ""
@@ -111,7 +114,7 @@ def _on_off(name: str) -> Switch:
     return Switch(name, (WITH, WITHOUT), None, reference=1, end=0)
 
 
-def _alternatives(model: Any, name: str, given: Any) -> Switch:
+def _alternatives(model: Model, name: str, given: Any) -> Switch:
     if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
         raise ValueError(
             f"switches[{abbreviate(name)}] must be two alternatives at least, "
@@ -148,7 +151,7 @@ def all_scenes(switches: Sequence[Switch]) -> tuple[Scene, ...]:
     return tuple(product(*(range(len(switch.levels)) for switch in switches)))
 
 
-def model_of_scene(model: Any, switches: Sequence[Switch], scene: Scene) -> Any:
+def model_of_scene(model: Model, switches: Sequence[Switch], scene: Scene) -> Any:
     """The model with one level of each switch."""
     changes: dict[str, Any] = {}
     for switch, level in zip(switches, scene, strict=True):
@@ -178,7 +181,7 @@ def all_of(count: int) -> str:
     return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
 
 
-def state_of_scene(model: Any, full: Any, start: Any) -> Any:
+def state_of_scene(model: Model, full: Any, start: Any) -> Any:
     """An initial state of the full model, for a scene that may lack some of its coordinates."""
     whole = initial_state_of(full, start)
     if isinstance(start, str):

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import product
 from multiprocessing import parent_process
 from time import monotonic
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,9 @@ from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
 from frictionlab.stored_data import anything
 from frictionlab.validation import abbreviate, check_mapping, check_sequence, float_array
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 # tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
 TASKS_PER_WORKER = 2
@@ -217,7 +220,7 @@ class Sweep(Drawable):
     over: Mapping[str, NDArray[np.float64]]
     x0: tuple[Any, ...]
     results: NDArray[np.object_]
-    model: Any
+    model: Model
     function: str
 
     def __repr__(self) -> str:
@@ -260,7 +263,7 @@ class Sweep(Drawable):
 
 
 def sweep(
-    model: Any,
+    model: Model,
     function: Callable[..., Any],
     over: Mapping[str, Any],
     *,

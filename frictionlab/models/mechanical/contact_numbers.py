@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
@@ -16,6 +16,9 @@ from frictionlab.models.serialisation import Structure, derivations_of, structur
 from frictionlab.models.symbols import parameter_symbols
 
 from .mechanics import Friction
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 
 class ContactNumbers(NamedTuple):
@@ -33,7 +36,7 @@ class ContactNumbers(NamedTuple):
     press: float | None = None
 
 
-def numbers_of_contacts(model: Any) -> list[ContactNumbers | None]:
+def numbers_of_contacts(model: MechanicalModel) -> list[ContactNumbers | None]:
     """These numbers of each contact of a model; None for a stop."""
     key = structure_of_component(model)
     counts, formulas = _formulas(key)
@@ -70,7 +73,7 @@ def _expressions(key: Structure) -> list[list[Any]]:
     return rows
 
 
-def check_contacts(model: Any) -> None:
+def check_contacts(model: MechanicalModel) -> None:
     """Raise ValueError where a given normal force pulls."""
     counts, _ = _formulas(structure_of_component(model))
     if max(counts, default=0) <= 1:  # no normal force is given
@@ -83,7 +86,7 @@ def check_contacts(model: Any) -> None:
             )
 
 
-def check_sliding(model: Any) -> None:
+def check_sliding(model: MechanicalModel) -> None:
     """Raise ValueError where a contact would have no direction if it could only slide."""
     for i, one in enumerate(numbers_of_contacts(model), 1):
         if one is not None and one.speed == 0:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, wraps
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
@@ -23,6 +23,9 @@ from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
 from .meaning import check_linear, check_mechanics, mass_matrix
 from .mechanics import Friction, Mechanics, Stop
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 Row = tuple[Any, ...]
 
@@ -313,7 +316,7 @@ class LagrangeSystem:
 
 
 @lru_cache(maxsize=256)
-def lagrange_system(model: Any) -> LagrangeSystem:
+def lagrange_system(model: MechanicalModel) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model; copies of one structure are equal."""
     names = model.coordinates
     return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
@@ -324,7 +327,7 @@ def system_of(key: Structure) -> LagrangeSystem:
     return lagrange_system(symbolic_copy(key))
 
 
-def system_at(model: Any, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
+def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names = model.coordinates
     at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
@@ -353,7 +356,7 @@ class Regimes(NamedTuple):
     modes: tuple[str, ...]
 
 
-def _in_regimes(about: Mechanics, model: Any, states: Sequence[Any]) -> Mechanics:
+def _in_regimes(about: Mechanics, model: MechanicalModel, states: Sequence[Any]) -> Mechanics:
     """The contacts, each with the names of its regimes as interface."""
     contacts = (replace(c, interface=_regimes(c, model.interface, states)) for c in about.contacts)
     return replace(about, contacts=tuple(contacts))

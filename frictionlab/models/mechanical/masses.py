@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,16 @@ from frictionlab.models.symbols import symbol, symbolic_copy
 
 from .massless_motions import SEED, motion_without_energy
 
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
 Array = NDArray[np.float64]
 # Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
 PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
 SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
 
 
-def check_masses(model: Any, start: Any = None) -> None:
+def check_masses(model: MechanicalModel, start: Any = None) -> None:
     """Raise ValueError unless T is positive for every motion, at the values of the model's parameters.
 
     Masses that change with time are computed all along a period.  Those that depend on place may be positive
@@ -62,7 +65,11 @@ def _without_positive_energy(mass: Array) -> list[int]:
 
 
 def _words(
-    model: Any, about: Mapping[str, Any], motion: Sequence[int], mass: Array, place: Mapping[str, float]
+    model: MechanicalModel,
+    about: Mapping[str, Any],
+    motion: Sequence[int],
+    mass: Array,
+    place: Mapping[str, float],
 ) -> str:
     names, value = [model.coordinates[i] for i in motion], mass[motion[0], motion[0]]
     got = f"that of {' and '.join(map(repr, names))} together is not"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy
@@ -23,10 +23,13 @@ from .contact_regimes import PHASE
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
 
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
 NO_VALUES = sympy.nan, sympy.zoo, sympy.oo, -sympy.oo, sympy.I
 
 
-def check_mechanics(about: Any, model: Any, q: Sequence[Any], v: Sequence[Any]) -> Mechanics:
+def check_mechanics(about: Any, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Mechanics:
     """The energies, loads and contacts that a model states, as expressions.
 
     Raises
@@ -69,7 +72,9 @@ def check_mechanics(about: Any, model: Any, q: Sequence[Any], v: Sequence[Any]) 
 class _Check:
     """Checks of the expressions of one model."""
 
-    def __init__(self, of: str, model: Any, in_time: bool, q: Sequence[Any], v: Sequence[Any]) -> None:
+    def __init__(
+        self, of: str, model: MechanicalModel, in_time: bool, q: Sequence[Any], v: Sequence[Any]
+    ) -> None:
         self.of, self.q, self.v = of, q, v
         self.names = structure_of_component(model).parameters
         self.states = {*q, *v, *([symbol(PHASE)] if in_time else [])}
@@ -177,7 +182,9 @@ class _Check:
                 )
 
 
-def mass_matrix(about: Mechanics, model: Any, v: Sequence[Any]) -> tuple[Mechanics, list[Any], Any]:
+def mass_matrix(
+    about: Mechanics, model: MechanicalModel, v: Sequence[Any]
+) -> tuple[Mechanics, list[Any], Any]:
     """What is stated, with T as sympy needs it; the momenta dT/dv; and the masses, their derivatives by v.
 
     Raises
@@ -206,7 +213,7 @@ def _masses(kinetic: Any, v: Sequence[Any]) -> tuple[list[Any], Any]:
     return momenta, sympy.Matrix([gradient(momentum, v) for momentum in momenta])
 
 
-def _no_mass(model: Any, without: Sequence[int]) -> str:
+def _no_mass(model: MechanicalModel, without: Sequence[int]) -> str:
     names = [model.coordinates[i] for i in without]
     some = " and ".join(map(repr, names))
     what = f"the coordinate {some} has none" if len(names) == 1 else f"a motion of {some} together has none"
@@ -232,7 +239,7 @@ def _structurally_without(mass: Any) -> list[int]:
     return motions[0] if all(motions) else []
 
 
-def check_linear(about: Mechanics, model: Any, q: Sequence[Any], v: Sequence[Any]) -> None:
+def check_linear(about: Mechanics, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> None:
     """Raise ValueError unless all but the contact is linear, and constant in time, as `statics` needs."""
     fixed, still = {*q, *v, symbol(PHASE)}, dict.fromkeys(v, sympy.S.Zero)
     momenta = gradient(about.kinetic, v)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
@@ -31,10 +31,13 @@ from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
 from .mechanics import Friction, Stop
 
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
 _expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
 
 
-def derive_automaton(model: Any) -> HybridAutomaton:
+def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     """States and modes of a symbolic copy of a model, one mode for each combination of regimes.
 
     Several contacts have many combinations, of which a run visits few; then each mode is derived when it is

@@ -8,7 +8,7 @@ section points, 10, 12 and 14 the intensity, 15 both.  GN is the geometrical non
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,6 +31,9 @@ from frictionlab.plotting.appearance import BLUE, ink
 from frictionlab.plotting.figure import legend_beside, new_figure
 from frictionlab.plotting.labels import parameter_value_text, state_label
 from frictionlab.presentation import state_unit
+
+if TYPE_CHECKING:
+    from frictionlab.models.library.sliders import SliderOnBelt
 
 RESPONSE_TIME = 60.0  # of Fig. 7
 SAMPLES = 20_001
@@ -226,7 +229,7 @@ def _draw_sections(result: PaperFigure) -> RunFigure:
     return picture
 
 
-def _title(letter: str, model: Any, k_nl: float, columns: int) -> str:
+def _title(letter: str, model: SliderOnBelt, k_nl: float, columns: int) -> str:
     value = parameter_value_text(model, "k_nl", k_nl)
     return f"({letter}) {value}" if columns > 1 else value
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,6 +27,9 @@ from frictionlab.plotting.figure import new_figure
 from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
+
+if TYPE_CHECKING:
+    from frictionlab.models.library.sliders import SliderOnBelt
 
 MU_K = 2.5  # of Fig. 16
 COMPARISON_SHOWN = 0.4  # seconds
@@ -187,7 +190,7 @@ class FrequencyPanel:
         Frequency (Hz) of the eigenvalue that grows fastest; NaN where none grows.
     """
 
-    model: Any
+    model: SliderOnBelt
     mu_k: Array
     kinds: tuple[str, ...]
     amplitudes: Array
@@ -238,7 +241,9 @@ def frequency_panel(name: str, setting: Setting) -> FrequencyPanel:
     )
 
 
-def spectrum_lines(model: Any, times: scenes.Times, method: Method, tolerance: float) -> dict[str, Any]:
+def spectrum_lines(
+    model: SliderOnBelt, times: scenes.Times, method: Method, tolerance: float
+) -> dict[str, Any]:
     """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
     steady = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
     spectrum = steady.spectrum(f_max=F_MAX)
@@ -251,7 +256,7 @@ def spectrum_lines(model: Any, times: scenes.Times, method: Method, tolerance: f
     return {"kind": steady.kind, "strongest": strongest, "amplitudes": amplitudes.tolist()}
 
 
-def _unstable_frequencies(model: Any, values: Array) -> tuple[Array, Array]:
+def _unstable_frequencies(model: SliderOnBelt, values: Array) -> tuple[Array, Array]:
     locus = root_locus(model, "mu_k", values)
     growth = np.where(np.isfinite(locus.growth_rates), locus.growth_rates, -np.inf)
     unstable = np.where(growth > 0, locus.frequencies, np.nan)

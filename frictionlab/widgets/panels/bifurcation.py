@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import ipywidgets
 import numpy as np
@@ -41,6 +41,9 @@ from frictionlab.widgets.number_control import (
 )
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
 from frictionlab.widgets.update_scheduler import has_event_loop
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
@@ -100,7 +103,7 @@ class ProgressiveSweep:
         Motions that are to be extended.
     """
 
-    def __init__(self, model: Any, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
+    def __init__(self, model: Model, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.steady_states: dict[float, SteadyStatePoints] = {}
         self.previews: dict[float, SteadyStatePoints] = {}
@@ -204,7 +207,7 @@ class BifurcationPanel:
     __name__ = "bifurcation"
     hint = "click a value to see its response"
 
-    def __init__(self, model: Any, parameter: str) -> None:
+    def __init__(self, model: Model, parameter: str) -> None:
         about = parameter_metadata(type(model), model.components)[parameter]
         low, high = slider_range(about, model.parameters[parameter])
         span = ipywidgets.FloatRangeSlider(

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 from frictionlab.widgets.canvas import MovingMechanism
 from frictionlab.widgets.number_control import round_to_step, slider_range
 from frictionlab.widgets.update_scheduler import has_event_loop
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
 
 STRIP_THICKNESS = 7.0  # points
 STRIP_SAMPLES = 400
@@ -190,7 +193,7 @@ class CriticalValuePanel:
     __name__ = "critical"
     hint = "click to move the model there"
 
-    def __init__(self, model: Any, parameter: str = "mu_k", over: str = "F") -> None:
+    def __init__(self, model: Model, parameter: str = "mu_k", over: str = "F") -> None:
         about = parameter_metadata(type(model), model.components)
         self.parameter, self.over = parameter, over
         self.bounds, self.sides = (slider_range(about[n], model.parameters[n]) for n in (parameter, over))
@@ -252,7 +255,7 @@ class _CurveInParts:
 class _ModelApartFrom:
     """A model without regard to the parameters named: two are equal if they differ only in these."""
 
-    def __init__(self, model: Any, names: tuple[str, ...]) -> None:
+    def __init__(self, model: Model, names: tuple[str, ...]) -> None:
         self.model = model
         values = tuple(item for item in model.parameters.items() if item[0] not in names)
         self._key = structure_of_component(model), values
