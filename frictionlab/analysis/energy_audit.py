@@ -464,7 +464,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     )
 
 
-def _balance(run: Any) -> Balance:
+def _balance(run: Trajectory) -> Balance:
     check_run(run)
     if not isinstance(run.source, MechanicalModel):
         of = type(run.automaton if run.source is None else run.source).__name__

@@ -31,6 +31,7 @@ from .parsing import (
 from .stability import equilibrium_lines, stability_data
 
 if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models.model import Model
 
 RUN_DESCRIPTION = """\
@@ -216,7 +217,7 @@ def before(model: Model, method: Any, chosen: argparse.Namespace) -> str:
     return "\n".join([_job_line(model, method, chosen), *equilibrium_lines(model)])
 
 
-def after(run: Any) -> str:
+def after(run: Trajectory) -> str:
     """The lines printed after the run: its results."""
     doubt = [] if run.warning is None else [f"Do not trust this run: {run.warning}"]
     return "\n".join([f"\nRun: {run.status}", *doubt, *_event_lines(run), *_time_lines(run), _cost_line(run)])
@@ -233,7 +234,7 @@ def _method_line(method: Any) -> str:
     return f"method {name}, " + ", ".join(f"{k} {about[k]:g}" for k in ("tol", "step", "rtol") if k in about)
 
 
-def _event_lines(run: Any) -> Iterator[str]:
+def _event_lines(run: Trajectory) -> Iterator[str]:
     yield f"Events: {run.stats['events']}, accumulations closed: {run.stats['accumulations']}"
     counts = run.events.counts()
     width = max(map(len, counts), default=0)
@@ -241,13 +242,13 @@ def _event_lines(run: Any) -> Iterator[str]:
         yield f"  {kind:{width}}  {count:7d}"
 
 
-def _time_lines(run: Any) -> Iterator[str]:
+def _time_lines(run: Trajectory) -> Iterator[str]:
     total = sum(run.time_in_mode.values())
     shares = (f"{name} {100 * seconds / (total or 1):.2f} %" for name, seconds in run.time_in_mode.items())
     yield f"Time: {', '.join(shares)}"
 
 
-def _cost_line(run: Any) -> str:
+def _cost_line(run: Trajectory) -> str:
     return (
         f"Computed {run.raw.t:g} s in {run.stats['steps']} steps, {run.stats['wall_time']:.3g} s of wall time"
     )
@@ -322,7 +323,7 @@ def _say(text: str, chosen: argparse.Namespace) -> None:
         print(text)
 
 
-def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
+def run_data(run: Trajectory, chosen: argparse.Namespace) -> dict[str, Any]:
     """The summary of a run for JSON; `sliding` is null where there is no steady sliding."""
     try:
         sliding = stability_data(run.source)
@@ -343,7 +344,7 @@ def run_data(run: Any, chosen: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _write_files(run: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def _write_files(run: Trajectory, chosen: argparse.Namespace, parser: OneLineParser) -> int:
     try:
         if chosen.save is not None:
             saved = run.save(chosen.save)

@@ -19,6 +19,7 @@ from .parsing import (
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
+    from frictionlab.stability.boundaries.stability_changes import StabilityChange
 
 EIG_DESCRIPTION = """\
 Print the equilibrium of steady sliding and its eigenvalues: frequencies,
@@ -151,7 +152,7 @@ def critical_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def _change_data(change: Any) -> dict[str, Any]:
+def _change_data(change: StabilityChange) -> dict[str, Any]:
     names = ("value", "kind", "direction", "frequency", "unstable")
     return {name: getattr(change, name) for name in names}
 

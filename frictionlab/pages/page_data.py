@@ -10,7 +10,6 @@ from __future__ import annotations
 import base64
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -30,7 +29,7 @@ from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
-from frictionlab.plotting.appearance import mode_colours
+from frictionlab.plotting.appearance import colours_of_modes
 from frictionlab.stability import equilibrium
 from frictionlab.validation import (
     abbreviate,
@@ -97,8 +96,7 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
 
 
 def _colours(program: Program) -> list[str]:
-    places = SimpleNamespace(mode_places=range(len(program.modes)), mode_names=program.modes)
-    return list(mode_colours(places).values())
+    return list(colours_of_modes(enumerate(program.modes)).values())
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:

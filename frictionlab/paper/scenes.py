@@ -19,7 +19,7 @@ from functools import lru_cache
 from itertools import groupby, pairwise
 from math import pi
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 from frictionlab.validation import check_choice
+
+if TYPE_CHECKING:
+    from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 
 Array = NDArray[Any]
 
@@ -306,24 +309,24 @@ def _cached_steady_state(
     return steady_state(model, section=section, progress=progress, **options)
 
 
-def is_vibration(sweep: Any) -> NDArray[np.bool_]:
+def is_vibration(sweep: Bifurcation) -> NDArray[np.bool_]:
     """Where a sweep found a vibration, periodic or not, as booleans."""
     return np.isin(sweep.kinds, (MotionKind.PERIODIC, MotionKind.NON_PERIODIC))
 
 
-def is_kind(sweep: Any, kind: str) -> NDArray[np.bool_]:
+def is_kind(sweep: Bifurcation, kind: str) -> NDArray[np.bool_]:
     """Where a sweep found this kind of motion, as booleans."""
     return np.array(sweep.kinds) == kind
 
 
-def in_range(sweep: Any, first: float, last: float, *, open_end: bool = False) -> NDArray[np.bool_]:
+def in_range(sweep: Bifurcation, first: float, last: float, *, open_end: bool = False) -> NDArray[np.bool_]:
     """Which values lie in [first, last], or in [first, last)."""
     return (sweep.values >= first - GRID_TOLERANCE) & (
         sweep.values < last + (-GRID_TOLERANCE if open_end else GRID_TOLERANCE)
     )
 
 
-def intervals_text(sweep: Any) -> str:
+def intervals_text(sweep: Bifurcation) -> str:
     """ "equilibrium 0.05 to 0.35, periodic 0.4 to 3"; where they alternate often, how often each."""
     groups = [(kind, [v for _, v in group]) for kind, group in groupby(zip(sweep.kinds, sweep.values), _kind)]
     if len(groups) <= MAX_INTERVALS:
@@ -344,19 +347,19 @@ def _range_text(values: list[float]) -> str:
     return f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} to {values[-1]:g}"
 
 
-def _share_text(sweep: Any, kind: str) -> str:
+def _share_text(sweep: Bifurcation, kind: str) -> str:
     chosen = is_kind(sweep, kind)
     values = sweep.values[chosen]
     return f"{kind} at {count(chosen)} values ({_range_text(values.tolist())})"
 
 
-def regimes(sweep: Any) -> list[tuple[str, int]]:
+def regimes(sweep: Bifurcation) -> list[tuple[str, int]]:
     """Kind of every motion that has settled, and the onsets of stick in its period if it has one."""
     settled = is_vibration(sweep) | is_kind(sweep, MotionKind.EQUILIBRIUM)
     return [(kind, int(n)) for kind, n, known in zip(sweep.kinds, sweep.onsets, settled) if known]
 
 
-def regime_changes(sweep: Any) -> int:
+def regime_changes(sweep: Bifurcation) -> int:
     """How often neighbours along a sweep are of different regimes."""
     each = regimes(sweep)
     return sum(a != b for a, b in pairwise(each))

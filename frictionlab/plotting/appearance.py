@@ -8,8 +8,9 @@ figures follow them.  On a dark background a colour that could not be seen is re
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import MappingProxyType, TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -20,6 +21,9 @@ from matplotlib.rcsetup import cycler
 
 from frictionlab.presentation import is_angle
 from frictionlab.validation import check_choice
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 # Okabe & Ito 2008: colours that colour-blind readers can tell apart
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -270,15 +274,18 @@ def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) 
     return {"color": legible(colour, ax), "linewidth": line_width(width)}
 
 
-def mode_colours(run: Any) -> dict[str, str]:
-    """A colour for every mode that a run knows: that in MODE_COLOURS, or for other names one of a palette.
+def mode_colours(run: Trajectory) -> dict[str, str]:
+    """A colour for every mode that a run knows, in the automaton's order."""
+    return colours_of_modes(sorted(zip(run.mode_places, run.mode_names, strict=True)))
 
-    Modes come in the automaton's order, and their places in it choose from the palette, so that a mode
-    looks the same in all runs.
+
+def colours_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, str]:
+    """A colour for every mode: that in MODE_COLOURS, or for other names one of a palette.
+
+    The places of modes in the automaton choose from the palette, so that a mode looks the same in all runs.
     """
     spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
-    places = sorted(zip(run.mode_places, run.mode_names, strict=True))
-    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places}
+    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places_and_names}
 
 
 def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import cycle
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -56,13 +56,18 @@ from frictionlab.plotting.time_histories import (
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
+if TYPE_CHECKING:
+    from frictionlab.analysis.energy_audit import EnergyAudit
+    from frictionlab.analysis.verify import Verification
+    from frictionlab.hybrid.trajectory import Trajectory
+
 PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
 DECADES = 5
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 
 
 def plot_phase_plane(
-    run: Any, ax: Axes | None = None, *, name: str | None = None, window: Window = PHASE_PLANE_WINDOW
+    run: Trajectory, ax: Axes | None = None, *, name: str | None = None, window: Window = PHASE_PLANE_WINDOW
 ) -> list[Line2D]:
     """Draw a coordinate against its rate, coloured by mode.
 
@@ -120,7 +125,7 @@ def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
 
 
 def plot_spectrum(
-    run: Any, ax: Axes | None = None, *, name: str | None = None, f_max: float | None = None
+    run: Trajectory, ax: Axes | None = None, *, name: str | None = None, f_max: float | None = None
 ) -> list[Line2D]:
     """Draw the amplitude spectrum of a state over the second half of a run.
 
@@ -199,7 +204,7 @@ def _spectrum_title(spectrum: Spectrum) -> str:
     return f"Spectrum of {state_label(spectrum.name)}, {part}\n{resolution}, {strongest}"
 
 
-def plot_run(run: Any, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
+def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
     """Draw a run: displacements and contact forces against time, phase plane and spectrum of a coordinate.
 
     Phase plane and spectrum are of the first coordinate.  Without contact forces
@@ -257,7 +262,7 @@ def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
     ax.legend(handles=lines, frameon=False, fontsize=font_size(FONT_SIZE), **place)
 
 
-def _title(figure: Figure, run: Any) -> None:
+def _title(figure: Figure, run: Trajectory) -> None:
     colours = mode_colours(run)
     # Modes that last a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
@@ -271,7 +276,7 @@ def _title(figure: Figure, run: Any) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
 
 
-def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_energies(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     """Draw every energy of an audit against time, and their sum, dashed.
 
     Parameters
@@ -297,7 +302,7 @@ def plot_energies(audit: Any, ax: Axes | None = None) -> list[Line2D]:
     )
 
 
-def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_works(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     """Draw the work of every contribution from 0 to t, and dashed their sum, the energy that the system
     gained.
 
@@ -326,7 +331,7 @@ def plot_works(audit: Any, ax: Axes | None = None) -> list[Line2D]:
 
 
 def _draw_contributions(
-    audit: Any,
+    audit: EnergyAudit,
     ax: Axes | None,
     parts: Mapping[str, Array],
     colours: Mapping[str, str],
@@ -348,7 +353,7 @@ def _draw_contributions(
     return lines
 
 
-def plot_verification(verification: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_verification(verification: Verification, ax: Axes | None = None) -> list[Line2D]:
     """Draw the deviation from other runs and the defect in each mode, with the largest values trusted.
 
     Parameters
@@ -389,6 +394,6 @@ def plot_verification(verification: Any, ax: Axes | None = None) -> list[Line2D]
     return lines
 
 
-def _verdict_title(verification: Any) -> str:
+def _verdict_title(verification: Verification) -> str:
     trust = f"To be trusted up to t = {verification.until:.4g} s" if verification.ok else "Not to be trusted"
     return f"{trust}; the events {'agree' if verification.events_agree else 'differ'}"

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -42,12 +42,17 @@ from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import state_unit
 from frictionlab.validation import abbreviate
 
+if TYPE_CHECKING:
+    from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
+    from frictionlab.stability.eigenproblems.root_locus import RootLocus
+    from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+
 GROWING_LINE_WIDTH = 3.2
 GROWING_LABEL = "heavy: the mode grows"
 LOCUS_COLOUR_MAP = "viridis"
 
 
-def plot_equilibrium(equilibrium: Any, ax: Axes | None = None) -> Sequence[Artist]:
+def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequence[Artist]:
     """Draw the mechanism at an equilibrium, with the contact forces on the body; for an automaton, or a model
     without a mechanism, the displacements as bars.
 
@@ -92,7 +97,7 @@ class _EquilibriumFrames:
     time_in_mode: ClassVar[Mapping[str, float]] = {"slip": 1.0}
     raw: ClassVar[Any] = SimpleNamespace(t=1.0)
 
-    equilibrium: Any
+    equilibrium: Equilibrium
 
     @property
     def automaton(self) -> Any:
@@ -111,13 +116,13 @@ class _EquilibriumFrames:
         return np.full(len(t), getattr(self.equilibrium, name, np.nan))
 
 
-def _forces(equilibrium: Any) -> dict[str, tuple[float, str]]:
+def _forces(equilibrium: Equilibrium) -> dict[str, tuple[float, str]]:
     """Size and colour of the contact forces that the equilibrium has, by their letters."""
     sizes = {"$F_N$": (equilibrium.normal_force, BLUE), "$F_T$": (equilibrium.friction_force, VERMILLION)}
     return {name: force for name, force in sizes.items() if np.isfinite(force[0])}
 
 
-def _draw_bars(equilibrium: Any, ax: Axes) -> Sequence[Artist]:
+def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
     known = bool(
         equilibrium.model.coordinates
     )  # states of an automaton without coordinates may have any unit
@@ -137,7 +142,7 @@ def _draw_bars(equilibrium: Any, ax: Axes) -> Sequence[Artist]:
 
 
 def plot_frequencies(
-    locus: Any,
+    locus: RootLocus,
     ax: Axes | None = None,
     *,
     modes: Sequence[int] | None = None,
@@ -186,7 +191,7 @@ def plot_frequencies(
 
 
 def plot_growth_rates(
-    locus: Any,
+    locus: RootLocus,
     ax: Axes | None = None,
     *,
     modes: Sequence[int] | None = None,
@@ -205,7 +210,7 @@ def plot_growth_rates(
     return _label_locus_axes(locus, ax, lines, "growth rate (1/s)", legend)
 
 
-def select_modes(locus: Any, modes: Sequence[int] | None) -> list[int]:
+def select_modes(locus: RootLocus, modes: Sequence[int] | None) -> list[int]:
     """The columns to draw, checked; all where none are named."""
     count = locus.values.shape[1]
     chosen = list(range(count)) if modes is None else [int(mode) for mode in modes]
@@ -217,7 +222,7 @@ def select_modes(locus: Any, modes: Sequence[int] | None) -> list[int]:
 
 
 def _draw_modes(
-    locus: Any,
+    locus: RootLocus,
     ax: Axes,
     values: Array,
     modes: Sequence[int] | None,
@@ -240,7 +245,9 @@ def _draw_modes(
     return lines + heavy
 
 
-def _label_locus_axes(locus: Any, ax: Axes, lines: list[Line2D], ylabel: str, legend: bool) -> list[Line2D]:
+def _label_locus_axes(
+    locus: RootLocus, ax: Axes, lines: list[Line2D], ylabel: str, legend: bool
+) -> list[Line2D]:
     ax.set(xlabel=parameter_label(locus.model, locus.parameter), ylabel=ylabel)
     ax.margins(x=0)
     if legend:
@@ -259,7 +266,7 @@ def growing_legend_handle(ax: Axes | None = None) -> Line2D:
 
 
 def plot_root_locus(
-    locus: Any, ax: Axes | None = None, *, modes: Sequence[int] | None = None
+    locus: RootLocus, ax: Axes | None = None, *, modes: Sequence[int] | None = None
 ) -> list[LineCollection]:
     """Draw the eigenvalues in the complex plane, coloured along the parameter, from dots to crosses.
 
@@ -295,7 +302,7 @@ def plot_root_locus(
     return curves
 
 
-def plot_eigenvalues(eigenvalues: Any, ax: Axes | None = None) -> list[Line2D]:
+def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None) -> list[Line2D]:
     """Draw eigenvalues in the complex plane; to the right of the imaginary axis a mode grows.
 
     Of a conjugate pair the one in the upper half-plane is drawn.
@@ -323,12 +330,12 @@ def plot_eigenvalues(eigenvalues: Any, ax: Axes | None = None) -> list[Line2D]:
     return lines
 
 
-def _mark_end_values(locus: Any, ax: Axes, modes: list[int]) -> None:
+def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
     known = np.flatnonzero(np.isfinite(locus.values[:, modes]).all(axis=1))
     for row, marker in (known[0], "o"), (known[-1], "x"):
         ends, name = (
             locus.values[row, modes],
-            parameter_value_text(locus.model, locus.parameter, locus.at[row]),
+            parameter_value_text(locus.model, locus.parameter, float(locus.at[row])),
         )
         ax.plot(
             ends.real, ends.imag, marker, color=ink(ax), markersize=marker_size(5.0), zorder=3, label=name
@@ -336,7 +343,7 @@ def _mark_end_values(locus: Any, ax: Axes, modes: list[int]) -> None:
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
 
 
-def _draw_coloured_curve(locus: Any, ax: Axes, mode: int) -> LineCollection:
+def _draw_coloured_curve(locus: RootLocus, ax: Axes, mode: int) -> LineCollection:
     points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag])
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     known = np.isfinite(pieces).all(axis=(1, 2))

@@ -5,7 +5,7 @@ and the small vibration born at a Hopf point, where flutter sets in, by its norm
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -43,6 +43,10 @@ from frictionlab.plotting.labels import (
 from frictionlab.plotting.studies.sweeps import SPECIAL_POINT_STYLES
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
+
+if TYPE_CHECKING:
+    from frictionlab.stability.boundaries.hopf import HopfPoint
+    from frictionlab.stability.boundaries.stability_map import StabilityMap
 
 STABLE_COLOUR, STABLE_ON_DARK = "#F2F2F2", "#333333"
 COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
@@ -124,7 +128,7 @@ class MapArtists(NamedTuple):
     boundary: list[Line2D]
 
 
-def plot_stability_map(plane: Any, ax: Axes | None = None, *, legend: bool = True) -> MapArtists:
+def plot_stability_map(plane: StabilityMap, ax: Axes | None = None, *, legend: bool = True) -> MapArtists:
     """Draw how many modes grow over a plane of two parameters, and the exact boundaries between.
 
     Solid lines are flutter, dashed ones divergence, and at dotted ones the equilibrium itself ends; where
@@ -154,7 +158,7 @@ def plot_stability_map(plane: Any, ax: Axes | None = None, *, legend: bool = Tru
     return artists
 
 
-def _draw_mesh(plane: Any, ax: Axes) -> QuadMesh:
+def _draw_mesh(plane: StabilityMap, ax: Axes) -> QuadMesh:
     counts = np.ma.masked_less(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1), 0)
     norm = BoundaryNorm(np.arange(len(COUNT_COLOURS) + 1) - 0.5, len(COUNT_COLOURS))
     colours = ListedColormap(_count_colours(ax))
@@ -167,7 +171,7 @@ def _count_colours(ax: Axes) -> list[str]:
     return [STABLE_ON_DARK if is_dark(ax) else STABLE_COLOUR, *COUNT_COLOURS[1:]]
 
 
-def _draw_boundary(plane: Any, ax: Axes) -> list[Line2D]:
+def _draw_boundary(plane: StabilityMap, ax: Axes) -> list[Line2D]:
     lines = []
     for curve in plane.boundary:
         for name, (linestyle, chosen) in _boundary_kinds(np.asarray(curve.frequencies)).items():
@@ -186,7 +190,7 @@ def _boundary_kinds(frequencies: NDArray[np.float64]) -> dict[str, tuple[Any, ND
     }
 
 
-def _map_legend_handles(plane: Any, boundary: list[Line2D], ax: Axes) -> list[Any]:
+def _map_legend_handles(plane: StabilityMap, boundary: list[Line2D], ax: Axes) -> list[Any]:
     shown = np.unique(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1))
     names = ("stable", "1 mode grows", "2 modes grow", "3 modes or more grow")
     colours = _count_colours(ax)
@@ -196,7 +200,7 @@ def _map_legend_handles(plane: Any, boundary: list[Line2D], ax: Axes) -> list[An
     return patches + list({str(line.get_label()): line for line in boundary}.values())
 
 
-def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_hopf(point: HopfPoint, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
     """Draw the amplitude of the vibration born at a Hopf point against the parameter, and the equilibrium.
 
     Solid lines are stable, dashed ones are not.  The vibration is drawn up to where it first reaches stick or
@@ -253,7 +257,7 @@ def plot_hopf(point: Any, ax: Axes | None = None, *, name: str | None = None) ->
     return lines
 
 
-def _distance(point: Any) -> float:
+def _distance(point: HopfPoint) -> float:
     """Distance of the picture's edges from the critical value."""
     weak = EDGE_GROWTH * 2 * np.pi * point.frequency / abs(point.crossing_speed)
     return float(np.nanmin([weak, abs(point.valid_until - point.value)]))
@@ -263,7 +267,7 @@ def _stability_style(stable: bool) -> tuple[str, Any]:
     return ("stable", "-") if stable else ("unstable", DASHED)
 
 
-def _draw_equilibrium(point: Any, ax: Axes, distance: float) -> list[Line2D]:
+def _draw_equilibrium(point: HopfPoint, ax: Axes, distance: float) -> list[Line2D]:
     lines = []
     for edge, growing in zip((-distance, distance), point.change.unstable):
         text, linestyle = _stability_style(not growing)
@@ -273,7 +277,7 @@ def _draw_equilibrium(point: Any, ax: Axes, distance: float) -> list[Line2D]:
     return lines
 
 
-def _draw_vibration(point: Any, ax: Axes, distance: float, name: str) -> list[Line2D]:
+def _draw_vibration(point: HopfPoint, ax: Axes, distance: float, name: str) -> list[Line2D]:
     share = np.linspace(-1.0, 1.0, POINTS)
     values = point.value + distance * share * np.abs(share)  # dense where the square root is steep
     amplitudes = point.amplitude(values)[:, point.coordinates.index(name)]

@@ -7,7 +7,7 @@ the part between two times, or (None) the whole run.
 from __future__ import annotations
 
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,6 +33,10 @@ from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_an
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
+if TYPE_CHECKING:
+    from frictionlab.automaton import HybridAutomaton
+    from frictionlab.hybrid.trajectory import Trajectory
+
 Array = NDArray[np.float64]
 WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 SAMPLES = 4001
@@ -54,19 +58,19 @@ Window = float | tuple[float, float] | Periods | None
 DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
 
 
-def end_time(run: Any) -> float:
+def end_time(run: Trajectory) -> float:
     """The time that the run reached."""
     return float(run.raw.t)
 
 
-def check_run_with_coordinates(run: Any) -> None:
+def check_run_with_coordinates(run: Trajectory) -> None:
     """Raise TypeError unless it is a run, ValueError unless its automaton has coordinates."""
     check_run(run)
     if not run.automaton.coordinates:
         raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
 
 
-def window_limits(run: Any, window: Window = DEFAULT_WINDOW) -> tuple[float, float]:
+def window_limits(run: Trajectory, window: Window = DEFAULT_WINDOW) -> tuple[float, float]:
     """Start and end of a window: the last seconds or periods, the two times given, or (None) the whole run.
 
     Raises
@@ -107,7 +111,7 @@ def sample_times(start: float, stop: float, points: int = SAMPLES) -> Array:
     return np.clip(np.linspace(start, stop, points), start, stop)
 
 
-def window_text(run: Any, start: float, stop: float) -> str:
+def window_text(run: Trajectory, start: float, stop: float) -> str:
     """The window in words, for a title."""
     end = end_time(run)
     if (start, stop) == (0.0, end):
@@ -117,7 +121,7 @@ def window_text(run: Any, start: float, stop: float) -> str:
     return f"{start:.4g} s to {stop:.4g} s of {end:.4g} s"
 
 
-def mode_intervals(run: Any) -> tuple[Array, list[str]]:
+def mode_intervals(run: Trajectory) -> tuple[Array, list[str]]:
     """Edges (n + 1,) of the intervals of a run spent in one mode, and their names.
 
     Events that lead back into the same mode, such as the re-contacts of chatter, split no interval.
@@ -135,7 +139,7 @@ def mode_intervals(run: Any) -> tuple[Array, list[str]]:
     return np.append(starts[new], end), modes[new].tolist()
 
 
-def modes_at(run: Any, t: Array) -> np.ndarray:
+def modes_at(run: Trajectory, t: Array) -> np.ndarray:
     """Name of the mode at each time."""
     edges, names = mode_intervals(run)
     if not names:
@@ -143,7 +147,7 @@ def modes_at(run: Any, t: Array) -> np.ndarray:
     return np.array(names)[np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(names) - 1)]
 
 
-def shade_modes(run: Any, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[PolyCollection]:
+def shade_modes(run: Trajectory, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[PolyCollection]:
     """Shade the intervals of every mode over the whole height of a panel over time.
 
     Parameters
@@ -182,7 +186,7 @@ def _intervals_in_window(
 
 
 def label_time_axes(
-    run: Any, ax: Axes, span: tuple[float, float], shade: bool, what: str, ylabel: str
+    run: Trajectory, ax: Axes, span: tuple[float, float], shade: bool, what: str, ylabel: str
 ) -> None:
     """Shade the modes, if wanted; label the axes; say in the title what is drawn in which part of the run."""
     if shade:
@@ -192,7 +196,7 @@ def label_time_axes(
 
 
 def plot_displacements(
-    run: Any, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
@@ -238,7 +242,7 @@ def _angle_axis(ax: Axes) -> Axes:
 
 
 def plot_rates(
-    run: Any, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
 ) -> list[Line2D]:
     """Draw the rates of all coordinates against time, with the modes shaded behind them.
 
@@ -271,7 +275,7 @@ def plot_rates(
     return lines
 
 
-def force_outputs(automaton: Any) -> dict[str, tuple[str, str]]:
+def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
     """Label and colour of every contact force among an automaton's outputs; none where it has none."""
     outputs = {name: drawn for name, drawn in FORCES.items() if name in automaton.outputs}
     for name in automaton.outputs:
@@ -288,7 +292,7 @@ def force_outputs(automaton: Any) -> dict[str, tuple[str, str]]:
 
 
 def plot_contact_forces(
-    run: Any, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
 ) -> list[Line2D]:
     """Draw the contact forces against time, with the modes shaded behind them.
 

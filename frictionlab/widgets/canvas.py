@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import anywidget
 import numpy as np
@@ -20,6 +20,9 @@ from frictionlab.validation import check_number
 
 from .panels.picture import theme
 from .sound import listen
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 DEFAULT_WINDOW = Periods(20.0)
 FRAMES = 100.0  # frames in a period: 50 a second where a period takes two
@@ -72,7 +75,7 @@ class Canvas(anywidget.AnyWidget):
         self.run: Any = None
         self.on_msg(self._heard)
 
-    def show(self, run: Any, scene: dict[str, Any], rows: bytes) -> None:
+    def show(self, run: Trajectory, scene: dict[str, Any], rows: bytes) -> None:
         """Show a run; the browser gets all of it in one message."""
         self.run = run
         with self.hold_sync():
@@ -127,7 +130,7 @@ class MovingMechanism:
 
 
 def watch(
-    run: Any,
+    run: Trajectory,
     *,
     window: Window = DEFAULT_WINDOW,
     speed: float | None = None,
@@ -187,7 +190,7 @@ def watch(
 
 
 def frame_data(
-    run: Any, picture: BeltPicture | Parts, rate: float, speed: float
+    run: Trajectory, picture: BeltPicture | Parts, rate: float, speed: float
 ) -> tuple[dict[str, Any], bytes]:
     """The scene and the rows of a picture whose frames are 1 / rate apart."""
     colours = mode_colours(run)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from frictionlab.interruption import progress_bar
 from frictionlab.models.model import PITCH, Model, Tone
 from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, window_limits
 from frictionlab.validation import check_choice, check_number, check_path
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
 FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
@@ -85,7 +88,7 @@ class Sound:
 
 
 def listen(
-    run: Any,
+    run: Trajectory,
     signal: str | None = None,
     *,
     window: Window = None,
@@ -154,7 +157,7 @@ def listen(
     return Sound(_normalize(_fade(samples, rate)), rate, signal, pitch, (start, stop))
 
 
-def _usual(run: Any) -> Tone:
+def _usual(run: Trajectory) -> Tone:
     """The default signal and pitch: those of the model; for an automaton the relative velocity, or the first
     state, as the signal."""
     if isinstance(run.source, Model):
@@ -163,7 +166,7 @@ def _usual(run: Any) -> Tone:
     return Tone(signal, PITCH * oscillation_period(run.source))
 
 
-def _signal_samples(run: Any, signal: str, t: Array) -> Array:
+def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:
     """The signal less its mean; zero where it does not vary beyond rounding."""
     # In parts, as all states at all samples would fill the memory.
     parts = np.array_split(t, len(t) // CHUNK_SAMPLES + 1)
@@ -171,7 +174,7 @@ def _signal_samples(run: Any, signal: str, t: Array) -> Array:
     return x - x.mean() if np.ptp(x) > SILENCE_LEVEL * np.abs(x).max() else np.zeros_like(x)
 
 
-def _signal_at(run: Any, signal: str, t: Array) -> Array:
+def _signal_at(run: Trajectory, signal: str, t: Array) -> Array:
     return run(t)[:, run.names.index(signal)] if signal in run.names else run.output(signal, t)
 
 

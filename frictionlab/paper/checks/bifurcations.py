@@ -5,7 +5,7 @@ nonlinearity (GN): Figs 13 to 15.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import spearmanr
@@ -28,6 +28,10 @@ from frictionlab.paper.scenes import (
     is_vibration,
     regime_changes,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.analysis.steady_state.steady_state import SteadyState
+    from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 
 EXPECTED_OUTCOMES = {
     "near": ("rest", "rest", "vibration"),
@@ -101,7 +105,7 @@ def _check_sections(setting: Setting) -> Finding:
     return Finding(*_by_range(b, ranges))
 
 
-def _by_range(b: Any, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
+def _by_range(b: Bifurcation, ranges: Mapping[str, tuple[str, float, float]]) -> tuple[str, dict[str, bool]]:
     """Intervals and counts as text, and whether each range has one kind throughout."""
     held, counts = {}, []
     for text, (kind, first, last) in ranges.items():
@@ -123,7 +127,7 @@ def _check_coexistence(setting: Setting) -> Finding:
     return Finding(f"from rest {intervals_text(rest)}; from near {intervals_text(near)}", held)
 
 
-def _solutions_coexist(rest: Any, near: Any, first: float, last: float) -> bool:
+def _solutions_coexist(rest: Bifurcation, near: Bifurcation, first: float, last: float) -> bool:
     """Whether all motions from rest vibrate and all from near the equilibrium come to rest, in a range."""
     vibrates = is_vibration(rest)[in_range(rest, first, last)].all()
     return bool(vibrates and is_kind(near, MotionKind.EQUILIBRIUM)[in_range(near, first, last)].all())
@@ -186,7 +190,7 @@ def _check_intensity(setting: Setting) -> Finding:
     return Finding("; ".join(text), held)
 
 
-def _coexistence_text(rest: Any, near: Any) -> str:
+def _coexistence_text(rest: Bifurcation, near: Bifurcation) -> str:
     shared = [
         v
         for v, m in zip(rest.values, is_vibration(rest))
@@ -276,7 +280,7 @@ def _check_phase_planes(setting: Setting) -> Finding:
     return Finding(f"{text}; they differ by {100 * near:.2f} % and {100 * far:.1f} %", held)
 
 
-def _cycle_measures(steady: Any) -> Any:
+def _cycle_measures(steady: SteadyState) -> Any:
     run, period = steady.trajectory, steady.period
     length = min(2 * period if np.isfinite(period) else 1.0, run.raw.t)
     states = run(np.linspace(run.raw.t - length, run.raw.t, 4001))
@@ -298,7 +302,7 @@ def _check_steadiness(setting: Setting) -> Finding:
     return Finding(f"{about}: {'; '.join(text)}", held)
 
 
-def _roughness(b: Any, first: float, last: float) -> float:
+def _roughness(b: Bifurcation, first: float, last: float) -> float:
     strong = b.intensities[is_vibration(b) & in_range(b, first, last)]
     return float(np.abs(np.diff(strong)).sum() / np.ptp(strong)) if len(strong) > 1 else np.nan
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from frictionlab.paper.scenes import (
     is_kind,
     is_vibration,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.analysis.sweeps.bifurcation import Bifurcation
 
 MIN_RATIO = 2.0  # times: "much larger"
 MAX_DEVIATION = 0.02  # of the eigenfrequency: "close"
@@ -89,7 +92,7 @@ def _check_onset(setting: Setting) -> Finding:
     return Finding(text, held)
 
 
-def _first_vibration(b: Any) -> float:
+def _first_vibration(b: Bifurcation) -> float:
     return float(b.values[is_vibration(b)].min(initial=np.inf))
 
 

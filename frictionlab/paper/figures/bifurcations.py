@@ -33,6 +33,7 @@ from frictionlab.plotting.labels import parameter_value_text, state_label
 from frictionlab.presentation import state_unit
 
 if TYPE_CHECKING:
+    from frictionlab.analysis.sweeps.bifurcation import Bifurcation
     from frictionlab.models.library.sliders import SliderOnBelt
 
 RESPONSE_TIME = 60.0  # of Fig. 7
@@ -204,7 +205,7 @@ def phase_plane_cycle(k_nl: float, setting: Setting) -> SteadyState:
     )
 
 
-def _sweep_text(sweep: Any) -> str:
+def _sweep_text(sweep: Bifurcation) -> str:
     strong = sweep.intensities[is_vibration(sweep)]
     size = f"; L_s {np.nanmin(strong):.5g} to {np.nanmax(strong):.5g}" if len(strong) else ""
     return f"{intervals_text(sweep)}{size}"

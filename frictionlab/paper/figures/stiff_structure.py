@@ -29,6 +29,7 @@ from frictionlab.presentation import state_unit
 from frictionlab.stability import critical_value, root_locus
 
 if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models.library.sliders import SliderOnBelt
 
 MU_K = 2.5  # of Fig. 16
@@ -99,7 +100,7 @@ def samples(steady: SteadyState, name: str, seconds: float | None = None) -> tup
     return t, contact_force(run, t) if name == "normal_force" else run(t)[:, run.names.index(name)]
 
 
-def contact_force(run: Any, t: Any) -> Any:
+def contact_force(run: Trajectory, t: Any) -> Any:
     """F_N without impulses, as in the paper: zero in chatter, where F_T = 0 and F_N is their mean."""
     return np.where(run.output("friction_force", t) == 0.0, 0.0, run.output("normal_force", t))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, HTMLWriter
@@ -54,6 +54,9 @@ from .tilting_belt import (
     parameters,
     sample_frames,
 )
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 DEFAULT_DURATION = 6.0  # seconds that an animation lasts, or somewhat longer, where no speed is given
 MAX_FRAMES = 100_000  # of an animation: an hour and more
@@ -125,7 +128,7 @@ class BeltPicture:
         return [*moved, arrows]
 
 
-def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
+def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt:
     """The mechanism of the model of a run.
 
     Raises
@@ -151,8 +154,10 @@ def mechanism_of(run: Any, function: str) -> Mechanism | TiltingBelt:
 def picture_of(
     run: Any, mechanism: Mechanism | TiltingBelt, t: Array, magnify: float | None = None
 ) -> BeltPicture | Parts:
-    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
-    visible."""
+    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well visible.
+
+    An equilibrium can be drawn as a run that rests, by an object with what is asked of the run.
+    """
     if isinstance(mechanism, Mechanism):
         return parts(run, mechanism, t, magnify)
     frames, p = sample_frames(run, t), parameters(run)
@@ -173,7 +178,7 @@ class AnimationScene:
 
 
 def animate(
-    run: Any,
+    run: Trajectory,
     *,
     window: Window = DEFAULT_WINDOW,
     speed: float | None = None,
@@ -252,7 +257,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
     return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
-def _build_scene(run: Any, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
+def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
     colours = mode_colours(run)
     drawn = picture.draw(left)

@@ -7,7 +7,7 @@ and by the live canvas in the browser.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -30,6 +30,9 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.time_histories import Array, modes_at
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 REACH = 0.5  # largest displacement drawn
 LONGEST = 0.6  # longest arrow
@@ -202,7 +205,7 @@ def _artists(shape: Shape, ax: Axes) -> list[Any]:
     return artists
 
 
-def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
+def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
     """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
     visible."""
     values = {name: np.full(len(t), float(value)) for name, value in run.automaton.values.items()}
@@ -228,7 +231,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
 class SampledRun:
     """Samples of a run at times `t`: states and parameters by name, and modes."""
 
-    run: Any
+    run: Trajectory
     t: Array
     values: dict[str, Array]
     mode: np.ndarray

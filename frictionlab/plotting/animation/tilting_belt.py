@@ -10,7 +10,7 @@ the spring has its natural length.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -37,6 +37,9 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.time_histories import Array, modes_at
 
 from .parts import spring_outline
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
 
 SLIDER_COORDINATES = ("x1", "y1", "x2", "y2")
 FORCE_OUTPUTS = ("normal_force", "friction_force")
@@ -89,7 +92,7 @@ class Frames:
     mode: np.ndarray
 
 
-def sample_frames(run: Any, t: Array) -> Frames:
+def sample_frames(run: Trajectory, t: Array) -> Frames:
     """The frames of a run of a slider on a belt at times `t` (K,)."""
     states = dict(zip(run.names, run(t).T, strict=True))
     states |= {name: run.output(name, t) for name in ("penetration", *FORCE_OUTPUTS)}
@@ -98,12 +101,12 @@ def sample_frames(run: Any, t: Array) -> Frames:
     return Frames(t=t, rate=states["x1'"], mode=modes_at(run, t), **shown)
 
 
-def parameters(run: Any) -> dict[str, float]:
+def parameters(run: Trajectory) -> dict[str, float]:
     """The run's parameters by name."""
     return {name: float(value) for name, value in run.automaton.values.items()}
 
 
-def is_tilting_belt(run: Any) -> bool:
+def is_tilting_belt(run: Trajectory) -> bool:
     """Whether a run has all that the picture of the slider on the tilting belt shows."""
     has = {*run.names, *run.automaton.outputs, *parameters(run)}
     return has >= {*SLIDER_COORDINATES, "x1'", "penetration", *FORCE_OUTPUTS, *REQUIRED_PARAMETERS}

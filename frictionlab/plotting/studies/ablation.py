@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -36,6 +36,10 @@ from frictionlab.plotting.overview import plot_amplitudes
 from frictionlab.plotting.studies.state_space import plot_steady_state
 from frictionlab.plotting.studies.sweeps import LOG_SCALE_RATIO, plot_bifurcation
 
+if TYPE_CHECKING:
+    from frictionlab.analysis.sweeps.ablation import Ablation
+    from frictionlab.analysis.sweeps.factorial_design import Effects
+
 MAX_BARS = 15  # only so many effects are drawn, the largest
 RUN_AXES = {"axes_class": RunAxes}
 COLUMNS = 4  # panels side by side
@@ -46,7 +50,7 @@ THINNER = 0.8  # width of a curve as a share of the one below it, so that equal 
 PANEL_SHARE = 0.7  # of its cell that a panel takes, the rest for labels and title
 
 
-def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) -> list[Artist]:
+def plot_effects(effects: Effects, ax: Axes | None = None, *, condition: int = 0) -> list[Artist]:
     """Draw main effects, interactions and Shapley values as bars with their standard errors.
 
     Parameters
@@ -93,7 +97,7 @@ def plot_effects(effects: Any, ax: Axes | None = None, *, condition: int = 0) ->
 
 
 def plot_scene_lattice(
-    ablation: Any, ax: Axes | None = None, *, quantity: str | None = None, condition: int = 0
+    ablation: Ablation, ax: Axes | None = None, *, quantity: str | None = None, condition: int = 0
 ) -> list[Artist]:
     """Draw the lattice of scenes: each at the value of a quantity, in the row of its number of switches on.
 
@@ -152,7 +156,7 @@ def plot_scene_lattice(
     return lines
 
 
-def _mark_scenes(ablation: Any, values: Any, heights: Any, on: Any, ax: Axes) -> None:
+def _mark_scenes(ablation: Ablation, values: Any, heights: Any, on: Any, ax: Axes) -> None:
     """Draw a point for each scene, with the names of its switches on; scenes in one place share a label."""
     ax.plot(values, heights, "o", color=ink(ax), markersize=4)
     labels: dict[tuple[int, str], list[str]] = {}
@@ -174,7 +178,7 @@ def _mark_scenes(ablation: Any, values: Any, heights: Any, on: Any, ax: Axes) ->
 
 
 def plot_ablation(
-    ablation: Any, ax: Axes | None = None, *, name: str | None = None, quantity: str | None = None
+    ablation: Ablation, ax: Axes | None = None, *, name: str | None = None, quantity: str | None = None
 ) -> list[Axes]:
     """Draw what a study gave for each scene: a small panel for each, bars, or curves over a parameter.
 
@@ -276,7 +280,7 @@ def _spectrum(result: Any, ax: Axes, name: str | None) -> None:
     plot_amplitudes(result, ax)
 
 
-def _draw_quantity(ablation: Any, ax: Axes, quantity: str | None) -> Axes:
+def _draw_quantity(ablation: Ablation, ax: Axes, quantity: str | None) -> Axes:
     """Draw means over the initial states: curves over the parameter, or bars where there is none."""
     means = ablation.numbers(quantity).mean(axis=-1)
     over = {} if ablation.conditions is None else ablation.conditions.over
@@ -300,7 +304,7 @@ def _draw_quantity(ablation: Any, ax: Axes, quantity: str | None) -> Axes:
     return ax
 
 
-def _scene_titles(ablation: Any) -> list[str]:
+def _scene_titles(ablation: Ablation) -> list[str]:
     """A short title for each scene."""
     if any(switch.changes is not None for switch in ablation.factors):
         return list(ablation.names)
@@ -319,7 +323,7 @@ def _motion_title(result: Any) -> str:
     return f"\n{kind}" if isinstance(kind, str) and kind else ""
 
 
-def _bars(ablation: Any, values: np.ndarray, ax: Axes) -> Axes:
+def _bars(ablation: Ablation, values: np.ndarray, ax: Axes) -> Axes:
     bars = ax.barh(range(len(values)), np.nan_to_num(values), color=BLUE)
     ax.bar_label(bars, ["" if np.isnan(v) else f"{v:.5g}" for v in values], padding=4)
     for i in np.flatnonzero(np.isnan(values)):

@@ -4,7 +4,7 @@ variance, their optima, and residuals of fits.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -23,10 +23,16 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside
 from frictionlab.plotting.labels import parameter_symbol
 
+if TYPE_CHECKING:
+    from frictionlab.analysis.fitting.fit import Fit
+    from frictionlab.analysis.quantities.optimum import Optimum
+    from frictionlab.analysis.quantities.quantities import Sensitivity
+    from frictionlab.analysis.quantities.uncertainty import SobolIndices, Uncertainty
+
 TWO_SIGMA = 1.96  # 95 percent of the residuals lie within it, if model and errors are right
 
 
-def plot_sensitivity(sensitivity: Any, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:
+def plot_sensitivity(sensitivity: Sensitivity, ax: Axes | None = None, *, most: int = 12) -> list[Artist]:
     """Draw the normalised derivatives of a quantity, the largest at the top (a tornado plot).
 
     Parameters
@@ -56,7 +62,7 @@ def plot_sensitivity(sensitivity: Any, ax: Axes | None = None, *, most: int = 12
     return list(bars)
 
 
-def plot_uncertainty(uncertainty: Any, ax: Axes | None = None) -> list[Artist]:
+def plot_uncertainty(uncertainty: Uncertainty, ax: Axes | None = None) -> list[Artist]:
     """Draw the distribution of a quantity: its cumulative probability, median and central 95 percent.
 
     Parameters
@@ -84,7 +90,7 @@ def plot_uncertainty(uncertainty: Any, ax: Axes | None = None) -> list[Artist]:
     return drawn
 
 
-def plot_sobol_indices(indices: Any, ax: Axes | None = None) -> list[Artist]:
+def plot_sobol_indices(indices: SobolIndices, ax: Axes | None = None) -> list[Artist]:
     """Draw the first-order and total indices of each parameter with their errors.
 
     Parameters
@@ -118,7 +124,7 @@ def plot_sobol_indices(indices: Any, ax: Axes | None = None) -> list[Artist]:
     return drawn
 
 
-def plot_optimum(optimum: Any, ax: Axes | None = None) -> list[Artist]:
+def plot_optimum(optimum: Optimum, ax: Axes | None = None) -> list[Artist]:
     """Draw the best values of the parameters between their bounds, and those where the search began.
 
     Parameters
@@ -154,7 +160,7 @@ def plot_optimum(optimum: Any, ax: Axes | None = None) -> list[Artist]:
     return drawn
 
 
-def plot_fit(fit: Any, ax: Axes | None = None) -> list[Artist]:
+def plot_fit(fit: Fit, ax: Axes | None = None) -> list[Artist]:
     """Draw the residuals of a fit in units of their errors, over time.
 
     Parameters

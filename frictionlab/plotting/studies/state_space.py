@@ -5,7 +5,7 @@ attraction in a plane of initial states, and their shares of random initial stat
 from __future__ import annotations
 
 from itertools import cycle
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -42,6 +42,12 @@ from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
+if TYPE_CHECKING:
+    from frictionlab.analysis.basins.basins import Basins, BasinStability, LabelledStates
+    from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit
+    from frictionlab.analysis.steady_state.steady_state import SteadyState
+    from frictionlab.hybrid.variational.tangent_flow import TangentFlow
+
 SHOWN_PERIODS = 3  # periods drawn of a periodic motion
 SHOWN_SECONDS = 2.0  # drawn of others
 LINEAR_SHARE = 1e-3  # of the largest derivative: the colour scale is linear below this, logarithmic above
@@ -49,11 +55,13 @@ MAX_NUMBERED = 10  # with more states the entries of a matrix are not written in
 # Colours of attractors, in turn; equilibria have their own, whichever attractor was found first
 COLOURS_OF_REST = (SKY, BLUE, GREEN)
 COLOURS_OF_MOTION = (ORANGE, YELLOW, PURPLE, VERMILLION, GREEN)
-UNCLASSIFIED_COLOURS = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
+UNCLASSIFIED_COLOURS: dict[str, str] = {MotionKind.NOT_SETTLED: GREY, MotionKind.ENDED_EARLY: "#444444"}
 HATCH = "////"
 
 
-def plot_steady_state(steady: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_steady_state(
+    steady: SteadyState, ax: Axes | None = None, *, name: str | None = None
+) -> list[Line2D]:
     """Draw what a motion settled to, in a phase plane: some periods of it, or a cross at an equilibrium.
 
     Parameters
@@ -87,7 +95,7 @@ def plot_steady_state(steady: Any, ax: Axes | None = None, *, name: str | None =
     return lines
 
 
-def plot_orbit(orbit: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_orbit(orbit: PeriodicOrbit, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
     """Draw a periodic orbit in a phase plane, coloured by mode.
 
     Parameters
@@ -161,7 +169,7 @@ def plot_lyapunov(lyapunov: Any, ax: Axes | None = None) -> ErrorbarContainer:
     return bars
 
 
-def plot_tangent_flow(flow: Any, ax: Axes | None = None) -> QuadMesh:
+def plot_tangent_flow(flow: TangentFlow, ax: Axes | None = None) -> QuadMesh:
     """Draw the fundamental matrix of a run in colours: what a small change of each initial state becomes.
 
     Parameters
@@ -201,7 +209,7 @@ class BasinArtists(NamedTuple):
     attractors: list[Line2D]
 
 
-def plot_basins(basins: Any, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
+def plot_basins(basins: Basins, ax: Axes | None = None, *, legend: bool = True) -> BasinArtists:
     """Draw which attractor each initial state goes to, and over it the attractors within the axes.
 
     Initial states that were not computed are hatched.
@@ -253,7 +261,7 @@ def plot_basins(basins: Any, ax: Axes | None = None, *, legend: bool = True) -> 
     return BasinArtists(mesh, lines)
 
 
-def plot_basin_stability(stability: Any, ax: Axes | None = None) -> BarContainer:
+def plot_basin_stability(stability: BasinStability, ax: Axes | None = None) -> BarContainer:
     """Draw the share of random initial states that goes to each attractor, with its standard error.
 
     Parameters
@@ -277,7 +285,7 @@ def plot_basin_stability(stability: Any, ax: Axes | None = None) -> BarContainer
     return bars
 
 
-def _colours(basins: Any, ax: Axes) -> list[str]:
+def _colours(basins: LabelledStates, ax: Axes) -> list[str]:
     rest, motion = cycle(COLOURS_OF_REST), cycle(COLOURS_OF_MOTION)
     colours = [
         UNCLASSIFIED_COLOURS[a.kind]
@@ -288,7 +296,7 @@ def _colours(basins: Any, ax: Axes) -> list[str]:
     return [legible(colour, ax) for colour in colours]
 
 
-def _attractor(basins: Any, attractor: Any, ax: Axes) -> list[Line2D]:
+def _attractor(basins: Basins, attractor: Any, ax: Axes) -> list[Line2D]:
     columns = [basins.names.index(name) for name in (basins.x, basins.y)]
     x, y = attractor.path[:, columns].T
     style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
@@ -301,7 +309,7 @@ def _initial_state_label(name: str) -> str:
     return f"initial {state_label(name)} ({state_unit(name)})"
 
 
-def _handles(basins: Any, colours: list[str], empty: str) -> list[Any]:
+def _handles(basins: Basins, colours: list[str], empty: str) -> list[Any]:
     shares = basins.fractions
     handles = [
         Patch(facecolor=colour, edgecolor=GREY, label=f"{a.name}: {shares[a.name]:.1%}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -38,6 +38,11 @@ from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.validation import abbreviate
 
+if TYPE_CHECKING:
+    from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit
+    from frictionlab.analysis.sweeps.bifurcation import Bifurcation
+    from frictionlab.analysis.sweeps.sweep import Sweep
+
 Array = NDArray[np.float64]
 MOTION_STYLES: dict[str, dict[str, Any]] = {
     MotionKind.PERIODIC: {"color": BLUE, "marker": ".", "markersize": 4.0},
@@ -62,7 +67,7 @@ SPECIAL_POINT_STYLES = {
 
 
 def plot_bifurcation(
-    result: Any, ax: Axes | None = None, *, name: str | None = None, legend: bool = True
+    result: Bifurcation, ax: Axes | None = None, *, name: str | None = None, legend: bool = True
 ) -> list[Line2D]:
     """Draw a state at the points of the section against the parameter, and the equilibria.
 
@@ -173,11 +178,11 @@ def _set_intensity_scale(ax: Axes, results: list[Any]) -> None:
         ax.set_ylim(0.0 if len(moving) else None, None)
 
 
-def _swept_parameter_label(result: Any) -> str:
+def _swept_parameter_label(result: Bifurcation) -> str:
     return parameter_label(result.model, result.parameter)
 
 
-def _section_text(result: Any) -> str:
+def _section_text(result: Bifurcation) -> str:
     section = result.specification["section"]
     if section is None or section == "stick":
         return "the onset of stick" if section else "the section"
@@ -185,7 +190,7 @@ def _section_text(result: Any) -> str:
     return f"{text} = 0" + {1: ", rising", -1: ", falling"}.get(direction, "")
 
 
-def _start_text(result: Any) -> str:
+def _start_text(result: Bifurcation) -> str:
     x0 = result.specification["x0"]
     return {"rest": "from rest", "near": "from near the equilibrium", "continue": "continued"}.get(
         x0 if isinstance(x0, str) else "", "from a state"
@@ -259,7 +264,7 @@ def _check_state_name(branch: Any, name: str | None) -> None:
         )
 
 
-def _orbit_measure(orbit: Any, name: str | None) -> float:
+def _orbit_measure(orbit: PeriodicOrbit, name: str | None) -> float:
     return orbit.period if name is None else float(orbit.trajectory[name].max())
 
 
@@ -273,7 +278,7 @@ def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
     return intervals
 
 
-def plot_sweep(sweep: Any, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
+def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
     """Draw the numbers that a sweep gave: curves over one parameter, or colours over two.
 
     Parameters
@@ -323,7 +328,7 @@ def plot_sweep(sweep: Any, ax: Axes | None = None, *, label: str | None = None) 
     return [mesh]
 
 
-def _numbers(sweep: Any) -> np.ndarray:
+def _numbers(sweep: Sweep) -> np.ndarray:
     try:
         return sweep.to_array()
     except (TypeError, ValueError) as error:

@@ -33,6 +33,7 @@ from frictionlab.widgets.number_control import round_to_step, slider_range
 from frictionlab.widgets.update_scheduler import has_event_loop
 
 if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models.model import Model
 
 STRIP_THICKNESS = 7.0  # points
@@ -50,7 +51,7 @@ OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zord
 MECHANISM = MovingMechanism.name
 
 
-def _colours_of_modes(run: Any) -> dict[str, str]:
+def _colours_of_modes(run: Trajectory) -> dict[str, str]:
     """Colours of the model's modes; where modes are derived on demand, only of those that the run visits, as
     which others are known depends on earlier runs."""
     colours = mode_colours(run)
