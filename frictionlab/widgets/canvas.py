@@ -23,6 +23,7 @@ from .sound import listen
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
+    from frictionlab.widgets.result import Result
 
 DEFAULT_WINDOW = Periods(20.0)
 FRAMES = 100.0  # frames in a period: 50 a second where a period takes two
@@ -115,7 +116,7 @@ class MovingMechanism:
         canvas = Canvas(plays=True, follows=bool(title))
         self.canvas = canvas.add_class("fl-panel").add_class("fl-panel-mechanism")
 
-    def show(self, result: Any, dark: bool) -> None:
+    def show(self, result: Result, dark: bool) -> None:
         """Show the end of what a result shows, at most twenty periods, on a page that is dark or light."""
         run, times = result.run, result.times()
         mechanism = mechanism_of(run, "the panel mechanism")

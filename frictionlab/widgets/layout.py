@@ -23,6 +23,8 @@ from .update_scheduler import has_event_loop
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
+    from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
+    from frictionlab.widgets.result import Result
 
 NOTHING_SLIDES = (
     "Steady sliding and its stability are not of this model: nothing in it slides on something that moves."
@@ -87,7 +89,7 @@ class Layout:
         self.mark(False, False)
         self.show_comparison("")
 
-    def describe(self, result: Any) -> None:
+    def describe(self, result: Result) -> None:
         """Show the texts that describe a result."""
         self.equilibrium.value = equilibrium_text(result)
         self.python.value, self.json.value = python_snippet(result.settings), to_json(result.settings)
@@ -145,7 +147,7 @@ def _code_area(name: str) -> Any:
     return area.add_class(f"fl-{name}")
 
 
-def equilibrium_text(result: Any) -> str:
+def equilibrium_text(result: Result) -> str:
     """The verdict on steady sliding and the run, then the coordinates and forces of the equilibrium."""
     eigenvalues = result.eigenvalues
     if eigenvalues is None:
@@ -162,7 +164,7 @@ def equilibrium_text(result: Any) -> str:
     return f"{verdict_text(result)}<br>{numbers}"
 
 
-def verdict_text(result: Any) -> str:
+def verdict_text(result: Result) -> str:
     """Whether steady sliding is stable, and what the run does, in a sentence."""
     eigenvalues = result.eigenvalues
     if eigenvalues is None:
@@ -173,7 +175,7 @@ def verdict_text(result: Any) -> str:
     return f"<b>Steady sliding is {stability_text(eigenvalues)}{escape(run, quote=False)}.</b>"
 
 
-def no_sliding_text(result: Any) -> str:
+def no_sliding_text(result: Result) -> str:
     """Why there is no steady sliding, and what the run does; with the cure, where something can slide."""
     happens = run_text(result)
     run = f" {happens[0].upper()}{happens[1:]}." if happens else ""
@@ -192,11 +194,11 @@ def can_slide_steadily(model: Model) -> bool:
     return any(e.subs({s: 0 for s in e.free_symbols if s.name.endswith("'")}) != 0 for e in velocities)
 
 
-def run_text(result: Any) -> str:
+def run_text(result: Result) -> str:
     """A clause: what the run does at its end; empty where it settles to the equilibrium."""
     if not result.has_run or not result.run.status.ok:
         return ""
-    start = STARTS.get(result.settings.x0, "from your own state")
+    start = STARTS.get(str(result.settings.x0), "from your own state")
     if not result.is_moving:
         stops = "slip" not in result.run.mode[-1]  # in slip it is the equilibrium that it came to
         return f"{start} this run is over after {time_of_rest(result.run):.3g} s" if stops else ""
@@ -209,7 +211,7 @@ def run_text(result: Any) -> str:
     return f"{start} this run {what or 'vibrates'}{pitch}"
 
 
-def _motion(result: Any) -> str:
+def _motion(result: Result) -> str:
     """What the run does in the part shown, as its modes tell; empty where they tell nothing."""
     modes, times = set(result.modes), result.times()
     regimes = {regime for mode in modes for regime in mode.split(" | ")}
@@ -222,7 +224,7 @@ def _motion(result: Any) -> str:
     return "slips to and fro" if {"slip+", "slip-"} <= regimes else ""
 
 
-def stability_text(eigenvalues: Any) -> str:
+def stability_text(eigenvalues: Eigenvalues) -> str:
     """Stable, or which mode grows, how fast and at what frequency."""
     upper = eigenvalues.values[eigenvalues.values.imag >= 0]
     growing = upper[upper.real > 0]
@@ -243,7 +245,7 @@ def error_text(error: Exception) -> str:
     )
 
 
-def run_end_text(result: Any) -> str:
+def run_end_text(result: Result) -> str:
     """A warning if the run did not reach its end, or its steps are less exact than they should be."""
     if not result.has_run:
         return ""

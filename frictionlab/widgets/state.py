@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Mapping
 from html import escape
 from importlib import resources
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anywidget
 import ipywidgets
@@ -25,6 +25,9 @@ from .layout import Layout, verdict_text
 from .number_control import NumberControl, number_from_text
 from .panels.picture import Picture
 from .update_scheduler import in_this_thread
+
+if TYPE_CHECKING:
+    from frictionlab.widgets.result import Result
 
 SAME_MOVE = 0.7  # s: steps of one control that follow each other faster than this are undone together
 MAX_STATES = 200  # states of a history, at most
@@ -180,7 +183,7 @@ class Comparison:
         self.result: Any = None
         self.mechanism: MovingMechanism | None = None
 
-    def keep(self, state: State, result: Any, beside: MovingMechanism | None) -> None:
+    def keep(self, state: State, result: Result, beside: MovingMechanism | None) -> None:
         """Keep the scene that is shown; its mechanism is shown next to `beside`, the one that moves on."""
         self.state, self.result = state, result
         self._picture.freeze()
@@ -305,7 +308,7 @@ def _file_stem(explorer: Any) -> str:
     return type(explorer.model).__name__
 
 
-def _columns(result: Any) -> dict[str, Any]:
+def _columns(result: Result) -> dict[str, Any]:
     run, t = result.run, result.times()
     states = {name: result.states[:, i] for i, name in enumerate(run.names)}
     outputs = {name: run.output(name, t) for name in run.automaton.outputs}

@@ -12,7 +12,7 @@ from contextlib import nullcontext
 from functools import lru_cache
 from importlib import resources
 from io import BytesIO
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anywidget
 import numpy as np
@@ -27,6 +27,9 @@ from frictionlab.plotting.appearance import WHITE, background, ink_on, is_dark, 
 from frictionlab.plotting.figure import Drawing, RunFigure
 
 from .tile import Tile
+
+if TYPE_CHECKING:
+    from frictionlab.widgets.result import Result
 
 RGB = tuple[float, float, float]
 
@@ -209,7 +212,7 @@ class Picture:
         _keep(self.kept, self.tiles)
         self._show(self.shown)
 
-    def draw(self, result: Any, goes_on: bool = False) -> tuple[int, int] | None:
+    def draw(self, result: Result, goes_on: bool = False) -> tuple[int, int] | None:
         """Show a result in all panels; if one fails, none is changed.
 
         `goes_on` says that the result is the one already shown: then only panels that are not complete, or

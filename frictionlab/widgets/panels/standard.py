@@ -35,6 +35,7 @@ from frictionlab.widgets.update_scheduler import has_event_loop
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
     from frictionlab.models.model import Model
+    from frictionlab.widgets.result import Result
 
 STRIP_THICKNESS = 7.0  # points
 STRIP_SAMPLES = 400
@@ -58,7 +59,7 @@ def _colours_of_modes(run: Trajectory) -> dict[str, str]:
     return {mode: colours[mode] for mode in run.time_in_mode} if run.automaton.on_demand else colours
 
 
-def mode_strip(result: Any) -> dict[str, Curve]:
+def mode_strip(result: Result) -> dict[str, Curve]:
     """A thick line for every mode of the model, broken where the run is in other modes."""
     colours = _colours_of_modes(result.run)
     t, modes = result.times(), result.modes
@@ -73,7 +74,7 @@ def _strip_curve(t: Any, chosen: Any, colour: str) -> Curve:
     return Curve(np.where(shown, t, np.nan), np.where(shown, STRIP_HEIGHT, np.nan), style, "strip")
 
 
-def response(result: Any) -> Drawing:
+def response(result: Result) -> Drawing:
     """Coordinates against time; an angle is dashed, and on the right axis where there are lengths."""
     names = result.run.names[: result.run.automaton.coordinates]
     angles = secondary_axis_angles(names)
@@ -86,13 +87,13 @@ def response(result: Any) -> Drawing:
     return Drawing("time (s)", coordinate_axis_label(names), {**curves, **strip}, right=right, xlim=limits)
 
 
-def _coordinate_curve(result: Any, name: str, i: int, angles: tuple[str, ...]) -> Curve:
+def _coordinate_curve(result: Result, name: str, i: int, angles: tuple[str, ...]) -> Curve:
     x, y = envelope(result.times(), result.state(name))
     style = line_style(i, name) | ({"zorder": 1.8} if is_angle(name) else {})  # behind the lengths
     return Curve(x, y, style, "right" if name in angles else "left")
 
 
-def forces(result: Any) -> Drawing:
+def forces(result: Result) -> Drawing:
     """Normal and friction force against time; the rates, where a model has no contact forces."""
     outputs = force_outputs(result.run.automaton)
     what, curves = (
@@ -103,7 +104,7 @@ def forces(result: Any) -> Drawing:
     return Drawing("time (s)", what, {**curves, **mode_strip(result)}, xlim=limits)
 
 
-def _force_curves(result: Any, outputs: dict[str, tuple[str, str]]) -> dict[str, Curve]:
+def _force_curves(result: Result, outputs: dict[str, tuple[str, str]]) -> dict[str, Curve]:
     t, curves = result.times(), {}
     for name, (text, colour) in outputs.items():
         x, y = envelope(t, result.run.output(name, t))
@@ -111,14 +112,14 @@ def _force_curves(result: Any, outputs: dict[str, tuple[str, str]]) -> dict[str,
     return curves
 
 
-def _rate_curves(result: Any) -> dict[str, Curve]:
+def _rate_curves(result: Result) -> dict[str, Curve]:
     names = [f"{name}'" for name in result.model.coordinates]
     drawn = (envelope(result.times(), result.state(name)) for name in names)
     styles = (line_style(i, name) for i, name in enumerate(names))
     return {state_label(n): Curve(x, y, style) for n, (x, y), style in zip(names, drawn, styles)}
 
 
-def phase(result: Any) -> Drawing:
+def phase(result: Result) -> Drawing:
     """Coordinate against rate over the part that is shown, and the equilibrium of sliding."""
     name = result.settings.coordinate
     x, rate, modes = result.state(name), result.state(f"{name}'"), result.modes
@@ -134,14 +135,14 @@ def _phase_curve(x: Any, rate: Any, chosen: Any, colour: str) -> Curve:
     return Curve(np.where(shown, x, np.nan), np.where(shown, rate, np.nan), {"color": colour})
 
 
-def _equilibrium_point(result: Any, name: str) -> tuple[list[float], list[float]]:
+def _equilibrium_point(result: Result, name: str) -> tuple[list[float], list[float]]:
     eigenvalues = result.eigenvalues
     if eigenvalues is None:  # the text beside the picture says why
         return [], []
     return [float(eigenvalues.equilibrium.q[result.run.names.index(name)])], [0.0]
 
 
-def spectrum(result: Any) -> Drawing:
+def spectrum(result: Result) -> Drawing:
     """Amplitude spectrum over the second half of the run."""
     name, spectrum, f_max = result.settings.coordinate, result.spectrum, highest_frequency(result.model)
     labels = "frequency (Hz)", f"amplitude of {state_label(name)} ({state_unit(name)})"
@@ -154,7 +155,7 @@ def spectrum(result: Any) -> Drawing:
     return Drawing(*labels, {"_spectrum": curve}, yscale="log", note=note, xlim=(0.0, f_max))
 
 
-def eigenvalues(result: Any) -> Drawing:
+def eigenvalues(result: Result) -> Drawing:
     """Growth rate and frequency of each mode, those that grow in another colour."""
     eigenvalues = result.eigenvalues
     values: Any = (
@@ -201,7 +202,7 @@ class CriticalValuePanel:
         self._curve = lru_cache(MAX_CACHED_CURVES)(self._begun)
         self._shown: Any = None
 
-    def __call__(self, result: Any) -> Drawing:
+    def __call__(self, result: Result) -> Drawing:
         """The curve, and a point in the colour of its stability."""
         model, eigenvalues = result.model, result.eigenvalues
         for name in (self.parameter, self.over):
