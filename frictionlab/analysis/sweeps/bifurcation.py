@@ -229,7 +229,8 @@ def check_results(specification: Mapping[str, Any], results: Mapping[int, Any]) 
 def bifurcation_from_results(specification: dict[str, Any], results: dict[int, Any]) -> Bifurcation:
     rows = [results.get(i, {}) for i in range(len(specification["values"]))]
     names = tuple(specification["states"])
-    modes = next((list(row["shares"]) for row in rows if row), [])
+    # Of modes on demand each value has its own.
+    modes = dict.fromkeys(mode for row in rows for mode in row.get("shares", {}))
     return Bifurcation(
         parameter=specification["parameter"],
         values=np.array(specification["values"]),
@@ -238,11 +239,17 @@ def bifurcation_from_results(specification: dict[str, Any], results: dict[int, A
         intensities=_column(rows, "intensity"),
         onsets=np.array([row.get("onsets", 0) for row in rows]),
         sections=tuple(np.array(row.get("section", [])).reshape(-1, len(names)) for row in rows),
-        shares={m: np.array([row.get("shares", {}).get(m, np.nan) for row in rows]) for m in modes},
+        shares={mode: np.array([_share(row, mode) for row in rows]) for mode in modes},
         names=names,
         specification=specification,
         results=results,
     )
+
+
+def _share(row: dict[str, Any], mode: str) -> float:
+    """The share of time in a mode: zero where a motion had none of it, NaN of one that ended early."""
+    absent = 0.0 if row and row["kind"] != MotionKind.ENDED_EARLY else np.nan
+    return row.get("shares", {}).get(mode, absent)
 
 
 def _column(rows: list[Any], name: str) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS
+from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
 
 FLAT = fl.SliderOnBelt().without("geometry")
 VALUES = [0.3, 0.5, 1.4, 2.9]
@@ -181,3 +181,15 @@ def test_values_that_have_not_settled_go_on_as_in_steady_state(tmp_path):
     assert len({found.transient for found in alone}) > 1
     with pytest.raises(ValueError, match="differs in t_max"):
         fl.bifurcation(smooth, "mu_k", values, t_max=200.0, resume=path, **options)
+
+
+def test_modes_are_those_of_all_values():
+    """Of modes that are derived on demand each value knows its own."""
+    row = {"kind": "periodic", "period": 1.0, "onsets": 0, "intensity": 0.0, "section": [], "final": [0.0]}
+    ended = {**row, "kind": "ended early", "shares": {}}
+    rows = {0: row | {"shares": {"slip": 1.0}}, 1: row | {"shares": {"slip": 0.25, "stick": 0.75}}, 2: ended}
+    specification = {"parameter": "p", "values": [1.0, 2.0, 3.0, 4.0], "states": ["x"]}
+    shares = bifurcation_from_results(specification, rows).shares
+    np.testing.assert_equal(
+        shares, {"slip": [1.0, 0.25, np.nan, np.nan], "stick": [0.0, 0.75, np.nan, np.nan]}
+    )
