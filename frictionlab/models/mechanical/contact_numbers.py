@@ -10,14 +10,13 @@ from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
-from frictionlab.models.symbols import parameter_symbols
 
 from .mechanics import Friction
 
 if TYPE_CHECKING:
+    from frictionlab.hybrid.tape.formulas import Formulas
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 
@@ -48,6 +47,10 @@ def numbers_of_contacts(model: MechanicalModel) -> list[ContactNumbers | None]:
 @cache
 def _formulas(key: Structure) -> tuple[list[int], Formulas]:
     """How many numbers each contact has, none where it is a stop, and all of them as formulas."""
+    # The command's help loads models, and no numpy.
+    from frictionlab.hybrid.tape.formulas import formulas_of, kept_formulas
+    from frictionlab.models.symbols import parameter_symbols
+
     derivations = derivations_of(key, key.parameters)
 
     def derive() -> Formulas:
