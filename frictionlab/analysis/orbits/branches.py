@@ -276,6 +276,9 @@ HOPF_FIT_POINTS, HOPF_FIT_SPARE = (
     12,
     3,
 )  # most orbits in a fit; and orbits it needs in excess of its coefficients, to estimate the scatter
+EXTRAPOLATION_RTOL = (
+    1e-6  # share of the bounds' distance: a value extrapolated so far beyond a bound is at it
+)
 HOPF_SIZE_RTOL = 1e-2  # an orbit smaller than this share of the largest so far has shrunk to an equilibrium
 
 
@@ -326,8 +329,10 @@ def follow_branch(
             points.append(after)
             largest = np.maximum(largest, after.scale[:-2])
             if (after.scale[:-2] < HOPF_SIZE_RTOL * largest).all():
-                special.append(SpecialPoint(SpecialKind.HOPF, after, _hopf_value([start, *points])))
-                end = SpecialKind.HOPF
+                value = _within_bounds(_hopf_value([start, *points]), bounds)
+                if value is not None:  # else the bound comes first
+                    special.append(SpecialPoint(SpecialKind.HOPF, after, value))
+                    end = SpecialKind.HOPF
             if end:
                 return (yield BranchHalf(points, special, end))
             length = _next_length(step.length, after, max_step)
@@ -470,6 +475,12 @@ def _hopf_value(points: list[BranchPoint]) -> float:
     if not fits:
         return float(last[-1].value + np.polyfit(square[-2:], value[-2:], 1)[-1])
     return last[-1].value + min(fits, key=lambda fit: fit[1])[0]
+
+
+def _within_bounds(value: float, bounds: tuple[float, float]) -> float | None:
+    """An extrapolated value, at a bound where it is beyond that by rounding; None where it is outside."""
+    inside = float(np.clip(value, *bounds))
+    return inside if abs(value - inside) <= EXTRAPOLATION_RTOL * (bounds[1] - bounds[0]) else None
 
 
 def _fit_at_zero(x: Array, y: Array, degree: int) -> tuple[float, float]:

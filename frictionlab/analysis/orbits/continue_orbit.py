@@ -40,7 +40,7 @@ class SpecialOrbit:
     kind : str
         "fold", "period doubling", "Neimark-Sacker"; "grazing", where a stay that interrupts a mode
         appears or vanishes; "mode change", any other change of the sequence of modes; "Hopf", where the orbit
-        shrinks to an equilibrium.
+        shrinks to an equilibrium within the bounds.
     value : float
         Value of the parameter.
     orbit : PeriodicOrbit

@@ -295,3 +295,16 @@ def test_a_branch_at_one_value_of_its_parameter_has_no_folds():
     assert np.abs(branch.values).max() < 1e-13
     assert specials(branch) == []
     assert (orbit.stability, orbit.stable) == ("neutral", False)
+
+
+def test_a_hopf_point_outside_the_bounds_is_none_of_the_branch():
+    """r' = r (s - r^2): circles of radius sqrt(s), down to the bound, though they become small."""
+    grow = sp.Symbol("s") - X**2 - V**2
+    scene = automaton(fl.Mode("only", (X * grow - V, V * grow + X)), coordinates=0, s=1.0)
+    branch = followed(fl.periodic_orbit(scene, [1.0, 0.0], period=2 * np.pi), "s", (1e-5, 1.0))
+    assert (branch.ends, branch.values.min(), specials(branch)) == (("bound", "bound"), 1e-5, [])
+    sizes = [np.linalg.norm(orbit.state) for orbit in branch.orbits]
+    assert sizes == pytest.approx(np.sqrt(branch.values), rel=1e-7)
+    at_bound = followed(branch.orbits[0], "s", (0.0, 1.0), max_points=40)
+    assert at_bound.special[0].kind == "Hopf"
+    assert 0.0 <= at_bound.special[0].value < 1e-6
