@@ -27,6 +27,7 @@ from frictionlab.hybrid.tape.formulas import (
     CEILING,
     EQUAL,
     FLOOR,
+    FUNCTIONS_BY_KIND,
     INTEGER_POWER,
     LESS,
     LESS_OR_EQUAL,
@@ -41,7 +42,6 @@ from frictionlab.hybrid.tape.formulas import (
     Formulas,
     formulas_of,
 )
-from frictionlab.hybrid.tape.formulas import NAMES as OPERATION_NAMES
 from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, SQUARE
 from frictionlab.hybrid.tape.tape import Tape
 from frictionlab.models import Model
@@ -87,7 +87,7 @@ def _operation(tape: Tape, i: int) -> str:
     number = tape.constants[i]
     if kind == AFFINE:
         return _affine(number, [(factor, f"v{slot}") for slot, factor in tape.terms[a:b]])
-    template = TEMPLATES.get(kind) or f"F.{OPERATION_NAMES[kind]}({{a}})"
+    template = TEMPLATES.get(kind) or f"F.{FUNCTIONS_BY_KIND[kind].name}({{a}})"
     if kind == POWER and abs(number) == 0.5:
         template = "Math.sqrt({a})" if number > 0.0 else "1/Math.sqrt({a})"
     return template.format(a=f"v{a}", b=f"v{b}", number=_number(number), condition=f"v{int(number)}")

@@ -36,24 +36,16 @@ from frictionlab.automaton.expressions import integer_exponent, unsorted_product
 from frictionlab.hybrid.elementary import exponentials, trigonometry
 from frictionlab.hybrid.tape.functions import (
     AFFINE,
-    ASINH,
-    ATAN,
-    COS,
-    COSH,
-    EXP,
+    CONSTANT_TERM,
+    FUNCTIONS,
     LOG,
     POWER,
     PRODUCT,
     QUOTIENT,
-    SECH2,
-    SIN,
-    SINH,
     SQUARE,
-    TAN,
-    TANH,
-    function_table,
+    Function,
 )
-from frictionlab.hybrid.tape.tape import CONSTANT_TERM, AffineTerms, Tape, TapeBuilder, TapeError
+from frictionlab.hybrid.tape.tape import AffineTerms, Tape, TapeBuilder, TapeError
 from frictionlab.lazy_names import sympy as sp
 
 # Operations that only formulas have, as kernels have no series of them.
@@ -115,55 +107,56 @@ def _sign(x: float) -> float:
     return math.copysign(1.0, x) if x else 0.0
 
 
+def _of_square(sign: int, constant: int, root: bool, factor: int = 1) -> Callable[..., Any]:
+    """A slope `factor`/(constant + sign a^2), or over the root of this."""
+
+    def slope(make: Any, a: int, y: int) -> dict[int, Any]:
+        inner = {make.product(a, a): sign, CONSTANT_TERM: constant}
+        return {make.power(inner, -0.5) if root else make.inverse(inner): factor}
+
+    return slope
+
+
+def _flat(*_: Any) -> dict[int, Any]:
+    return {}
+
+
+# Functions of one argument that only formulas have, as kernels have no series of them.
+OTHER_FUNCTIONS = (
+    Function(ASIN, "asin", trigonometry.asin, np.arcsin, _of_square(-1, 1, True)),
+    Function(ACOS, "acos", trigonometry.acos, np.arccos, _of_square(-1, 1, True, -1)),
+    Function(ACOSH, "acosh", exponentials.acosh, np.arccosh, _of_square(1, -1, True)),
+    Function(ATANH, "atanh", exponentials.atanh, np.arctanh, _of_square(-1, 1, False)),
+    Function(ABS, "Abs", abs, np.abs, lambda make, a, y: {make.function(SIGN, a): 1}),
+    Function(SIGN, "sign", _sign, np.sign, _flat),
+    Function(FLOOR, "floor", lambda x: float(np.floor(x)), np.floor, _flat),
+    Function(CEILING, "ceiling", lambda x: float(np.ceil(x)), np.ceil, _flat),
+    Function(STEP, "Heaviside", lambda x: 0.5 * (1.0 + _sign(x)), lambda x: np.heaviside(x, 0.5), _flat),
+    Function(NOT, "Not", operator.not_, np.logical_not, _flat),
+)
+FUNCTIONS_BY_KIND = {function.kind: function for function in (*FUNCTIONS, *OTHER_FUNCTIONS)}
 # Functions of one number that kernels compute, the same to the last bit on every machine.
-ELEMENTARY: dict[int, Callable[[float], float]] = {
-    EXP: exponentials.exp,
-    LOG: exponentials.log,
-    SIN: trigonometry.sin,
-    COS: trigonometry.cos,
-    TAN: trigonometry.tan,
-    TANH: exponentials.tanh,
-    SINH: exponentials.sinh,
-    COSH: exponentials.cosh,
-    ATAN: trigonometry.atan,
-    ASINH: exponentials.asinh,
-    SECH2: exponentials.sech2,
-    ASIN: trigonometry.asin,
-    ACOS: trigonometry.acos,
-    ACOSH: exponentials.acosh,
-    ATANH: exponentials.atanh,
-}
-NAMES = {kind: function.__name__ for kind, function in ELEMENTARY.items()}
+ELEMENTARY = {function.kind: function.value for function in (*FUNCTIONS, *OTHER_FUNCTIONS[:4])}
 
 NUMBERS = Arithmetic(
     {
-        **{kind: _of_float(function) for kind, function in ELEMENTARY.items()},
+        **{kind: _of_float(function.value) for kind, function in FUNCTIONS_BY_KIND.items()},
+        NOT: operator.not_,
         ATAN2: math.atan2,
         QUOTIENT: _quotient,
         INTEGER_POWER: integer_power,
         POWER: real_power,
         REAL_POWER: real_power,
-        ABS: abs,
-        SIGN: _sign,
-        FLOOR: lambda x: float(np.floor(x)),
-        CEILING: lambda x: float(np.ceil(x)),
         MAXIMUM: max,
         MINIMUM: min,
-        STEP: lambda x: 0.5 * (1.0 + _sign(x)),
         LESS: operator.lt,
         LESS_OR_EQUAL: operator.le,
         EQUAL: operator.eq,
         AND: lambda a, b: a and b,
         OR: lambda a, b: a or b,
-        NOT: operator.not_,
     },
     lambda condition, a, b: a if condition else b,
 )
-
-
-def _sech2(x: Any) -> Any:
-    with np.errstate(over="ignore"):  # beyond 710 the square is zero as a float
-        return (1.0 / np.cosh(x)) ** 2
 
 
 def nonnegative_power(base: Any, exponent: Any) -> Any:
@@ -175,39 +168,19 @@ def nonnegative_power(base: Any, exponent: Any) -> Any:
 
 ARRAYS = Arithmetic(
     {
-        EXP: np.exp,
-        LOG: np.log,
-        SIN: np.sin,
-        COS: np.cos,
-        TAN: np.tan,
-        TANH: np.tanh,
-        SINH: np.sinh,
-        COSH: np.cosh,
-        ATAN: np.arctan,
-        ASINH: np.arcsinh,
-        SECH2: _sech2,
-        ASIN: np.arcsin,
-        ACOS: np.arccos,
-        ACOSH: np.arccosh,
-        ATANH: np.arctanh,
+        **{kind: function.array for kind, function in FUNCTIONS_BY_KIND.items()},
         ATAN2: np.arctan2,
         QUOTIENT: operator.truediv,
         INTEGER_POWER: lambda x, n: x ** int(n),
         POWER: lambda x, y: np.sqrt(x) if y == 0.5 else _array_power(x, y),
         REAL_POWER: lambda x, y: _array_power(x, y),
-        ABS: np.abs,
-        SIGN: np.sign,
-        FLOOR: np.floor,
-        CEILING: np.ceil,
         MAXIMUM: np.maximum,
         MINIMUM: np.minimum,
-        STEP: lambda x: np.heaviside(x, 0.5),
         LESS: np.less,
         LESS_OR_EQUAL: np.less_equal,
         EQUAL: np.equal,
         AND: np.logical_and,
         OR: np.logical_or,
-        NOT: np.logical_not,
     },
     np.where,
 )
@@ -294,9 +267,9 @@ class FormulaBuilder(TapeBuilder):
             return {CONSTANT_TERM: sp.Integer(int(expr == sp.true))}
         return super()._lower_new(expr)
 
-    def _function(self, expr: Any) -> AffineTerms:
-        kind, a = function_table()[expr.func].kind, self.slot(expr.args[0])
-        return {self.operation(kind, a, a): sp.S.One}
+    def function(self, kind: int, a: int) -> int:
+        """Slot of a function of another slot."""
+        return self.operation(kind, a, a)
 
     def _fold(self, kind: int, slots: Sequence[int]) -> int:
         """The function of one or two slots; of more, such as the greatest of three, one after the other."""
@@ -325,30 +298,20 @@ class FormulaBuilder(TapeBuilder):
 @lru_cache(maxsize=1)
 def _functions_of_formulas() -> dict[Any, int]:
     """Operations of formulas alone by their sympy functions."""
-    return {
-        sp.Abs: ABS,
-        sp.sign: SIGN,
-        sp.floor: FLOOR,
-        sp.ceiling: CEILING,
-        sp.asin: ASIN,
-        sp.acos: ACOS,
-        sp.acosh: ACOSH,
-        sp.atanh: ATANH,
+    of_several = {
         sp.atan2: ATAN2,
         sp.Max: MAXIMUM,
         sp.Min: MINIMUM,
-        sp.Heaviside: STEP,
         sp.Lt: LESS,
         sp.Le: LESS_OR_EQUAL,
         sp.Eq: EQUAL,
         sp.And: AND,
         sp.Or: OR,
-        sp.Not: NOT,
     }
+    return {function.expression: function.kind for function in OTHER_FUNCTIONS} | of_several
 
 
-OF_ONE = frozenset({ABS, SIGN, FLOOR, CEILING, ASIN, ACOS, ACOSH, ATANH, STEP, NOT})
-FLAT = frozenset({SIGN, FLOOR, CEILING, STEP, LESS, LESS_OR_EQUAL, EQUAL, AND, OR, NOT})  # of zero derivative
+COMPARISONS = frozenset({LESS, LESS_OR_EQUAL, EQUAL, AND, OR})  # of zero derivative
 
 
 @dataclass(frozen=True, eq=False)
@@ -590,7 +553,7 @@ def _step(tape: Tape, i: int, arithmetic: Arithmetic) -> Step:
     function = arithmetic.functions[kind]
     if kind in (INTEGER_POWER, POWER):
         return lambda v: function(v[a], number)
-    if kind in OF_ONE or QUOTIENT < kind < FIRST_OF_FORMULAS:
+    if kind in FUNCTIONS_BY_KIND:
         return lambda v: function(v[a])
     return lambda v: function(v[a], v[b])
 
@@ -647,7 +610,7 @@ class _Differentiation(FormulaBuilder):
         (kind, a, b), number, out = tape.ops[i], tape.constants[i], tape.inputs + i
         if kind == AFFINE:
             return _sum([(c, self.derivatives[slot]) for slot, c in tape.terms[a:b]])
-        if kind in FLAT or not any(self.derivatives[slot] for slot in operands(tape, i)):
+        if kind in COMPARISONS or not any(self.derivatives[slot] for slot in operands(tape, i)):
             return {}
         if kind == PRODUCT:
             return _sum([(1.0, self._times(b, a)), (1.0, self._times(a, b))])
@@ -668,10 +631,11 @@ class _Differentiation(FormulaBuilder):
             by_base = self._binary(PRODUCT, *sorted((b, self.operation(REAL_POWER, a, lower))))
             by_exponent = self._binary(PRODUCT, *sorted((out, self.operation(LOG, a, a))))
             return _sum([(1.0, self._times(by_base, a)), (1.0, self._times(by_exponent, b))])
-        return self._times(self._slope(kind, a, number, out), a)
+        slope = self._slope(kind, a, number, out)
+        return {} if slope is None else self._times(slope, a)
 
-    def _slope(self, kind: int, a: int, number: float, out: int) -> int:
-        """Slot of the derivative of a function of one slot by this."""
+    def _slope(self, kind: int, a: int, number: float, out: int) -> int | None:
+        """Slot of the derivative of a function of one slot by this; None where that is zero."""
         if kind == SQUARE:
             return self.materialised({a: 2.0})
         if kind == INTEGER_POWER:
@@ -682,27 +646,8 @@ class _Differentiation(FormulaBuilder):
             return self.materialised(_scaled(number, lower))
         if kind == POWER:
             return self.materialised({self.operation(POWER, a, a, number - 1.0): number})
-        return self._slope_of_function(kind, a, out)
-
-    def _slope_of_function(self, kind: int, a: int, out: int) -> int:
-        if kind == EXP:
-            return out
-        if kind in SLOPES:
-            factor, slope = SLOPES[kind]
-            return self.materialised({self.operation(slope, a, a): factor})
-        if kind == SECH2:  # -2 tanh(a) sech(a)^2
-            return self.materialised({self._binary(PRODUCT, self.operation(TANH, a, a), out): -2.0})
-        if kind == TAN:
-            return self.materialised({CONSTANT_TERM: 1.0, self._square(out): 1.0})
-        if kind == LOG:
-            return self._inverse(a)
-        squares, constant, root, sign = INVERSE_SLOPES[kind]
-        inner = self.materialised({CONSTANT_TERM: constant, self._square(a): squares})
-        slope = self._inverse(self.operation(POWER, inner, inner, 0.5) if root else inner)
-        return slope if sign > 0.0 else self.materialised({slope: sign})
-
-    def _inverse(self, slot: int) -> int:
-        return self.operation(QUOTIENT, self.materialised({CONSTANT_TERM: 1.0}), slot)
+        terms = FUNCTIONS_BY_KIND[kind].slope(self, a, out)
+        return self.materialised(terms) if terms else None
 
     def _selected(self, condition: int, a: int, b: int) -> Derivative:
         directions = {*self.derivatives[a], *self.derivatives[b]}
@@ -756,18 +701,3 @@ def _sum(parts: Sequence[tuple[float, Derivative]]) -> Derivative:
 
 def _scaled(factor: float, terms: AffineTerms) -> AffineTerms:
     return {slot: factor * number for slot, number in terms.items()}
-
-
-# Derivatives that are a multiple of another function of the argument.
-SLOPES = {SIN: (1.0, COS), COS: (-1.0, SIN), TANH: (1.0, SECH2), SINH: (1.0, COSH), COSH: (1.0, SINH)} | {
-    ABS: (1.0, SIGN)
-}
-# Derivatives sign/(c + s a^2), or of its root: s, c, whether it is the root, the sign.
-INVERSE_SLOPES = {
-    ATAN: (1.0, 1.0, False, 1.0),
-    ATANH: (-1.0, 1.0, False, 1.0),
-    ASINH: (1.0, 1.0, True, 1.0),
-    ASIN: (-1.0, 1.0, True, 1.0),
-    ACOS: (-1.0, 1.0, True, -1.0),
-    ACOSH: (1.0, -1.0, True, 1.0),
-}

@@ -2,11 +2,11 @@
 solver knows of a function such as tanh is in this file.
 
 All functions have one recurrence for Taylor coefficients, k y_k = sum of j a_j s_(k-j) for y = f(a), whose
-s = f'(a) is lowered to the tape like any expression.  So interpreter, native code, lanes, gradients and
-tangents need of a function only
+s = f'(a) is made of operations like any expression.  So interpreter, native code, lanes, gradients, tangents
+and formulas need of a function only
 
-* its expression, a sympy function, and its derivative (`Function`);
-* its value at a number (`function_value`);
+* its name, its value at a number and at arrays, and its slope as operations (`Function`);
+* its value in kernels (`function_value`);
 * its range: how far it may go on a disc of complex numbers (`function_range`), by which the choice of a step
   takes account of a steep part of a friction law that lies ahead.
 
@@ -20,9 +20,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Protocol
 
-from frictionlab.automaton.mode import Expr
+import numpy as np
+
 from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.elementary import exponentials, trigonometry
 from frictionlab.lazy_names import sympy as sp
@@ -37,6 +38,30 @@ EXP, LOG, SIN, COS, TAN, TANH, SINH, COSH, ATAN, ASINH, SECH2 = range(FIRST_FUNC
 SINH_LIMIT = 700.0  # beyond, sinh overflows
 
 
+CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
+Slope = dict[int, Any]  # an affine combination of slots
+
+
+class Operations(Protocol):
+    """What makes operations on slots, as a builder of a tape does; each returns the slot of its result."""
+
+    def function(self, kind: int, a: int) -> int:
+        """A function of a slot."""
+        ...
+
+    def product(self, a: int, b: int) -> int:
+        """A product of two slots."""
+        ...
+
+    def inverse(self, terms: Slope) -> int:
+        """1 over an affine combination."""
+        ...
+
+    def power(self, terms: Slope, exponent: float) -> int:
+        """A power of an affine combination."""
+        ...
+
+
 @dataclass(frozen=True)
 class Function:
     """A function of one argument.
@@ -47,25 +72,28 @@ class Function:
         Its number among the operations.
     name : str
         Name of the sympy function that is lowered to it.
-    derivative : callable or None
-        f' as an expression of the argument; None for the derivative that sympy gives.
+    value : callable
+        Of one number.
+    array : callable
+        Of arrays, complex numbers and intervals.
+    slope : callable
+        The derivative as a combination of slots, made by operations from the slots of the argument and of
+        the function.
     public : bool
         Whether expressions of users may contain it; if not, it serves only as the derivative of another.
     """
 
     kind: int
     name: str
-    derivative: Callable[[Expr], Expr] | None = None
+    value: Callable[[float], float]
+    array: Callable[[Any], Any]
+    slope: Callable[[Operations, int, int], Slope]
     public: bool = True
 
     @property
     def expression(self) -> Any:
         """The sympy function."""
         return sech2() if self.kind == SECH2 else getattr(sp, self.name)
-
-    def slope(self, expr: Any) -> Expr:
-        """Expression of f'(a), where `expr` is f(a)."""
-        return expr.fdiff() if self.derivative is None else self.derivative(expr.args[0])
 
 
 @cache
@@ -77,18 +105,49 @@ def sech2() -> Any:
     return type("sech2", (sp.Function,), {"nargs": 1, "__module__": __name__})
 
 
+def _other(kind: int, factor: int = 1) -> Callable[[Operations, int, int], Slope]:
+    """A slope that is a multiple of another function of the same argument."""
+    return lambda make, a, y: {make.function(kind, a): factor}
+
+
+def _sech2_of_arrays(x: Any) -> Any:
+    with np.errstate(over="ignore"):  # beyond 710 the square is zero as a float
+        return (1.0 / np.cosh(x)) ** 2
+
+
 FUNCTIONS = (
-    Function(EXP, "exp"),
-    Function(LOG, "log"),
-    Function(SIN, "sin"),
-    Function(COS, "cos"),
-    Function(TAN, "tan"),
-    Function(TANH, "tanh", derivative=lambda a: sech2()(a)),
-    Function(SINH, "sinh"),
-    Function(COSH, "cosh"),
-    Function(ATAN, "atan"),
-    Function(ASINH, "asinh"),
-    Function(SECH2, "sech2", lambda a: -2 * sp.tanh(a) * sech2()(a), public=False),
+    Function(EXP, "exp", exponentials.exp, np.exp, lambda make, a, y: {y: 1}),
+    Function(LOG, "log", exponentials.log, np.log, lambda make, a, y: {make.inverse({a: 1}): 1}),
+    Function(SIN, "sin", trigonometry.sin, np.sin, _other(COS)),
+    Function(COS, "cos", trigonometry.cos, np.cos, _other(SIN, -1)),
+    Function(
+        TAN, "tan", trigonometry.tan, np.tan, lambda make, a, y: {make.product(y, y): 1, CONSTANT_TERM: 1}
+    ),
+    Function(TANH, "tanh", exponentials.tanh, np.tanh, _other(SECH2)),
+    Function(SINH, "sinh", exponentials.sinh, np.sinh, _other(COSH)),
+    Function(COSH, "cosh", exponentials.cosh, np.cosh, _other(SINH)),
+    Function(
+        ATAN,
+        "atan",
+        trigonometry.atan,
+        np.arctan,
+        lambda make, a, y: {make.inverse({make.product(a, a): 1, CONSTANT_TERM: 1}): 1},
+    ),
+    Function(
+        ASINH,
+        "asinh",
+        exponentials.asinh,
+        np.arcsinh,
+        lambda make, a, y: {make.power({make.product(a, a): 1, CONSTANT_TERM: 1}, -0.5): 1},
+    ),
+    Function(
+        SECH2,
+        "sech2",
+        exponentials.sech2,
+        _sech2_of_arrays,
+        lambda make, a, y: {make.product(make.function(TANH, a), y): -2},
+        public=False,
+    ),
 )
 OPERATION_NAMES = dict(enumerate(NAMES_OF_OPERATIONS)) | {f.kind: f.name for f in FUNCTIONS}
 ALLOWED_OPERATIONS = "+, -, *, /, constant exponents, " + ", ".join(f.name for f in FUNCTIONS if f.public)

@@ -19,6 +19,9 @@ from frictionlab.automaton.mode import Expr
 from frictionlab.hybrid.tape.functions import (
     AFFINE,
     ALLOWED_OPERATIONS,
+    CONSTANT_TERM,
+    FIRST_FUNCTION,
+    FUNCTIONS,
     OPERATION_NAMES,
     POWER,
     PRODUCT,
@@ -29,7 +32,6 @@ from frictionlab.hybrid.tape.functions import (
 )
 from frictionlab.lazy_names import sympy as sp
 
-CONSTANT_TERM = -1  # the key of the constant term in an affine combination {slot: coefficient}
 AffineTerms = dict[int, Expr]
 
 
@@ -207,12 +209,28 @@ class TapeBuilder:
         return {self._after_rate(POWER, self._binary(SQUARE, a, a), exponent / 2): sp.S.One}
 
     def _function(self, expr: Expr) -> AffineTerms:
-        function = function_table()[expr.func]
-        a = self.slot(expr.args[0])
-        place = self._after_rate(function.kind, a)
-        self._affine[expr] = {place: sp.S.One}  # its derivative may contain the function itself
-        self.tape.ops[place - self.tape.inputs] = function.kind, a, self.slot(function.slope(expr))
-        return self._affine[expr]
+        kind = function_table()[expr.func].kind
+        return {self.function(kind, self.slot(expr.args[0])): sp.S.One}
+
+    def function(self, kind: int, a: int) -> int:
+        """Slot of a function of another slot; its slope comes after it, as it may contain the function."""
+        if (kind, a) not in self._slots:
+            place = self._slots[kind, a] = self._after_rate(kind, a)
+            slope = self._materialise(FUNCTIONS[kind - FIRST_FUNCTION].slope(self, a, place))
+            self.tape.ops[place - self.tape.inputs] = kind, a, slope
+        return self._slots[kind, a]
+
+    def product(self, a: int, b: int) -> int:
+        """Slot of a product."""
+        return self._binary(PRODUCT, *sorted((a, b)))
+
+    def inverse(self, terms: AffineTerms) -> int:
+        """Slot of 1 over a combination."""
+        return self._binary(QUOTIENT, self._materialise({CONSTANT_TERM: 1}), self._materialise(terms))
+
+    def power(self, terms: AffineTerms, exponent: float) -> int:
+        """Slot of a power of a combination."""
+        return self._after_rate(POWER, self._materialise(terms), exponent)
 
     def number(self, expr: Expr) -> Any:
         """A number as the tape holds it: an expression of the parameters."""
@@ -259,7 +277,7 @@ class TapeBuilder:
         slots = [self.slot(f) for f in factors]
         result = slots[0]
         for other in slots[1:]:
-            result = self._binary(PRODUCT, *sorted((result, other)))
+            result = self.product(result, other)
         return result
 
     def _power(self, base: Expr, exponent: int) -> int:
@@ -269,7 +287,7 @@ class TapeBuilder:
             return self.slot(base)
         half = self._power(base, exponent // 2)
         square = self._binary(SQUARE, half, half)
-        return square if exponent % 2 == 0 else self._binary(PRODUCT, *sorted((self.slot(base), square)))
+        return square if exponent % 2 == 0 else self.product(self.slot(base), square)
 
     def _binary(self, kind: int, a: int, b: int) -> int:
         if a == b and kind == PRODUCT:
