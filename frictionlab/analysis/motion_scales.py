@@ -60,6 +60,13 @@ def state_scales(states: Array, coordinates: int) -> Array:
     return ranges
 
 
+def moving_scales(states: Array, coordinates: int) -> Array:
+    """As :func:`state_scales`, but a state that does not move beyond rounding is measured by its values."""
+    scales, values = state_scales(states, coordinates), np.abs(states).max(axis=0)
+    still = state_ranges(states) < AT_REST_RTOL * values
+    return np.where(still, np.maximum(scales, values), scales)
+
+
 def motion_size(run: Trajectory, samples: int | None = None) -> Array:
     """Size of a motion, or of its first `samples`, in each state: the largest range in its group.
 

@@ -12,9 +12,17 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import eig, null_space
 from scipy.optimize import minimize_scalar
 
-from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_groups, state_ranges, state_scales
+from frictionlab.analysis.motion_scales import (
+    AT_REST_RTOL,
+    Array,
+    moving_scales,
+    state_groups,
+    state_ranges,
+    state_scales,
+)
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
@@ -35,8 +43,10 @@ MAX_HALVINGS = 8
 RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
 # relative singular values below this belong to a family of orbits: no step is taken in their directions
 FAMILY_RCOND = 1e-11
-# in a family of orbits the multiplier 1 is double, and so known only to the square root of rounding
-MULTIPLIER_RTOL = 1e-6
+ERROR_FACTOR = (
+    10.0  # times the error estimated: that of a nearly double multiplier is more than first order tells
+)
+CIRCLE_SAMPLES = 64  # points of the unit circle
 MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
 MIN_ORBIT_SIZE = 1e-3  # an orbit smaller than this share of the guess is in fact an equilibrium
 MAX_VIOLATION = 1e-6  # largest violation of a condition of a mode, as a share of the condition's terms
@@ -80,21 +90,20 @@ class PeriodicOrbit(Drawable):
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers but that along the orbit are inside the unit circle, beyond rounding."""
+        """Whether all multipliers but that along the orbit are inside the unit circle beyond errors."""
         return self.stability == "stable"
 
     @property
     def stability(self) -> str:
         """Whether it is "stable" or "unstable".
 
-        "neutral" where the largest of the other multipliers is on the unit circle but for rounding, as
-        without damping: the linear theory does not tell which.
+        "neutral" where the error of the multipliers leaves open on which side of the unit circle one is, as
+        without damping: the linear theory does not tell.  The error is estimated from the residual, the
+        tolerance of the run, and how far the monodromy matrix misses what is known of it: the flow's
+        direction, and the multiplier 1.  It grows with the condition of the multipliers, which is large where
+        two nearly coincide, as in a family of orbits.
         """
-        others = np.delete(self.multipliers, np.argmin(np.abs(self.multipliers - 1.0)))
-        largest = np.abs(others).max(initial=0.0)
-        if largest < 1.0 - MULTIPLIER_RTOL:
-            return "stable"
-        return "unstable" if largest > 1.0 + MULTIPLIER_RTOL else "neutral"
+        return stability_within_errors(self)
 
     def __repr__(self) -> str:
         kind = self.stability
@@ -311,6 +320,52 @@ def floquet_multipliers(monodromy: Array) -> Array:
     """Eigenvalues of a monodromy matrix, the largest first."""
     values = np.linalg.eigvals(monodromy).astype(complex)
     return values[np.argsort(-np.abs(values), kind="stable")]
+
+
+def stability_within_errors(orbit: PeriodicOrbit) -> str:
+    """Whether an orbit is "stable" or "unstable", "neutral" where the errors of its multipliers hide that.
+
+    Let dM be the error of the monodromy matrix M in units of the motion's size.  To first order it moves a
+    simple multiplier, with left and right vectors l, r of length 1, by at most |dM|/|l r|.  So one may be
+    outside the unit circle for sure.  No multiplier crosses the circle, whether simple or not, as long as the
+    least singular value of B - z is larger than the error of B for all |z| = 1.  B is M without the
+    multiplier along the orbit, on the plane normal to its l, so that its error is at most |dM|/|l r| of that.
+    """
+    run = orbit.trajectory
+    size = moving_scales(run.states, run.automaton.coordinates)
+    matrix = orbit.monodromy * size / size[:, None]
+    found: Any = eig(matrix, left=True)
+    values, left, right = found
+    along = int(np.argmin(np.abs(values - 1.0)))
+    with np.errstate(divide="ignore"):
+        conditions = 1.0 / np.abs((left.conj() * right).sum(axis=0))
+    error = ERROR_FACTOR * max(
+        _monodromy_error(orbit, matrix, size), abs(values[along] - 1.0) / conditions[along]
+    )
+    outside = np.abs(values) - conditions * error > 1.0
+    others = np.delete(values, along)
+    plane = null_space(left[:, along].conj()[None])
+    if np.delete(outside, along).any():
+        return "unstable"
+    if _distance_from_circle(plane.conj().T @ matrix @ plane, others) <= conditions[along] * error:
+        return "neutral"
+    return "unstable" if (np.abs(others) > 1.0).any() else "stable"
+
+
+def _monodromy_error(orbit: PeriodicOrbit, matrix: Array, size: Array) -> float:
+    """An estimate of |dM|, in units of `size`: by what the run leaves open, and by M f = f for the flow f."""
+    first, last = (rate / size for rate in end_rates(orbit.trajectory))
+    tolerance = orbit.trajectory.description["method"]["tol"]
+    share = max(tolerance, len(size) * np.finfo(float).eps, orbit.residual)
+    missed = np.linalg.norm(matrix @ first - last) / np.linalg.norm(first)
+    return float(max(share * np.linalg.norm(matrix, 2), missed))
+
+
+def _distance_from_circle(block: Any, values: Any) -> float:
+    """The least singular value of B - z on the unit circle: at the angles of B's eigenvalues, and between."""
+    angles = np.append(np.linspace(0.0, 2.0 * np.pi, CIRCLE_SAMPLES, endpoint=False), np.angle(values))
+    shifted = block - np.exp(1j * angles)[:, None, None] * np.eye(len(block))
+    return float(np.linalg.svd(shifted, compute_uv=False).min(initial=np.inf))
 
 
 def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> ShootingResult:

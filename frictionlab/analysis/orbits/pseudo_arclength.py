@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges, state_scales
+from frictionlab.analysis.motion_scales import Array, moving_scales
 from frictionlab.analysis.orbits.periodic_orbit import (
     RESIDUAL_ROUNDING,
     OrbitGuess,
@@ -172,12 +172,7 @@ def _next_point(
 
 
 def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
-    states = shot.run.states[:, :-1]
-    found, values = state_scales(states, automaton.coordinates), np.abs(states).max(axis=0)
-    still = (
-        state_ranges(states) < AT_REST_RTOL * values
-    )  # a state that does not move may change along the branch by its own size
-    return np.append(np.where(still, np.maximum(found, values), found), [period, span])
+    return np.append(moving_scales(shot.run.states[:, :-1], automaton.coordinates), [period, span])
 
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:

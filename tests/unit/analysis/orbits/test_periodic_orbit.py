@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.special import ellipk
 
 import frictionlab as fl
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
@@ -115,6 +116,26 @@ def test_the_unit_circle_attracts_or_repels(direction):
     assert orbit.stable == (direction > 0)
     kind = "stable" if direction > 0 else "unstable"
     assert repr(orbit) == f"PeriodicOrbit({kind}, period 6.28319 s, only)"
+
+
+@pytest.mark.parametrize(("strength", "kind"), [(1e-9, "stable"), (-1e-9, "unstable"), (0.0, "neutral")])
+def test_a_weak_attraction_is_told_from_none(strength, kind):
+    """Deviations from the unit circle shrink by exp(-4 pi strength) a turn: that is no rounding."""
+    scene = circle(strength)
+    orbit = fl.periodic_orbit(scene, [1.0, 0.0, 0.0], period=2 * np.pi)
+    exact = [1.0, np.exp(-4 * np.pi * strength), np.exp(-2 * np.pi)]
+    assert np.sort(orbit.multipliers.real) == pytest.approx(np.sort(exact), abs=1e-13)
+    assert orbit.stability == kind
+
+
+def test_a_pendulum_near_its_upper_rest_is_neutral():
+    """No friction: the multiplier 1 is double, with an error of some 1e-5, as the period varies fast."""
+    orbit = fl.periodic_orbit(
+        automaton(fl.Mode("only", (V, -sp.sin(X))), coordinates=1), [3.1, 0.0], period=18.0
+    )
+    x, v = orbit.state
+    assert orbit.period == pytest.approx(4 * ellipk((v**2 / 2 + 1 - np.cos(x)) / 2), rel=1e-10)
+    assert orbit.stability == "neutral"
 
 
 def test_an_unstable_bounce_is_found():
