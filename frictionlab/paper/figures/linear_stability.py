@@ -33,10 +33,10 @@ from frictionlab.stability import (
     CriticalCurve,
     RootLocus,
     StabilityChange,
-    critical_curve,
     root_locus,
     stability_changes,
 )
+from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
 
 COALESCENCE_PRELOADS = {2: 100.0, 3: 1000.0}
 STIFFNESSES = (0.0, 1e4, 1e7)
@@ -187,13 +187,13 @@ def critical_by_geometry() -> CriticalPreload:
 @cache
 def _refined_curve(model: SliderOnBelt) -> CriticalCurve:
     at = PRELOAD_GRID
-    curve = critical_curve(model, "mu_k", MU_K, over=("F", at))
+    curve, _ = curve_and_gaps(model, "mu_k", MU_K, over=("F", at))
     for _ in range(MAX_REFINEMENTS):
         steep = np.array(jump_indices(curve), dtype=int)
         if not steep.size:
             break
         between = 0.5 * (curve.at[steep] + curve.at[steep + 1])
-        curve = _merge_curves(curve, critical_curve(model, "mu_k", MU_K, over=("F", between)))
+        curve = _merge_curves(curve, curve_and_gaps(model, "mu_k", MU_K, over=("F", between))[0])
     curve.at.flags.writeable = curve.values.flags.writeable = False  # the cache returns the same arrays again
     return curve
 

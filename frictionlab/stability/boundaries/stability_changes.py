@@ -229,7 +229,22 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
     ------
     ValueError
         As :func:`stability_changes`, for both parameters; if they are the same, or there are no values.
+
+    Warns
+    -----
+    RuntimeWarning
+        Where some values have no critical one: how many, and why.
     """
+    curve, gaps = curve_and_gaps(model, parameter, bounds, over=over)
+    if gaps:
+        warnings.warn(gaps, RuntimeWarning, 2)
+    return curve
+
+
+def curve_and_gaps(
+    model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]
+) -> tuple[CriticalCurve, str]:
+    """The curve of :func:`critical_curve`, and what to say of values without a critical one."""
     problem = equilibrium_problem(model)
     low, high = check_bounds(problem.model, parameter, bounds)
     cure = 'give for example ("F", [100, 200])'
@@ -243,8 +258,28 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
             f"got {abbreviate(over)}: {cure}"
         )
     losses = map(first_loss, changes_on_lines(problem, parameter, (low, high), {name: at}))
-    return CriticalCurve(
-        model, parameter, name, at, np.array([np.nan if x is None else x for x in losses], dtype=float)
+    values = np.array([np.nan if x is None else x for x in losses], dtype=float)
+    curve = CriticalCurve(model, parameter, name, at, values)
+    return curve, _gaps(problem, curve, low, high)
+
+
+def _gaps(problem: EquilibriumProblem, curve: CriticalCurve, low: float, high: float) -> str:
+    """How many values of a curve have no critical one, and why; "" where all have."""
+    missing = np.isnan(curve.values)
+    if not missing.any():
+        return ""
+    spectra = problem.spectra({curve.over: curve.at[missing], curve.parameter: np.full(missing.sum(), low)})
+    exists, growing = np.isfinite(growth_rates(spectra)[:, 0]), unstable_pairs(spectra) > 0
+    at_low = f"{curve.parameter} = {low:g}"
+    reasons = {
+        f"without an equilibrium at {at_low}": ~exists,
+        f"unstable from {at_low} on": exists & growing,
+        f"stable up to {high:g}, or as far as the equilibrium exists": exists & ~growing,
+    }
+    counted = [f"{int(chosen.sum())} {why}" for why, chosen in reasons.items() if chosen.any()]
+    return (
+        f"no critical {curve.parameter} in {low:g} to {high:g} at {int(missing.sum())} of "
+        f"{count(len(curve.at), 'value')} of {curve.over}: {', '.join(counted)}; they are NaN"
     )
 
 

@@ -26,7 +26,8 @@ from frictionlab.plotting.labels import (
 )
 from frictionlab.plotting.time_histories import force_outputs
 from frictionlab.presentation import is_angle, state_unit
-from frictionlab.stability import CriticalCurve, critical_curve
+from frictionlab.stability import CriticalCurve
+from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
 from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 from frictionlab.widgets.canvas import MovingMechanism
 from frictionlab.widgets.number_control import round_to_step, slider_range
@@ -232,7 +233,7 @@ class CriticalValuePanel:
         at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
 
         def compute(part: Any) -> CriticalCurve:
-            return critical_curve(others.model, self.parameter, self.bounds, over=(self.over, part))
+            return curve_and_gaps(others.model, self.parameter, self.bounds, over=(self.over, part))[0]
 
         return _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
 

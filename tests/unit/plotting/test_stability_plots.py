@@ -25,7 +25,9 @@ def locus():
 @pytest.fixture(scope="module")
 def curves():
     models = (MODEL, MODEL.without("geometry"))
-    return [fl.critical_curve(m, "mu_k", (0.0, 1.0), over=("F", [200.0, 600.0, 1000.0])) for m in models]
+    over = "F", [200.0, 600.0, 1000.0]
+    with pytest.warns(RuntimeWarning, match="no critical mu_k in 0 to 1"):
+        return [fl.critical_curve(m, "mu_k", (0.0, 1.0), over=over) for m in models]
 
 
 def beside(ax):
@@ -133,7 +135,8 @@ def test_critical_curves_have_gaps_and_names(curves):
 
 
 def legend_of(models):
-    curves = [fl.critical_curve(m, "mu_k", (0.0, 3.0), over=("F", [200.0, 600.0])) for m in models]
+    with pytest.warns(RuntimeWarning, match="no critical mu_k in 0 to 3"):
+        curves = [fl.critical_curve(m, "mu_k", (0.0, 3.0), over=("F", [200.0, 600.0])) for m in models]
     ax = plotting.plot_critical(curves)[0].axes
     ax.figure.canvas.draw()
     return ax, [text.get_text() for text in ax.get_legend().get_texts()]
@@ -160,7 +163,8 @@ def test_one_critical_curve_needs_no_legend(curves):
 
 
 def test_critical_curves_of_different_parameters_are_refused(curves):
-    other = fl.critical_curve(MODEL, "mu_k", (0.0, 1.0), over=("l1", [0.1, 0.2]))
+    with pytest.warns(RuntimeWarning, match="at 1 of 2 values of l1: 1 unstable from mu_k = 0 on"):
+        other = fl.critical_curve(MODEL, "mu_k", (0.0, 1.0), over=("l1", [0.1, 0.2]))
     with pytest.raises(ValueError, match="got mu_k over F, mu_k over l1"):
         plotting.plot_critical([curves[0], other])
     with pytest.raises(ValueError, match="got no curve"):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
 
 FLAT = fl.SliderOnBelt().without("geometry")
 PIXELS = 440  # of a panel's width, as a browser tells it
@@ -51,9 +52,9 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
 
     def counted(model, *args, **options):
         computed.append(model)
-        return fl.critical_curve(model, *args, **options)
+        return curve_and_gaps(model, *args, **options)
 
-    monkeypatch.setattr("frictionlab.widgets.panels.standard.critical_curve", counted)
+    monkeypatch.setattr("frictionlab.widgets.panels.standard.curve_and_gaps", counted)
     stability.controls["mu_k"].value = 0.7
     stability.controls["F"].value = 450.0
     assert not computed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 import sympy
@@ -282,7 +284,10 @@ def test_where_an_equilibrium_begins_nothing_changes():
 )
 def test_a_curve_is_its_points_one_by_one(model, over):
     parameter = "mu_k" if isinstance(model, S) else "p"
-    curve = fl.critical_curve(model, parameter, (0, 3), over=over)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        curve = fl.critical_curve(model, parameter, (0, 3), over=over)
+    assert len(told) == int(np.isnan(curve.values).any())
     np.testing.assert_array_equal(curve.at, over[1])
     for at, value in zip(curve.at, curve.values, strict=True):
         if isinstance(model, S):
@@ -292,6 +297,20 @@ def test_a_curve_is_its_points_one_by_one(model, over):
             single = fl.HybridAutomaton(model.states, model.modes, numbers, model.coordinates)
         one = fl.critical_value(single, parameter, (0, 3))
         assert (one is None and np.isnan(value)) or value == pytest.approx(one, rel=1e-10)
+
+
+def test_a_curve_says_why_it_has_gaps():
+    """x'' = -(c - p) x' + 10 - c - x^2: flutter at p = c, about x = sqrt(10 - c), which ends at c = 10."""
+    x, v, c = sympy.symbols("x v c")
+    mode = fl.Mode("only", (v, -(c - P) * v + 10 - c - x**2))
+    model = fl.HybridAutomaton((x, v), (mode,), {P: 0.0, c: 1.0}, 1)
+    with pytest.warns(RuntimeWarning) as told:
+        curve = fl.critical_curve(model, "p", (0, 3), over=("c", [-1.0, 1.0, 2.5, 4.0, 5.0, 20.0]))
+    assert curve.values == pytest.approx([np.nan, 1.0, 2.5, np.nan, np.nan, np.nan], rel=1e-9, nan_ok=True)
+    assert [str(warning.message) for warning in told] == [
+        "no critical p in 0 to 3 at 4 of 6 values of c: 1 without an equilibrium at p = 0, 1 unstable from "
+        "p = 0 on, 2 stable up to 3, or as far as the equilibrium exists; they are NaN"
+    ]
 
 
 def test_errors():
