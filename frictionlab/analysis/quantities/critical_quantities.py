@@ -130,14 +130,18 @@ def _newton(
     right = np.linalg.svd(flow.jacobian(x, numbers))[2][-1]
     row, numbers, size = right.copy(), list(numbers), np.abs(x).max()
     for _ in range(MAX_STEPS):
-        at = equilibrium_derivatives(flow, x, numbers)
-        slopes = at.slopes_of_product(right).real
+        with np.errstate(all="ignore"):  # from a poor start steps may leave all floats
+            at = equilibrium_derivatives(flow, x, numbers)
+            slopes = at.slopes_of_product(right).real
+            rates = flow.rhs(x, numbers)
+        if not (np.isfinite(at.matrix).all() and np.isfinite(slopes).all() and np.isfinite(rates).all()):
+            return None
         curved, mixed = slopes[:, :m], slopes[:, m + place]
         system = np.zeros((2 * m + 1, 2 * m + 1))
         system[:m, :m], system[:m, -1] = at.matrix, at.by_parameter[:, place]
         system[m:-1, :m], system[m:-1, m:-1], system[m:-1, -1] = curved, at.matrix, mixed
         system[-1, m:-1] = row
-        missed = np.concatenate([flow.rhs(x, numbers), at.matrix @ right, [row @ right - 1.0]])
+        missed = np.concatenate([rates, at.matrix @ right, [row @ right - 1.0]])
         try:
             step = -np.linalg.solve(system, missed)
         except np.linalg.LinAlgError:
