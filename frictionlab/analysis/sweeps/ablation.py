@@ -23,6 +23,7 @@ from .factorial_design import (
     Scene,
     Switch,
     all_scenes,
+    check_scene_at,
     effects_of,
     left_out,
     model_of_scene,
@@ -275,7 +276,8 @@ def ablation(
         Called as ``study(model)``, or ``study(model, start)`` where `x0` is given: ``fl.steady_state``, or
         functions of your own.  Effects are known for numbers, texts, mappings of these, and steady states.
     switches : None, sequence of str, or mapping
-        None takes all :attr:`~Model.nonlinearities`, a sequence names some of them.  A mapping gives each
+        None takes all :attr:`~Model.nonlinearities`, a sequence names some of them; "nonsmooth" is none where
+        a belt is at rest, as sliding friction has no direction there.  A mapping gives each
         switch its alternatives, the first being the reference: components or numbers for the field of that
         name, or mappings of arguments of ``replace``.  They are a list, or a mapping of labels to them.
         None in their place stands for a nonlinearity, on and off.
@@ -375,6 +377,7 @@ class _Plan:
             for point in product(*self.axes.values()):
                 changes = dict(zip(self.axes, map(float, point)))
                 here = model.replace(**changes) if changes else model
+                check_scene_at(self.model, self.factors, scene, changes)
                 at = "".join(f", {name} = {value:g}" for name, value in changes.items())
                 for start, study in product(starts, studies.values()):
                     tasks.append((study, here, *start))

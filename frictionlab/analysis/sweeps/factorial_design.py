@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.components.component import Component
+from frictionlab.models.composition import nonlinearities_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
 
@@ -101,6 +102,8 @@ def switches_of(model: Model, switches: Any = None) -> tuple[Switch, ...]:
 def _known(model: Model, name: Any) -> str:
     known = tuple(model.nonlinearities)
     if not isinstance(name, str) or name not in known:
+        if isinstance(name, str) and name in nonlinearities_of(model):
+            model.without(name)  # it says why the model cannot be without
         hint = did_you_mean(name, known) if isinstance(name, str) else ""
         raise ValueError(
             f"switches must be nonlinearities of {type(model).__name__} "
@@ -158,6 +161,14 @@ def model_of_scene(model: Model, switches: Sequence[Switch], scene: Scene) -> An
         changes |= {} if switch.changes is None else switch.changes[level]
     changed = model.replace(**changes) if changes else model
     return changed.without(*left_out(switches, scene))
+
+
+def check_scene_at(model: Model, switches: Sequence[Switch], scene: Scene, at: Mapping[str, float]) -> None:
+    """Raise ValueError where a scene cannot lack a nonlinearity at these values, as on a belt at rest."""
+    lacks = left_out(switches, scene)
+    if lacks and at:
+        complete = [0 if switch.changes is None else level for switch, level in zip(switches, scene)]
+        model_of_scene(model, switches, tuple(complete)).replace(**at).without(*lacks)
 
 
 def left_out(switches: Sequence[Switch], scene: Scene) -> tuple[str, ...]:

@@ -143,3 +143,22 @@ def test_what_removes_a_kind_of_motion_is_answered_by_name():
     assert alone == {"static friction as kinetic": -1.0, "k 1.1": 0.0}
     assert found.effects("kind = periodic").strongest == "static friction"
     assert found.effects("kind = equilibrium")["static friction"] == 1.0
+
+
+def test_on_a_belt_at_rest_nothing_can_only_slide():
+    """Friction has no direction there: without it there would be none, which is no effect of "nonsmooth"."""
+    studied = []
+    rests, moves = fl.SliderOnBelt(v=0.0), fl.SliderOnBelt(v=1.0)
+    assert fl.ablation(rests, force, **QUIET).switches == ("cubic", "geometry")
+    for attempt in (
+        lambda: rests.without("nonsmooth"),
+        lambda: fl.ablation(rests, studied.append, ["nonsmooth"], **QUIET),
+        lambda: fl.ablation(moves, studied.append, {"v": [1.0, 0.0], "nonsmooth": None}, **QUIET),
+        lambda: fl.ablation(moves, studied.append, ["nonsmooth"], over={"v": [1.0, 0.0]}, **QUIET),
+    ):
+        with pytest.raises(
+            ValueError, match="must rub a belt that moves where it only slides, got one at rest"
+        ):
+            attempt()
+    assert not studied
+    assert len(fl.ablation(moves, force, ["geometry"], over={"v": [1.0, 0.0]}, **QUIET).scenes) == 2
