@@ -99,19 +99,29 @@ class Flow:
     @cached_property
     def unseen(self) -> list[int]:
         """The states on which no rate depends."""
-        return sorted({*range(self.size)} - {column for _, column in self.derivative.places})
+        return sorted(
+            {*range(self.size)} - {column for _, column in self.derivative.places} - {*self.stepped}
+        )
+
+    @cached_property
+    def stepped(self) -> list[int]:
+        """The states on which steps depend, as of sign(x): functions that jump, which no derivative tells."""
+        return sorted(frozenset().union(*self.rates.step_dependences) & {*range(self.size)})
 
     @property
     def linear(self) -> bool:
-        """Whether the Jacobian is the same at every state."""
+        """Whether the Jacobian is the same at every state, and there are no steps."""
         return not self.nonlinear
 
     @cached_property
     def nonlinear(self) -> list[int]:
-        """The states that enter nonlinearly: columns of the Jacobian that are not the same at every state."""
+        """The states that enter nonlinearly.
+
+        Their columns of the Jacobian are not the same at every state, or steps depend on them.
+        """
         states = frozenset(range(self.size))
         known = zip(self.derivative.places, self.derivative.formulas.dependences, strict=True)
-        return sorted({column for (_, column), inputs in known if inputs & states})
+        return sorted({column for (_, column), inputs in known if inputs & states} | {*self.stepped})
 
     @cached_property
     def _nonlinear_entries(self) -> Entries:

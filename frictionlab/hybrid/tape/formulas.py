@@ -312,6 +312,7 @@ def _functions_of_formulas() -> dict[Any, int]:
 
 
 COMPARISONS = frozenset({LESS, LESS_OR_EQUAL, EQUAL, AND, OR})  # of zero derivative
+STEPS = COMPARISONS | {function.kind for function in OTHER_FUNCTIONS if function.slope is _flat}
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,10 +396,24 @@ class Formulas:
     @cached_property
     def dependences(self) -> list[frozenset[int]]:
         """For each function the inputs on which it depends."""
+        known = self._dependences_of_slots
+        return [known[slot] for slot in self.outputs]
+
+    @cached_property
+    def step_dependences(self) -> list[frozenset[int]]:
+        """For each function the inputs on which steps in it depend: signs, whole parts, conditions."""
+        found: list[frozenset[int]] = [frozenset()] * self.tape.inputs
+        for i, (kind, _, _) in enumerate(self.tape.ops):
+            steps = frozenset().union(*(found[slot] for slot in operands(self.tape, i)))
+            found.append(self._dependences_of_slots[self.tape.inputs + i] if kind in STEPS else steps)
+        return [found[slot] for slot in self.outputs]
+
+    @cached_property
+    def _dependences_of_slots(self) -> list[frozenset[int]]:
         known = [frozenset({i}) for i in range(self.tape.inputs)]
         for i in range(len(self.tape.ops)):
             known.append(frozenset().union(*(known[slot] for slot in operands(self.tape, i))))
-        return [known[slot] for slot in self.outputs]
+        return known
 
     def jacobian(self, inputs: Sequence[int] | None = None) -> tuple[list[tuple[int, int]], Formulas]:
         """The derivatives that are not zero everywhere: places (function, input), and formulas of the values.

@@ -121,6 +121,7 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     entries = _entries(flow, [Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
     constant = {place: _constant(entry) for place, entry in entries.items()}
     rows = np.array([None not in [c for (r, _), c in constant.items() if r == i] for i in range(m)])
+    rows &= [not steps & {*flow.stepped} for steps in flow.rates.step_dependences]
     matrix = np.zeros((m, m))
     for (i, j), entry in constant.items():
         matrix[i, j] = 0.0 if entry is None else entry
@@ -130,6 +131,9 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     solved = _solve_rows(matrix[rows], -rates[rows])
     if solved is None:
         return None
+    # Derivatives tell nothing of steps, unless linear rows hold their states at zero, as velocities.
+    if any(start[j] != 0.0 or free[j].any() for start, free in [solved] for j in flow.stepped):
+        return "rates jump where a sign, a whole part or a condition changes"
     left = np.flatnonzero(~rows)
     sums, left = _linear_sums(flow, values, left)
     if len(sums):

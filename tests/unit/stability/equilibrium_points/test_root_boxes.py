@@ -160,3 +160,32 @@ def test_bounds_hold_all_values(which, middle, decade):
     values = values[np.isfinite(values)]
     assert (values >= bounds.low).all()
     assert (values <= bounds.high).all()
+
+
+STEPS = {
+    "Heaviside": (sympy.Heaviside(X) - sympy.Rational(1, 2) - X / 4, [-2.0, 2.0]),
+    "constants": (sympy.Piecewise((-1, X < 0), (1, True)) - X / 2, [-2.0, 2.0]),
+    "pieces": (sympy.Piecewise((-X - 2, X < 0), (1 - X, True)), [-2.0, 1.0]),
+    "sign": (sympy.sign(X - 3) + 2 - X, [1.0]),
+    "floor": (sympy.floor(X) + sympy.Rational(1, 2) - 2 * X, [-0.25, 0.25]),
+}
+
+
+@pytest.mark.parametrize("law", STEPS)
+def test_steps_are_not_linear(law):
+    """Their derivative is zero: by it the flow is linear, and other zeros are excluded."""
+    rate, exact = STEPS[law]
+    found = equilibria([rate], (X,), 0)
+    assert sorted(float(e.q[0]) for e in found) == pytest.approx(exact, rel=1e-12)
+    assert not found.complete
+    assert found.why in {
+        "in only rates jump where a sign, a whole part or a condition changes",
+        "in only a function has no bounds",
+    }
+
+
+def test_steps_of_velocities_leave_the_search_complete():
+    """Drag v |v| as v^2 sgn v, at rest: the roots of x^3 - 10 x + 10."""
+    found = equilibria([V, 1 - X + X**3 / 10 - V**2 * sympy.sign(V)])
+    assert found.complete
+    assert sorted(e.q[0] for e in found) == pytest.approx(np.sort(np.roots([1, 0, -10, 10]).real), rel=1e-12)
