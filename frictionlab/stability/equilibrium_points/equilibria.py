@@ -245,7 +245,11 @@ def equilibria(model: Any) -> Equilibria:
     values = equations.values(model)
     statics = statics_for_values(equations, values)
     penetrations, why = _penetrations(statics, values)
-    return Equilibria((_sliding_equilibrium(model, statics, values, each) for each in penetrations), why)
+    each = [_sliding_equilibrium(model, statics, values, penetration) for penetration in penetrations]
+    for penetration, one in zip(penetrations, each, strict=True):
+        if one is None:
+            why = why or f"the last digit of a penetration near {penetration:.6g} m moves its forces too much"
+    return Equilibria((one for one in each if one is not None), why)
 
 
 def equilibrium(model: Any) -> Equilibrium:
@@ -322,15 +326,13 @@ def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float
 
 def _sliding_equilibrium(
     model: Any, statics: Statics, values: Sequence[float], penetration: float
-) -> Equilibrium:
+) -> Equilibrium | None:
+    """The equilibrium at a penetration; None where double precision cannot solve the static equations."""
     q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)
     normal, friction = map(float, statics.forces(penetration, *values))
     residual, solved = is_static(statics, penetration, q, values, MAX_STATIC_RESIDUAL)
-    left = float(residual)
     if not solved:
-        raise ValueError(
-            f"the equilibrium at a penetration of {penetration:.6g} m must satisfy the static equations to "
-            f"{MAX_STATIC_RESIDUAL:g}, got {left:.2g}: the stiffnesses differ by too many orders of magnitude"
-        )
+        return None
+    left = float(residual)
     state = np.append(q, np.zeros(len(q)))
     return Equilibrium(state, penetration, normal, friction, left, model, tuple(model.coordinates))

@@ -30,6 +30,8 @@ SINGULAR_EIGENVALUE = 1e-13
 # N: parts of smaller forces may be subnormal numbers, which lose digits.
 SMALLEST_FORCE = float(np.finfo(float).tiny / np.finfo(float).eps)
 LAST_DIGITS = 16.0  # of a penetration: what rounding may make of it
+# Share of the largest force: where the last digit of a penetration does more, its forces are not known.
+MOST_LAST_DIGIT = 0.1
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
@@ -302,6 +304,7 @@ def is_static(
     """The residual of :func:`static_residual`, and where it is small enough.
 
     That is below the tolerance, or below what the last digits of the penetration do where a law is steep.
+    Where these do too much the equations cannot be solved in double precision.
     """
     residual = static_residual(statics, q, values)
     with np.errstate(all="ignore"):
@@ -311,7 +314,7 @@ def is_static(
         last_digit = np.abs((ahead - normal) / normal) * np.fmax(
             np.abs(statics.slope(penetration, values)), 1.0
         )
-    return residual, residual < np.fmax(tolerance, LAST_DIGITS * last_digit)
+    return residual, residual < np.fmax(tolerance, np.fmin(LAST_DIGITS * last_digit, MOST_LAST_DIGIT))
 
 
 def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:

@@ -193,3 +193,14 @@ def test_a_belt_that_tilts(direction, contact):
     assert len(inside) == len(changes)
     for d, i in zip(inside, changes, strict=True):
         assert d == pytest.approx(brentq(rest, grid[i], grid[i + 1], xtol=1e-16), rel=1e-9)
+
+
+def test_a_root_that_double_precision_cannot_solve_is_left_out_with_a_reason():
+    """A small quartic term gives far roots, at which one digit of the penetration is a thousand preloads."""
+    model = fl.SliderOnBelt(F=30.0, contact=fl.PolynomialContact(a1=5e3, a2=-1.5e5, a4=1e-3))
+    found = fl.equilibria(model)
+    assert all(e.residual < 1e-3 for e in found)
+    near = fl.equilibria(model.replace(a4=0.0))
+    assert [e.penetration for e in found] == pytest.approx([e.penetration for e in near], rel=1e-6)
+    assert near.complete
+    assert "last digit" in found.why
