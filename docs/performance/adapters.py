@@ -88,7 +88,7 @@ def _event(functions: CompiledMode, i: int) -> Callable[[float, np.ndarray], flo
         return float(values[i])
 
     # solve_ivp reads these two from the function; the type checker knows no attributes of functions
-    event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+    event.terminal, event.direction = True, -1  # type: ignore[attr-defined]  # scipy reads them
     return event
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +24,6 @@ from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.validation import abbreviate, check_flag, check_number, explains_keywords, is_sequence
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import ModelOrAutomaton
 
 __all__ = ["BatchResult", "ensemble"]
 

@@ -307,11 +307,11 @@ class _Judge:
             closed = self._words(i, places.modes) == "contact"
             if contact.speed is None:
                 still, row = closed, stated.normal_direction(contact, places.states)
-                second = lambda z, c=contact: stated.rate_of(c.gap, z)  # noqa: E731
+                second = lambda z, c=contact: stated.rate_of(c.gap, z)  # noqa: E731  this contact's
             else:
                 still = forces.most[:, len(rows)] > 0.0
                 row = stated.rubbing_direction(contact, places.states)
-                second = lambda z, c=contact: -stated.at(c.speed, z)  # noqa: E731
+                second = lambda z, c=contact: -stated.at(c.speed, z)  # noqa: E731  this contact's
             rate = stated.slope(second, places.states, stated.rates(places.states))[0]
             rows.append(np.where(still[:, None], row, 0.0))
             rates.append(np.where(still, rate, 0.0))

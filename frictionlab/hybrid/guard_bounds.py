@@ -37,13 +37,13 @@ class Interval(NamedTuple):
     low: Array
     high: Array
 
-    def __add__(self, other: Any) -> Interval:  # type: ignore[override]
+    def __add__(self, other: Any) -> Interval:  # type: ignore[override]  # a tuple's + and * are others
         return Interval(self.low + other.low, self.high + other.high)
 
     def __neg__(self) -> Interval:
         return Interval(-self.high, -self.low)
 
-    def __mul__(self, other: Any) -> Interval:  # type: ignore[override]
+    def __mul__(self, other: Any) -> Interval:  # type: ignore[override]  # a tuple's + and * are others
         (a, b), (c, d) = self, other
         ac, ad, bc, bd = a * c, a * d, b * c, b * d
         low = np.minimum(np.minimum(ac, ad), np.minimum(bc, bd))

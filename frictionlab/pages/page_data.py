@@ -145,7 +145,7 @@ def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: An
     """Flow, its Jacobian and the event functions of a mode, from which the page finds equilibria."""
     arguments, flow = (automaton.states, parameters), list(mode.flow)
     lengths = [len(flow), len(parameters)]
-    formulas = formulas_of([*automaton.states, *parameters], flow)
+    formulas = formulas_of([*automaton.states, *parameters], [*flow, 0])
     return {
         "mode": number,
         "flow": javascript_function(arguments, flow),
@@ -155,12 +155,12 @@ def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: An
 
 
 def _whole_jacobian(formulas: Formulas, size: int) -> Formulas:
-    """All entries of the Jacobian by the states, row after row, zeros too."""
+    """All entries of the Jacobian by the states, row after row; the last of the formulas is zero."""
     places, entries = formulas.jacobian(range(size))
     known = dict(zip(places, entries.outputs, strict=True))
-    zero = entries.with_number(0.0)
-    slots = (known.get((i, j), zero.outputs[-1]) for i in range(size) for j in range(size))
-    return Formulas(zero.tape, tuple(slots))
+    zero = formulas.outputs[-1]  # derivatives are appended to the tape, so that its slots stay
+    slots = (known.get((i, j), zero) for i in range(size) for j in range(size))
+    return Formulas(entries.tape, tuple(slots))
 
 
 def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:

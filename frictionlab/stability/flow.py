@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -161,17 +161,9 @@ def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
     return values
 
 
-@lru_cache(maxsize=256)
-def along(formulas: Formulas, inputs: range) -> Formulas:
-    """The derivatives along a direction in some inputs; its components are further inputs, at the end."""
-    return formulas.along(inputs)
-
-
-@lru_cache(maxsize=64)
 def _slopes_of_product(flow: Flow) -> Entries:
     """The derivatives of A r by all states and parameters; r is given behind these."""
-    product = along(flow.rates, range(flow.size))
-    places, formulas = product.jacobian(range(flow.rates.tape.inputs))
+    places, formulas = flow.rates.along(range(flow.size)).jacobian(range(flow.rates.tape.inputs))
     return Entries((flow.size, flow.rates.tape.inputs), places, formulas)
 
 

@@ -78,8 +78,8 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     runs.status[goes_on] = run_state.RUNNING
     if group.alone or is_affine(group.program):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
-    before = runs._replace(states=runs.states.copy(), times=runs.times.copy(), counts=runs.counts.copy())
-    before = before._replace(totals=runs.totals.copy())
+    changing = "states", "times", "counts", "totals"
+    before = runs._replace(**{name: getattr(runs, name).copy() for name in changing})
     with np.errstate(all="ignore"):
         _advance_side_by_side(group, goes_on, progress)
     _cut_where_undefined(group, before, progress)

@@ -122,11 +122,14 @@ def _flat(*_: Any) -> dict[int, Any]:
 
 
 # Functions of one argument that only formulas have, as kernels have no series of them.
-OTHER_FUNCTIONS = (
+INVERSE_FUNCTIONS = (
     Function(ASIN, "asin", trigonometry.asin, np.arcsin, _of_square(-1, 1, True)),
     Function(ACOS, "acos", trigonometry.acos, np.arccos, _of_square(-1, 1, True, -1)),
     Function(ACOSH, "acosh", exponentials.acosh, np.arccosh, _of_square(1, -1, True)),
     Function(ATANH, "atanh", exponentials.atanh, np.arctanh, _of_square(-1, 1, False)),
+)
+OTHER_FUNCTIONS = (
+    *INVERSE_FUNCTIONS,
     Function(ABS, "Abs", abs, np.abs, lambda make, a, y: {make.function(SIGN, a): 1}),
     Function(SIGN, "sign", _sign, np.sign, _flat),
     Function(FLOOR, "floor", lambda x: float(np.floor(x)), np.floor, _flat),
@@ -136,7 +139,7 @@ OTHER_FUNCTIONS = (
 )
 FUNCTIONS_BY_KIND = {function.kind: function for function in (*FUNCTIONS, *OTHER_FUNCTIONS)}
 # Functions of one number that kernels compute, the same to the last bit on every machine.
-ELEMENTARY = {function.kind: function.value for function in (*FUNCTIONS, *OTHER_FUNCTIONS[:4])}
+ELEMENTARY = {function.kind: function.value for function in (*FUNCTIONS, *INVERSE_FUNCTIONS)}
 
 NUMBERS = Arithmetic(
     {
@@ -283,15 +286,12 @@ class FormulaBuilder(TapeBuilder):
     def _piecewise(self, pairs: Sequence[Any]) -> int:
         value = self.slot(sp.nan)
         for each, condition in reversed(pairs):
-            value = self.slot(each) if condition == sp.true else self.select(condition, each, value)
+            first = self.slot(each)
+            value = first if condition == sp.true else self.select(self.slot(condition), first, value)
         return value
 
-    def select(self, condition: Any, each: Any, other: int) -> int:
-        """Slot of a value where a condition holds, and of another elsewhere."""
-        return self.select_slots(self.slot(condition), self.slot(each), other)
-
-    def select_slots(self, condition: int, a: int, b: int) -> int:
-        """As :meth:`select`, of slots; the condition's is the operation's number."""
+    def select(self, condition: int, a: int, b: int) -> int:
+        """Slot of a value where a condition holds, of another elsewhere; the condition is the number."""
         return self.operation(SELECT, a, b, float(condition))
 
 
@@ -423,31 +423,11 @@ class Formulas:
         inputs : sequence of int, optional
             Those by which to differentiate; by default all.
         """
-        chosen = range(self.tape.inputs) if inputs is None else inputs
-        builder = _Differentiation(self.tape, {i: {i: {CONSTANT_TERM: 1.0}} for i in chosen})
-        rows = [sorted(builder.derivatives[slot].items()) for slot in self.outputs]
-        places = [(row, column) for row, some in enumerate(rows) for column, _ in some]
-        slots = tuple(builder.materialised(terms) for some in rows for _, terms in some)
-        return places, Formulas(builder.tape, slots)
+        return _jacobian(self, tuple(range(self.tape.inputs) if inputs is None else inputs))
 
     def along(self, inputs: Sequence[int]) -> Formulas:
         """The derivatives along a direction in some inputs; its components are further inputs, at the end."""
-        count = self.tape.inputs
-        wider = _with_inputs(self.tape, len(inputs))
-        seeds: dict[int, Derivative] = {i: {0: {count + k: 1.0}} for k, i in enumerate(inputs)}
-        builder = _Differentiation(wider, seeds)
-        moved = (slot if slot < count else slot + len(inputs) for slot in self.outputs)
-        slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in moved)
-        return Formulas(builder.tape, slots)
-
-    def chosen(self, places: slice) -> Formulas:
-        """Some of the functions."""
-        return Formulas(self.tape, self.outputs[places])
-
-    def with_number(self, number: float) -> Formulas:
-        """The same formulas, and behind them one that is a number."""
-        builder = _Differentiation(self.tape, {})
-        return Formulas(builder.tape, (*self.outputs, builder.materialised({CONSTANT_TERM: number})))
+        return _along(self, tuple(inputs))
 
     def to_data(self) -> Data:
         """The formulas as data that JSON can hold: the operations on which they depend."""
@@ -476,6 +456,26 @@ class Formulas:
             moved = float(places[int(number)]) if kind == SELECT else number
             places[count + i] = tape.emit(kind, *op, moved)
         return Formulas(tape, tuple(places[slot] for slot in self.outputs))
+
+
+@lru_cache(maxsize=256)
+def _jacobian(formulas: Formulas, inputs: tuple[int, ...]) -> tuple[list[tuple[int, int]], Formulas]:
+    builder = _Differentiation(formulas.tape, {i: {i: {CONSTANT_TERM: 1.0}} for i in inputs})
+    rows = [sorted(builder.derivatives[slot].items()) for slot in formulas.outputs]
+    places = [(row, column) for row, some in enumerate(rows) for column, _ in some]
+    slots = tuple(builder.materialised(terms) for some in rows for _, terms in some)
+    return places, Formulas(builder.tape, slots)
+
+
+@lru_cache(maxsize=256)
+def _along(formulas: Formulas, inputs: tuple[int, ...]) -> Formulas:
+    count = formulas.tape.inputs
+    wider = _with_inputs(formulas.tape, len(inputs))
+    seeds: dict[int, Derivative] = {i: {0: {count + k: 1.0}} for k, i in enumerate(inputs)}
+    builder = _Differentiation(wider, seeds)
+    moved = (slot if slot < count else slot + len(inputs) for slot in formulas.outputs)
+    slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in moved)
+    return Formulas(builder.tape, slots)
 
 
 def formulas_from_data(data: Data) -> Formulas:
@@ -638,13 +638,13 @@ class _Differentiation(FormulaBuilder):
             pair = (a, b) if kind == MINIMUM else (b, a)
             return self._selected(self.operation(LESS, *pair), a, b)
         if kind == ATAN2:  # of y and x: (x y' - y x')/(x^2 + y^2)
-            size = self.materialised({self._square(a): 1.0, self._square(b): 1.0})
+            size = self.materialised({self.product(a, a): 1.0, self.product(b, b): 1.0})
             rest = _sum([(1.0, self._times(b, a)), (-1.0, self._times(a, b))])
             return {d: {self.operation(QUOTIENT, self.materialised(t), size): 1.0} for d, t in rest.items()}
         if kind == REAL_POWER:
             lower = self.materialised({b: 1.0, CONSTANT_TERM: -1.0})
-            by_base = self._binary(PRODUCT, *sorted((b, self.operation(REAL_POWER, a, lower))))
-            by_exponent = self._binary(PRODUCT, *sorted((out, self.operation(LOG, a, a))))
+            by_base = self.product(b, self.operation(REAL_POWER, a, lower))
+            by_exponent = self.product(out, self.function(LOG, a))
             return _sum([(1.0, self._times(by_base, a)), (1.0, self._times(by_exponent, b))])
         slope = self._slope(kind, a, number, out)
         return {} if slope is None else self._times(slope, a)
@@ -658,7 +658,7 @@ class _Differentiation(FormulaBuilder):
             lower = {1: {CONSTANT_TERM: 1.0}, 2: {a: 1.0}}.get(n)
             if lower is None:
                 lower = {self.operation(INTEGER_POWER, a, a, n - 1.0): 1.0}
-            return self.materialised(_scaled(number, lower))
+            return self.materialised({slot: number * factor for slot, factor in lower.items()})
         if kind == POWER:
             return self.materialised({self.operation(POWER, a, a, number - 1.0): number})
         terms = FUNCTIONS_BY_KIND[kind].slope(self, a, out)
@@ -670,10 +670,7 @@ class _Differentiation(FormulaBuilder):
         def part(slot: int, d: int) -> int:
             return self.materialised(self.derivatives[slot].get(d, {}))
 
-        return {d: {self.select_slots(condition, part(a, d), part(b, d)): 1.0} for d in directions}
-
-    def _square(self, a: int) -> int:
-        return self._binary(SQUARE, a, a)
+        return {d: {self.select(condition, part(a, d), part(b, d)): 1.0} for d in directions}
 
     def _times(self, factor: int, slot: int) -> Derivative:
         """The derivative of a slot times another slot."""
@@ -687,7 +684,7 @@ class _Differentiation(FormulaBuilder):
             number = terms[slot]
         else:
             slot = self.materialised(terms)
-        return {self._binary(PRODUCT, *sorted((factor, slot))): number}
+        return {self.product(factor, slot): number}
 
     def materialised(self, terms: AffineTerms) -> int:
         """Slot of a combination."""
@@ -712,7 +709,3 @@ def _sum(parts: Sequence[tuple[float, Derivative]]) -> Derivative:
                 into[slot] = into.get(slot, 0.0) + factor * number
     cleaned = {d: {slot: c for slot, c in terms.items() if c != 0.0} for d, terms in total.items()}
     return {d: terms for d, terms in cleaned.items() if terms}
-
-
-def _scaled(factor: float, terms: AffineTerms) -> AffineTerms:
-    return {slot: factor * number for slot, number in terms.items()}

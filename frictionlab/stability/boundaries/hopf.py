@@ -24,7 +24,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
 )
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
-from frictionlab.stability.flow import Flow, along
+from frictionlab.stability.flow import Flow
 from frictionlab.validation import float_array
 
 from .stability_changes import StabilityChange, StabilityKind, changes_on_lines
@@ -53,14 +53,14 @@ def directional_derivative(at: ExpansionPoint, *directions: Vector) -> Vector:
 def parameter_derivative(at: ExpansionPoint, parameter: str, *directions: Vector) -> Vector:
     """The derivative of x' by a parameter and along each of the directions (m,)."""
     place = at.flow.size + at.flow.parameters.index(parameter)
-    slopes = along(at.flow.rates, range(place, place + 1))
+    slopes = at.flow.rates.along([place])
     return function_derivative(at._replace(values=(*at.values, 1.0)), slopes, *directions)
 
 
 def function_derivative(at: ExpansionPoint, functions: Formulas, *directions: Vector) -> Vector:
     """As :func:`directional_derivative` for functions (k,) of the state; their values without directions."""
     for _ in directions:
-        functions = along(functions, range(at.flow.size))
+        functions = functions.along(range(at.flow.size))
     return np.array(functions.arrays(*at.state, *at.values, *chain.from_iterable(directions)))
 
 

@@ -187,7 +187,7 @@ def slides_of(path):
 @pytest.mark.parametrize("name", LECTURED)
 def test_nbconvert_makes_these_slides_without_solutions(name):
     nbconvert = pytest.importorskip("nbconvert", reason="slides are made by it")
-    nbformat = pytest.importorskip("nbformat")
+    nbformat = pytest.importorskip("nbformat", reason="it reads the notebooks; it is not installed")
     path = ROOT / "tutorials" / f"{name}.ipynb"
     exporter = nbconvert.SlidesExporter(exclude_input=True)
     page, _ = exporter.from_notebook_node(nbformat.read(path, as_version=4))

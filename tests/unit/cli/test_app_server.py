@@ -15,10 +15,10 @@ import pytest
 pytest.importorskip("voila", reason="voila serves the page; it is not installed")
 psutil = pytest.importorskip("psutil", reason="it counts kernels, and comes with ipykernel")
 
-from tornado.httpclient import HTTPClientError, HTTPRequest  # noqa: E402
-from tornado.websocket import websocket_connect  # noqa: E402
+from tornado.httpclient import HTTPClientError, HTTPRequest  # noqa: E402  after the check that tornado is there
+from tornado.websocket import websocket_connect  # noqa: E402  as above
 
-from frictionlab.cli import app_server  # noqa: E402
+from frictionlab.cli import app_server  # noqa: E402  it needs tornado
 
 pytestmark = pytest.mark.slow
 

@@ -153,7 +153,7 @@ def test_a_matrix_whose_energy_is_not_meant_is_refused(matrix, message):
 
 @pytest.mark.filterwarnings("ignore:the matrix subclass")
 def test_matrices_of_other_kinds_are_read_as_meant():
-    pandas = pytest.importorskip("pandas")
+    pandas = pytest.importorskip("pandas", reason="one of the matrices is its DataFrame; it is not installed")
     x = sympy.symbols("x y")
     expected = 2 * x[0] ** 2 - 2 * x[0] * x[1] + 3 * x[1] ** 2
     turned = pandas.DataFrame(MATRIX[::-1, ::-1], ["y", "x"], ["y", "x"])
