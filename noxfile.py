@@ -35,8 +35,8 @@ NOT_PYTHON = (  # in the wheel
 MOST_BYTES = {"/objects/": 400_000, "/structures.zip": 150_000}
 WITHOUT_COMPILER = """
 import importlib.util
-from frictionlab.hybrid import compilation
-assert importlib.util.find_spec("numba") is None and compilation.LOADED is not None
+from frictionlab.compilation import machine_code
+assert importlib.util.find_spec("numba") is None and machine_code.LOADED is not None
 """
 NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "page_frames", "axe")]
 WITHOUT_SYMPY = """
@@ -103,7 +103,7 @@ def pages(session: nox.Session) -> None:
     """Exported pages in a Chromium, with the solver compiled for browsers (four minutes); the site with such
     pages; faults of both that keep people out."""
     install(session, "test,pages,docs")
-    session.run("python", "-m", "frictionlab.hybrid.ahead_of_time", "--web", external=True)
+    session.run("python", "-m", "frictionlab.compilation", "--web", external=True)
     if shutil.which("node"):
         session.run("python", "-m", "tests.digests.web", external=True)
     build_site(session)
@@ -139,7 +139,7 @@ def aarch64(session: nox.Session) -> None:
     for part in ("frictionlab", "tests"):
         shutil.copytree(part, clone / part, ignore=shutil.ignore_patterns("__pycache__", "objects"))
     with session.chdir(clone):
-        compiling = "frictionlab.hybrid.ahead_of_time", "--target", "linux-aarch64"
+        compiling = "frictionlab.compilation", "--target", "linux-aarch64"
         session.run("python", "-m", *compiling, env={"PYTHONPATH": str(clone)}, external=True)
         paths = {"PYTHONPATH": f"{clone}:{wheels}", "FRICTIONLAB_CACHE_DIR": str(folder / "cache")}
         session.run(*python, "-c", WITHOUT_COMPILER, env=paths, external=True)

@@ -25,13 +25,13 @@ from frictionlab.analysis.stated_conditions import Places, broken_statement, pla
 from frictionlab.analysis.stated_mechanics import StatedMechanics
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_number
 
 __all__ = ["check_law", "check_model"]

@@ -25,7 +25,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 import frictionlab
-from frictionlab.hybrid.ahead_of_time.manifest import FILE, objects_folder
+from frictionlab.compilation.manifest import FILE, objects_folder
 from frictionlab.pages.export import SolverNotBuiltError
 
 FOLDER = "live"  # in the site

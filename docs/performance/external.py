@@ -16,8 +16,8 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
-from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
+from frictionlab.compilation.loaded_kernels import prepared_call
+from frictionlab.compilation.machine_code import HAS_MACHINE_CODE
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.methods.base import ActiveRun, Method

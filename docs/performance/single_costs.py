@@ -28,19 +28,19 @@ from types import MappingProxyType
 import numpy as np
 
 from frictionlab.analysis.simulate import simulate
-from frictionlab.hybrid import compilation
+from frictionlab.compilation import machine_code
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.tape.functions import AFFINE, PRODUCT, QUOTIENT, RATE, SQUARE
-from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Program
-from frictionlab.hybrid.tape.tape import Tape
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
 from frictionlab.presentation import markdown_table
+from frictionlab.tape.functions import AFFINE, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import Program
+from frictionlab.tape.tape import Tape
 from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
 from timing import interleaved_medians, warm_up
 
@@ -179,7 +179,7 @@ def _time_fresh_process(without: tuple[str, ...]) -> tuple[float, float]:
 
 def native_code_times(repeats: int = 3) -> list[NativeCodeTime]:
     """Times to compile every mode of scene B into an empty cache and to load it; empty without numba."""
-    if not compilation.HAS_MACHINE_CODE:
+    if not machine_code.HAS_MACHINE_CODE:
         return []
     program = program_of(FULL_GAP_RATE_SLIDER.automaton())[0]
     _time_native_code(program, 0)  # LLVM itself is loaded here
@@ -202,13 +202,13 @@ def _time_native_code(program: Program, mode: int) -> tuple[float, float]:
 
 @contextmanager
 def _empty_cache() -> Iterator[None]:
-    before = compilation.CACHE_FOLDER
+    before = machine_code.CACHE_FOLDER
     with tempfile.TemporaryDirectory() as folder:
-        compilation.CACHE_FOLDER = folder
+        machine_code.CACHE_FOLDER = folder
         try:
             yield
         finally:
-            compilation.CACHE_FOLDER = before
+            machine_code.CACHE_FOLDER = before
 
 
 def native_table(rows: Sequence[NativeCodeTime]) -> str:

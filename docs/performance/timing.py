@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.compilation.machine_code import HAS_MACHINE_CODE
 from frictionlab.hybrid.codegen.native_cache import native_code
-from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 
 def warm_up(automaton: HybridAutomaton, method: Method) -> None:

@@ -17,7 +17,6 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import JOINT
 from frictionlab.hybrid.problem import evaluate_output
-from frictionlab.hybrid.tape.formulas import function_along_run
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
@@ -27,6 +26,7 @@ from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
+from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import check_flag
 
 # Exact for contact laws that are polynomials in sqrt(penetration).

@@ -11,7 +11,7 @@ import numpy as np
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
-from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
@@ -19,10 +19,10 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import undefined_start
 from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
-from frictionlab.hybrid.tape.arguments import check_automaton
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
+from frictionlab.tape.arguments import check_automaton
+from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_flag, check_number, explains_keywords, is_sequence
 
 __all__ = ["BatchResult", "ensemble"]

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import (
     carry_rows,
@@ -38,6 +37,7 @@ from frictionlab.hybrid.variational.tangent_jets import (
     linearise_mode,
 )
 from frictionlab.models.symbols import derivatives
+from frictionlab.tape.packing import program_of
 
 Array = NDArray[np.float64]
 INNER = "chatter"  # a setting of the solver, not a parameter of the motion

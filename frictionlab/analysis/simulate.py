@@ -26,14 +26,14 @@ from frictionlab.hybrid.solve import (
     with_chatter_limit,
     with_warning,
 )
-from frictionlab.hybrid.tape.automaton_data import DERIVED_FROM, automaton_from_data
-from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of, require_model
 from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
+from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
+from frictionlab.tape.packing import program_of, program_of_modes
 from frictionlab.validation import (
     abbreviate,
     check_choice,

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.hybrid.tape.formulas import function_along_run
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import (
@@ -26,6 +25,7 @@ from frictionlab.models.symbols import (
     symbol,
     symbolic_copy,
 )
+from frictionlab.tape.formulas import function_along_run
 
 Array = Any
 Function = Callable[..., Any]

@@ -1,7 +1,7 @@
 """A hybrid automaton as plain data: modes with a flow, event functions that guard them, resets.
 
 It is what models produce and what the solver runs.  Nothing here knows of friction or computes motions:
-expressions are sympy expressions in the symbols of states and parameters, which :mod:`frictionlab.hybrid`
+expressions are sympy expressions in the symbols of states and parameters, which :mod:`frictionlab.tape`
 turns into numbers.
 
 ``mode``

@@ -42,8 +42,8 @@ def derive(model: Model) -> None:
     import numpy as np
 
     from frictionlab.hybrid.problem import evaluate_output
-    from frictionlab.hybrid.tape.packing import program_of
     from frictionlab.stability import eigenvalues
+    from frictionlab.tape.packing import program_of
 
     automaton, _ = model.automaton(), model.nonlinearities
     program_of(automaton, complete=False)

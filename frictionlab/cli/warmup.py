@@ -28,7 +28,7 @@ def add_warmup(commands: Any) -> OneLineParser:
 def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Compile, and simulate one second of the slider twice; returns the exit status."""
     import frictionlab as fl
-    from frictionlab.hybrid import compilation
+    from frictionlab.compilation import machine_code
 
     with fl.progress(not chosen.json):
         seconds = []
@@ -36,10 +36,10 @@ def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
             begin = time.perf_counter()
             run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0)
             seconds.append(time.perf_counter() - begin)
-    if compilation.LOADED is not None:
+    if machine_code.LOADED is not None:
         kind = "compiled ahead of time"
     else:
-        kind = "compiled by numba" if compilation.NUMBA is not None else "plain Python"
+        kind = "compiled by numba" if machine_code.NUMBA is not None else "plain Python"
     if chosen.json:
         print_json({"solver": kind, "first_run": seconds[0], "second_run": seconds[1]})
     else:

@@ -1,19 +1,9 @@
 """The solver: it runs any hybrid automaton and knows nothing of friction.
 
-Data pass in this order, and each part imports only from those before it; only the build step in
-``ahead_of_time``, which compiles kernels of all parts, imports from those after it:
+:mod:`frictionlab.tape` makes an automaton a `Program`, the arrays of all its tapes, guards, resets and
+sections, and `Numbers`, the values of its parameters.  From there data pass in this order, and each part
+imports only from those before it:
 
-``ahead_of_time``
-    Kernels compiled once for each kind of machine: their build, their objects, and how they are loaded.
-``compilation``
-    The decorators of all kernels: compiled ahead of time, else by numba, else plain Python.
-``llvm_instructions``
-    Arithmetic, loops and branches in LLVM, for the intrinsics of the kernels and for ``codegen``.
-``elementary``
-    exp, log, sin, powers and the like, with the same bits on every machine.
-``tape``
-    Expressions become a tape, a list of operations on numbered slots; an automaton becomes a `Program`, the
-    arrays of all its tapes, guards, resets and sections, and `Numbers`, the values of its parameters.
 ``kernels``
     What is computed with these arrays: Taylor series (jets), the length of a step, the location of events,
     the choice of the next mode, resets, the loop of steps.

@@ -19,9 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.native_cache import native_code
-from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.trigonometry import cos
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     majorant,
@@ -34,8 +33,9 @@ from frictionlab.hybrid.kernels.jets import (
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
-from frictionlab.hybrid.tape.program import system_of
 from frictionlab.presentation import FrozenMapping
+from frictionlab.tape.elementary.trigonometry import cos
+from frictionlab.tape.program import system_of
 
 CHECK_POINTS = 8  # points in a step, zeros of a Chebyshev polynomial: dense towards its ends
 # Errors up to this share of a sum's absolute terms may be rounding, and do not count as a defect.

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.tape import functions as kinds
-from frictionlab.hybrid.tape.program import Code, Numbers
+from frictionlab.tape import functions as kinds
+from frictionlab.tape.program import Code, Numbers
 
 Array = Any
 

@@ -23,9 +23,9 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
-from frictionlab.hybrid.tape.program import Code, Numbers, Program
 from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+from frictionlab.tape.program import Code, Numbers, Program
 from frictionlab.validation import abbreviate, is_sequence
 
 

@@ -14,22 +14,22 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import check_mode_name
-from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Sampling, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
-from frictionlab.hybrid.tape.arguments import (
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.interruption import Progress, interruption
+from frictionlab.tape.arguments import (
     check_automaton,
     check_section_or_quadrature,
     read_expression,
 )
-from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Numbers, Program, Section
-from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.interruption import Progress, interruption
+from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import Numbers, Program, Section
 from frictionlab.validation import (
     abbreviate,
     check_flag,

@@ -39,8 +39,6 @@ from frictionlab.hybrid.problem import (
 )
 from frictionlab.hybrid.real_powers import negative_base
 from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
-from frictionlab.hybrid.tape.automaton_data import storable_automaton
-from frictionlab.hybrid.tape.packing import program_of, program_of_modes
 from frictionlab.presentation import (
     Drawable,
     FrozenMapping,
@@ -50,6 +48,8 @@ from frictionlab.presentation import (
     output_unit,
     state_unit,
 )
+from frictionlab.tape.automaton_data import storable_automaton
+from frictionlab.tape.packing import program_of, program_of_modes
 from frictionlab.validation import abbreviate, check_sequence, did_you_mean, float_array
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"

@@ -35,7 +35,7 @@ from frictionlab.validation import MAX_CHARACTERS, abbreviate
 
 PACKAGE = Path(__file__).parents[1]
 # Folders of all sources that derive, lower or read the data.
-SOURCES = "automaton", "components", "hybrid", "models", "stability"
+SOURCES = "automaton", "components", "hybrid", "models", "stability", "tape"
 HOMES = tuple(f"frictionlab.{name}." for name in ("components", "models"))  # modules with laws and models
 PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
 # Files that contain versions: versions of sympy order the terms of sums differently.

@@ -24,9 +24,9 @@ from frictionlab.automaton.expressions import multiply_out, unsorted_product
 from frictionlab.automaton.hybrid_automaton import Late, late_automaton
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
-from frictionlab.hybrid.tape.undefined_parts import doubtful_parts, undefined_words
 from frictionlab.lazy_names import sympy
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
 from frictionlab.validation import abbreviate
 
 from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data

@@ -1,6 +1,6 @@
 """`fl.export_page`: a model as one HTML file that needs neither a server nor a network.
 
-It holds two things from `frictionlab.hybrid.ahead_of_time`: the kernels as WebAssembly (``kernels.wasm``),
+It holds two things from `frictionlab.compilation`: the kernels as WebAssembly (``kernels.wasm``),
 and from ``manifest.json`` how to call them: the results and arguments in the table of words that each takes.
 """
 
@@ -19,22 +19,22 @@ from typing import Any
 
 from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
+from frictionlab.compilation.llvm_instructions import EXP2_COEFFICIENTS
+from frictionlab.compilation.manifest import WEB, changed_sources, read_manifest, read_object
 from frictionlab.file_writing import write_text
-from frictionlab.hybrid.ahead_of_time.manifest import WEB, changed_sources, read_manifest, read_object
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
-from frictionlab.hybrid.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.tape.formulas import ELEMENTARY
-from frictionlab.hybrid.tape.functions import FUNCTIONS
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model, require_model
 from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
+from frictionlab.tape.formulas import ELEMENTARY
+from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.validation import check_number, check_path, check_text
 
-BUILD_COMMAND = "python -m frictionlab.hybrid.ahead_of_time --web"
+BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.

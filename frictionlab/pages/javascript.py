@@ -20,7 +20,9 @@ from typing import Any
 import sympy as sp
 
 from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
-from frictionlab.hybrid.tape.formulas import (
+from frictionlab.models import Model
+from frictionlab.models.symbols import symbol
+from frictionlab.tape.formulas import (
     ABS,
     AND,
     ATAN2,
@@ -42,10 +44,8 @@ from frictionlab.hybrid.tape.formulas import (
     Formulas,
     formulas_of,
 )
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, SQUARE
-from frictionlab.hybrid.tape.tape import Tape
-from frictionlab.models import Model
-from frictionlab.models.symbols import symbol
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, SQUARE
+from frictionlab.tape.tape import Tape
 
 MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
 MARK = "\0"  # encloses the places of values in a message

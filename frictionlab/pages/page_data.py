@@ -22,15 +22,15 @@ from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.solve import with_chatter_limit
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of
-from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import Program
 from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.plotting.appearance import colours_of_modes
 from frictionlab.stability import equilibrium
+from frictionlab.tape.formulas import Formulas, formulas_of
+from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import Program
 from frictionlab.validation import (
     abbreviate,
     check_limits,

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
-from frictionlab.hybrid.tape.formulas import Formulas
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, check_parameter_name
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
 
 Array = NDArray[np.float64]

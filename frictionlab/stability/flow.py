@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.tape.formulas import Formulas
+from frictionlab.tape.formulas import Formulas
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

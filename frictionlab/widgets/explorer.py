@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from frictionlab.hybrid.compilation import needs_compilation
+from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.models.model import check_parameter_name
 from frictionlab.widgets.controls import ComponentControls, ParameterControls, RunControls
 from frictionlab.widgets.number_control import equal_within_rounding

@@ -1,7 +1,7 @@
 """``python -m tests.digests.web``: the same runs by the module for browsers, in node, and natively.
 
 Times, events and states have to be equal to the last bit; the exit code is how many runs differ.  It needs
-node, and the module that ``python -m frictionlab.hybrid.ahead_of_time --web`` makes.
+node, and the module that ``python -m frictionlab.compilation --web`` makes.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ import frictionlab as fl
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import with_chatter_limit
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.pages import export, page_data
 from frictionlab.pages.export import solver_data
 from frictionlab.pages.javascript import javascript_of_formulas
+from frictionlab.tape.packing import program_of
 from tests.digests.runs import Case, cases
 
 SCRIPTS = "functions", "assembler", "jets", "solver"

@@ -32,7 +32,7 @@ class Fault(NamedTuple):
 
 def main(scratch: Path, truncations: int, flips: int) -> int:
     """Do all faults; returns how many were not withstood."""
-    from frictionlab.hybrid.compilation import CACHE_FOLDER, NUMBA
+    from frictionlab.compilation.machine_code import CACHE_FOLDER, NUMBA
     from tests.helpers.cached_run import final_states
 
     NUMBA.njit(lambda: 0)()  # imports what all runs need

@@ -8,14 +8,14 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT
 from frictionlab.hybrid.codegen.native_cache import NativeCode
-from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_jets, call_lane_step
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 ORDER, STEP, STEPS = 12, 0.1, 20
 

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from frictionlab.hybrid.kernels.jets import slot_gradients
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 
 def check_tangents(automaton, mode, z):

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid import compilation
-from frictionlab.hybrid.ahead_of_time.entry_points import entry_points
-from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
-from frictionlab.hybrid.ahead_of_time.manifest import (
+from frictionlab.compilation import machine_code
+from frictionlab.compilation.entry_points import entry_points
+from frictionlab.compilation.loaded_kernels import prepared_call
+from frictionlab.compilation.manifest import (
     code_digest,
     lacking_objects,
     targets_of_machine,
 )
 from frictionlab.hybrid.kernels.jets import state_rates
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,18 +41,18 @@ print("numba" in sys.modules)
 """
 
 
-@pytest.mark.skipif(compilation.LOADED is None, reason="no kernels compiled ahead of time")
+@pytest.mark.skipif(machine_code.LOADED is None, reason="no kernels compiled ahead of time")
 def test_numba_is_not_imported():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
 
 
-@pytest.mark.skipif(compilation.LOADED is None, reason="no kernels compiled ahead of time")
+@pytest.mark.skipif(machine_code.LOADED is None, reason="no kernels compiled ahead of time")
 def test_the_list_of_what_is_compiled_can_be_made_where_kernels_are_loaded():
     """It needs the Python functions behind the loaded ones, for the names of their arguments."""
-    assert compilation.LOADED is not None
+    assert machine_code.LOADED is not None
     entries = entry_points()
-    assert {each.name for each in entries} == set(compilation.LOADED.manifest.functions)
+    assert {each.name for each in entries} == set(machine_code.LOADED.manifest.functions)
     for each in entries:
         code = each.kernel.py_func.__code__
         assert list(each.arguments) == list(code.co_varnames[: code.co_argcount])
@@ -86,7 +86,7 @@ def test_prose_makes_no_object_stale(before, after, same):
 
 HOOK = """
 import json, sys
-sys.path.insert(0, "frictionlab/hybrid/ahead_of_time")
+sys.path.insert(0, "frictionlab/compilation")
 from build_hook import KernelBuildHook
 
 class App:
@@ -124,7 +124,7 @@ def test_objects_that_are_there_go_into_the_wheel():
     _, data = hooked("standard")
     assert data["pure_python"] is False
     assert re.fullmatch(r"py3-none-(manylinux|macosx|win|linux)_?\w+", data["tag"])
-    assert data["artifacts"] == ["/frictionlab/hybrid/ahead_of_time/objects/"]
+    assert data["artifacts"] == ["/frictionlab/compilation/objects/"]
     (structures,) = data["force_include"].items()
     assert structures == (str(ROOT / "build/structures.zip"), "frictionlab/models/structures.zip")
 

@@ -54,9 +54,9 @@ def test_rk4_takes_a_few_steps():
 PROGRAM = """
 import json
 import frictionlab as fl
-from frictionlab.hybrid import compilation
+from frictionlab.compilation import machine_code
 run = fl.simulate(fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")), 0.1)
-print(json.dumps([compilation.NUMBA is None, run.final_state.tolist(), run.events.t.tolist()]))
+print(json.dumps([machine_code.NUMBA is None, run.final_state.tolist(), run.events.t.tolist()]))
 """
 
 

@@ -17,9 +17,9 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
 from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.tape.formulas import formulas_of
-from frictionlab.hybrid.tape.lowering import sign_normal_form
 from frictionlab.presentation import Kind
+from frictionlab.tape.formulas import formulas_of
+from frictionlab.tape.lowering import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 UNIT_CIRCLE_ATOL = (

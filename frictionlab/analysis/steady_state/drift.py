@@ -19,9 +19,9 @@ import numpy as np
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.steady_state.poincare_sections import phase_on_circle, phase_resets
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.lazy_names import sympy
+from frictionlab.tape.formulas import Formulas, formulas_of
 
 TREND_PARTS = 8  # parts of the window: eight random numbers ascend or descend only twice in 40320 times
 SAMPLES = 32  # states in each of these parts

@@ -14,9 +14,9 @@ from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import Mode
 from frictionlab.automaton.mode import JOINT, ModeNames
 from frictionlab.hybrid.problem import SectionPoints
-from frictionlab.hybrid.tape.arguments import read_expression
-from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.tape.arguments import read_expression
+from frictionlab.tape.formulas import formulas_of
 from frictionlab.validation import abbreviate, check_number, check_text
 
 STICK = "stick"

@@ -16,11 +16,8 @@ from collections.abc import Callable
 from functools import cache, partial
 from typing import Any, NamedTuple
 
-from frictionlab.hybrid.compilation import c_address
-from frictionlab.hybrid.elementary.exponentials import power
-from frictionlab.hybrid.kernels.arithmetic import PARTS
-from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
-from frictionlab.hybrid.llvm_instructions import (
+from frictionlab.compilation.decorators import c_address
+from frictionlab.compilation.llvm_instructions import (
     Instructions,
     Values,
     llvm_constant,
@@ -28,7 +25,10 @@ from frictionlab.hybrid.llvm_instructions import (
     write_exp2,
     write_loop,
 )
-from frictionlab.hybrid.tape.functions import (
+from frictionlab.hybrid.kernels.arithmetic import PARTS
+from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
+from frictionlab.tape.elementary.exponentials import power
+from frictionlab.tape.functions import (
     AFFINE,
     POWER,
     PRODUCT,
@@ -38,7 +38,7 @@ from frictionlab.hybrid.tape.functions import (
     function_range,
     function_value,
 )
-from frictionlab.hybrid.tape.tape import Tape
+from frictionlab.tape.tape import Tape
 
 VALUE_SYMBOL, RANGE_SYMBOL = "frictionlab_function_value", "frictionlab_function_range"
 POWER_SYMBOL = "frictionlab_power"

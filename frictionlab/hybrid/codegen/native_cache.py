@@ -21,16 +21,16 @@ from weakref import WeakKeyDictionary, ref
 import numpy as np
 
 from frictionlab import cache_folder
-from frictionlab.hybrid import compilation, llvm_instructions
-from frictionlab.hybrid.ahead_of_time.loaded_kernels import remember_words
+from frictionlab.compilation import llvm_instructions, machine_code
+from frictionlab.compilation.loaded_kernels import remember_words
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import arithmetic
-from frictionlab.hybrid.tape import functions, tape
-from frictionlab.hybrid.tape.program import Code, Program
+from frictionlab.tape import functions, tape
+from frictionlab.tape.program import Code, Program
 
 LOGGER = logging.getLogger(__name__)
 T = TypeVar("T", bound=tuple)
@@ -95,7 +95,7 @@ class NativeCode:
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
-        if not compilation.HAS_MACHINE_CODE or self.code.native.all():
+        if not machine_code.HAS_MACHINE_CODE or self.code.native.all():
             return
         self._used += np.bincount(modes, minlength=len(self._used))
         for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
@@ -130,7 +130,7 @@ class NativeCode:
 
     def share(self, modes: Iterable[int]) -> None:
         """Start the compilation of the lane steps of these modes."""
-        for mode in modes if compilation.HAS_MACHINE_CODE else ():
+        for mode in modes if machine_code.HAS_MACHINE_CODE else ():
             known = self.code.lanes[mode] or self.code.powers[mode] or ~mode in self.requested
             if not known and free_memory() > ROOM_TO_COMPILE:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
@@ -138,7 +138,7 @@ class NativeCode:
 
 def passed_again(arrays: T) -> T:
     """The named tuple of arrays, prepared for kernels that take it at every run."""
-    return arrays if compilation.LOADED is None else remember_words(arrays)
+    return arrays if machine_code.LOADED is None else remember_words(arrays)
 
 
 def native_code(program: Program) -> NativeCode:
@@ -217,17 +217,17 @@ def _step_structure(code: Code, mode: int) -> StepStructure:
 
 
 def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | None:
-    if not compilation.CACHE_FOLDER:
+    if not machine_code.CACHE_FOLDER:
         return None
     tape = function.tape
     structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
     text = repr((structure, function.first, function.flow, more)) + _host()
-    return Path(compilation.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
+    return Path(machine_code.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 
 
 def _load_from_cache(path: Path | None) -> int:
     """Address of code that an earlier process has compiled, else 0."""
-    if not compilation.HAS_MACHINE_CODE or path is None:
+    if not machine_code.HAS_MACHINE_CODE or path is None:
         return 0
     code = cache_folder.read(path)
     LOGGER.debug("machine code %s %s the cache", path.name, "is not in" if code is None else "found in")

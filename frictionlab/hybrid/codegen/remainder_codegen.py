@@ -14,6 +14,13 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from frictionlab.compilation.llvm_instructions import (
+    Values,
+    write_exp2,
+    write_log2,
+    write_loop,
+    write_while_loop,
+)
 from frictionlab.hybrid.codegen.jet_codegen import (
     LANE_COUNT,
     LEFT,
@@ -36,10 +43,9 @@ from frictionlab.hybrid.kernels.step_length import (
     LOG2_FUNCTION_TOL_FACTOR,
     ROUNDING_SUSPECT_SHARE,
 )
-from frictionlab.hybrid.llvm_instructions import Values, write_exp2, write_log2, write_loop, write_while_loop
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
-from frictionlab.hybrid.tape.program import NOT_POLYNOMIAL
-from frictionlab.hybrid.tape.tape import Range
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.tape.program import NOT_POLYNOMIAL
+from frictionlab.tape.tape import Range
 
 POLYNOMIALS_PER_LOOP = 2  # polynomials that are summed in one loop: their sums fit into the registers
 

@@ -11,6 +11,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from frictionlab.compilation.llvm_instructions import (
+    Values,
+    write_branch,
+    write_exp2,
+    write_log2,
+    write_loop,
+)
 from frictionlab.hybrid.codegen.jet_codegen import (
     CONTROL_ROWS,
     GUARD_TOL,
@@ -25,13 +32,6 @@ from frictionlab.hybrid.codegen.jet_codegen import (
 )
 from frictionlab.hybrid.codegen.remainder_codegen import RemainderWriter, StepStructure
 from frictionlab.hybrid.kernels.arithmetic import PARTS
-from frictionlab.hybrid.llvm_instructions import (
-    Values,
-    write_branch,
-    write_exp2,
-    write_log2,
-    write_loop,
-)
 
 
 def lane_step_module(function: ModeTape, structure: StepStructure, name: str) -> Any:

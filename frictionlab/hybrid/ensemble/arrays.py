@@ -18,8 +18,8 @@ from frictionlab.hybrid.kernels import run_state, step_length
 from frictionlab.hybrid.kernels.run_state import jet_columns, most_impacts, new_record, new_scratch
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.functions import POWER, QUOTIENT
-from frictionlab.hybrid.tape.program import Code, Numbers, Program
+from frictionlab.tape.functions import POWER, QUOTIENT
+from frictionlab.tape.program import Code, Numbers, Program
 
 FREE = -1  # stands for no run, and for no slot
 CACHE_LINE_BYTES = 64  # bytes

@@ -15,9 +15,9 @@ from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined
-from frictionlab.hybrid.tape.program import Numbers
 from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
+from frictionlab.tape.program import Numbers
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
 MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run, advanced alone, whose steps would fill the memory

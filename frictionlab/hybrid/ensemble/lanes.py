@@ -11,6 +11,7 @@ it would take alone, so its results depend on no other run.
 
 from __future__ import annotations
 
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.jet_codegen import (
     CONTROL_ROWS,
     LANE_COUNT,
@@ -20,7 +21,6 @@ from frictionlab.hybrid.codegen.jet_codegen import (
     REGULAR,
     SUITED,
 )
-from frictionlab.hybrid.compilation import inlined, kernel
 from frictionlab.hybrid.ensemble.arrays import FREE
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
@@ -46,7 +46,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.kernels.step_length import function_step, has_negative_base, is_cut_short
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
-from frictionlab.hybrid.tape.program import Numbers, System
+from frictionlab.tape.program import Numbers, System
 
 MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one
 SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again

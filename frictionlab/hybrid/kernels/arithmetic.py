@@ -10,22 +10,22 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.hybrid import llvm_instructions
-from frictionlab.hybrid.compilation import NUMBA
-from frictionlab.hybrid.elementary.double_double import (
+from frictionlab.compilation import llvm_instructions
+from frictionlab.compilation.llvm_instructions import (
+    EXP2_COEFFICIENTS,
+    EXPONENT_LIMIT,
+    LOG2_COEFFICIENTS,
+    MANTISSA_BITS,
+    write_loop,
+)
+from frictionlab.compilation.machine_code import NUMBA
+from frictionlab.tape.elementary.double_double import (
     BITS_OF_ONE,
     EXPONENT_BIAS,
     FRACTION_BITS,
     ROUND_TO_INTEGER,
     bits_to_float,
     float_to_bits,
-)
-from frictionlab.hybrid.llvm_instructions import (
-    EXP2_COEFFICIENTS,
-    EXPONENT_LIMIT,
-    LOG2_COEFFICIENTS,
-    MANTISSA_BITS,
-    write_loop,
 )
 
 SIGN_AND_EXPONENT_MASK = 0xFFF

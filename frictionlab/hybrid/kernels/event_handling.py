@@ -9,7 +9,7 @@ see `impacts`, also for impacts at one instant, which are no accumulation in tim
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.impacts import impact
 from frictionlab.hybrid.kernels.jets import copy_vector

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     majorant,

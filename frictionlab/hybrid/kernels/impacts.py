@@ -23,7 +23,7 @@ limit.  Other impacts within that time, across small gaps, are not touched.
 
 from __future__ import annotations
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 
-from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.exponentials import power
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import (
     PARTS,
     call_jets,
@@ -19,7 +18,8 @@ from frictionlab.hybrid.kernels.arithmetic import (
     sum_of_magnitudes,
     sum_of_series,
 )
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
+from frictionlab.tape.elementary.exponentials import power
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
 
 MAX_ORDER = 60  # highest order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # not a power of two, by which all rows would fall on few sets of the cache

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, leading_order
 from frictionlab.hybrid.kernels.jets import (
     copy_vector,

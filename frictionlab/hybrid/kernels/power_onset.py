@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 
-from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.exponentials import power
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 from frictionlab.hybrid.kernels.jets import has_series, series_range
 from frictionlab.hybrid.kernels.remainder import REACH, REST, infinite_if_nan, operation_range, power_range
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, END
 from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR, largest_coefficient
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
+from frictionlab.tape.elementary.exponentials import power
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE
 
 ONSET_TRIES = 100
 

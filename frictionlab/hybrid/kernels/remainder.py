@@ -15,8 +15,7 @@ from __future__ import annotations
 
 import math
 
-from frictionlab.hybrid.compilation import inlined, kernel
-from frictionlab.hybrid.elementary.exponentials import power
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
 from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, NOW
@@ -29,8 +28,9 @@ from frictionlab.hybrid.kernels.step_length import (
     log2_step_from_later_terms,
     share_of_rounding,
 )
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_range
-from frictionlab.hybrid.tape.tape import Range
+from frictionlab.tape.elementary.exponentials import power
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_range
+from frictionlab.tape.tape import Range
 
 WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
 REACH, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, and how far from its polynomial

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined
+from frictionlab.compilation.decorators import inlined
 from frictionlab.hybrid.kernels.event_location import RootScratch, new_root_scratch
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS
-from frictionlab.hybrid.tape.program import Code, Demand
+from frictionlab.tape.program import Code, Demand
 
 RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIVED, EVENT_PENDING = range(8)
 

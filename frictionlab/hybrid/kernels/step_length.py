@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
@@ -22,7 +22,7 @@ from frictionlab.hybrid.kernels.jets import (
     states_at,
 )
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, END, NOW
-from frictionlab.hybrid.tape.functions import POWER
+from frictionlab.tape.functions import POWER
 
 # Factor by which the tolerance of a function of the states is wider than theirs: room for rounding.
 FUNCTION_TOL_FACTOR, LOG2_FUNCTION_TOL_FACTOR = 64.0, 6.0

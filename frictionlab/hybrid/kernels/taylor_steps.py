@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event, leave_event
 from frictionlab.hybrid.kernels.event_location import (
     COEFFICIENT_ROUNDING,

@@ -35,8 +35,8 @@ from frictionlab.hybrid.kernels.run_state import (
     new_scratch,
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
-from frictionlab.hybrid.tape.program import System, system_of
 from frictionlab.interruption import Progress
+from frictionlab.tape.program import System, system_of
 from frictionlab.validation import check_field
 
 RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.hybrid.ahead_of_time.loaded_kernels import prepared_call
+from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates

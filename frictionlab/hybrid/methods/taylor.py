@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.event_location import GuardZero
@@ -33,8 +33,8 @@ from frictionlab.hybrid.kernels.run_state import (
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.tape.functions import AFFINE
-from frictionlab.hybrid.tape.program import Numbers, Program
+from frictionlab.tape.functions import AFFINE
+from frictionlab.tape.program import Numbers, Program
 from frictionlab.validation import check_choice, check_field
 
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import kernel
-from frictionlab.hybrid.elementary.exponentials import log
+from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
@@ -35,6 +34,7 @@ from frictionlab.hybrid.variational.tangent_jets import (
 )
 from frictionlab.interruption import progress_bar
 from frictionlab.presentation import Drawable, count
+from frictionlab.tape.elementary.exponentials import log
 from frictionlab.validation import abbreviate, check_flag
 
 # share of a vector's length that remains by rounding alone where an event removes the vector

@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.compilation import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.jets import copy_vector, has_series, mode_operations, run_tape, states_at
 from frictionlab.hybrid.kernels.step_length import step_length
-from frictionlab.hybrid.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE
-from frictionlab.hybrid.tape.program import Numbers, Program
+from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE
+from frictionlab.tape.program import Numbers, Program
 
 MIN_TANGENT_STEP_SHARE = (
     1e-9  # share of a run's step below which the series of its tangents are taken to diverge

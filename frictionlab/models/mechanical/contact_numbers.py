@@ -16,8 +16,8 @@ from frictionlab.models.serialisation import Structure, derivations_of, structur
 from .mechanics import Friction
 
 if TYPE_CHECKING:
-    from frictionlab.hybrid.tape.formulas import Formulas
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+    from frictionlab.tape.formulas import Formulas
 
 
 class ContactNumbers(NamedTuple):
@@ -48,8 +48,8 @@ def numbers_of_contacts(model: MechanicalModel) -> list[ContactNumbers | None]:
 def _formulas(key: Structure) -> tuple[list[int], Formulas]:
     """How many numbers each contact has, none where it is a stop, and all of them as formulas."""
     # The command's help loads models, and no numpy.
-    from frictionlab.hybrid.tape.formulas import formulas_of, kept_formulas
     from frictionlab.models.symbols import parameter_symbols
+    from frictionlab.tape.formulas import formulas_of, kept_formulas
 
     derivations = derivations_of(key, key.parameters)
 

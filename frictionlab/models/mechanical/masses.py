@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import Parameter
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
 from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .massless_motions import SEED, motion_without_energy
 

@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.tape.formulas import Formulas
 from frictionlab.presentation import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
@@ -25,6 +24,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import float_array
 
 from .stability_changes import StabilityChange, StabilityKind, changes_on_lines

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.tape.formulas import Formulas, kept_formulas
 from frictionlab.models.model import Model, automaton_of
 from frictionlab.stability.equilibrium_points.intervals import interval
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
@@ -45,6 +44,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
 )
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import Formulas, kept_formulas
 
 Array = NDArray[np.float64]
 

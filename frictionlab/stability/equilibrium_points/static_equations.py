@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.serialisation import Derivations, Structure, derivations_of, structure_of_component
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem

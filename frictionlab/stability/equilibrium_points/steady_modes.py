@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
-from frictionlab.hybrid.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.serialisation import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 Array = NDArray[np.float64]
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium

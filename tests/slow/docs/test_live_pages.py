@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from frictionlab.hybrid.ahead_of_time.manifest import WEB, lacking_objects
+from frictionlab.compilation.manifest import WEB, lacking_objects
 
 pytest.importorskip("sphinx", reason="the site is built by sphinx")
 pytestmark = pytest.mark.slow
@@ -23,7 +23,7 @@ A mass on a belt
 ```
 """
 CONF = "import sys\nsys.path.insert(0, {path!r})\nextensions = ['myst_nb', 'live_pages']\n{more}\n"
-WITHOUT = "from frictionlab.hybrid.ahead_of_time import manifest\nmanifest.FOLDER = 'nowhere'"
+WITHOUT = "from frictionlab.compilation import manifest\nmanifest.FOLDER = 'nowhere'"
 
 
 def built(folder, more=""):

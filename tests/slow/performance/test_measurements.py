@@ -8,7 +8,7 @@ import frictionlab as fl
 import many_runs
 import single_costs
 import stability_costs
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 from growth import GrowthCurve, growth_table
 from response_times import latencies
 from single_costs import TimeShares, operations_of_tape, time_share_table

@@ -121,7 +121,7 @@ def test_the_cache_of_a_zip_file_is_used_again(tmp_path):
         for path in sorted((ROOT / "frictionlab").rglob("*.py*")):
             if path.suffix in (".py", ".pyi"):
                 file.write(path, path.relative_to(ROOT))
-    script = "from frictionlab.hybrid import compilation; print(compilation.CACHE_FOLDER)"
+    script = "from frictionlab.compilation import machine_code; print(machine_code.CACHE_FOLDER)"
     by_numba = {"FRICTIONLAB_COMPILE_KERNELS": "1"}  # the archive lacks the objects, whose digest is another
     inside, outside = (ended(["-c", script], path=path, **by_numba)[1] for path in (archive, ROOT))
     assert inside == outside != "\n"

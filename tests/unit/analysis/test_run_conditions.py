@@ -7,8 +7,8 @@ import frictionlab as fl
 from frictionlab import Event, HybridAutomaton, Mode, Reset
 from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball
 
 PEAK = 1 - X - sp.Rational(9, 10) * sp.exp(-((1000 * (X - sp.Rational(2, 5))) ** 2))

@@ -17,11 +17,11 @@ from frictionlab import Event, HybridAutomaton, Mode, Reset
 from frictionlab.analysis.independent_method import IndependentMethod
 from frictionlab.analysis.verify import RunSetup, verification_of
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
 from frictionlab.models.mechanical.mechanics import Stop
 from frictionlab.models.symbols import symbol
+from frictionlab.tape.packing import program_of
 
 QUIET = {"progress": False}
 

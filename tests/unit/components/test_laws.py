@@ -23,7 +23,7 @@ from frictionlab.components import (
     StickSlip,
     StickSlipSeparation,
 )
-from frictionlab.hybrid.tape.functions import FUNCTIONS
+from frictionlab.tape.functions import FUNCTIONS
 
 
 def test_cubic_contact_is_equation_2():

@@ -7,10 +7,10 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.compilation.machine_code import HAS_MACHINE_CODE
 from frictionlab.hybrid.accuracy import CHECK_POINTS, stored_steps
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.compilation import HAS_MACHINE_CODE
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, oscillator
 
 POINT = 0.5 * (1 + math.cos(0.5 * math.pi / CHECK_POINTS))  # the last, as a share of the step

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid.tape.undefined_parts import undefined_part
+from frictionlab.tape.undefined_parts import undefined_part
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid.ahead_of_time import manifest
+from frictionlab.compilation import manifest
 from frictionlab.pages import export
 from frictionlab.pages.page_data import preset_data, slider_data, structures, switch_names
 

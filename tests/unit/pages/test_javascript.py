@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.pages.javascript import javascript_function
+from frictionlab.tape.formulas import formulas_of
 
 A, B = sp.symbols("a b", positive=True)
 EXPRESSIONS = [

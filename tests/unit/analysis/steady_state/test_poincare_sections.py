@@ -11,7 +11,7 @@ from frictionlab.analysis.steady_state.poincare_sections import (
     stick_onsets,
     turning_section,
 )
-from frictionlab.hybrid.tape.arguments import read_expression
+from frictionlab.tape.arguments import read_expression
 from tests.helpers.automata import oscillator
 
 MODEL = fl.SliderOnBelt(mu_k=1.4).without("geometry")

@@ -10,8 +10,8 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.compilation import machine_code
 from frictionlab.components import SlidingSeparation, StickSlip
-from frictionlab.hybrid import compilation
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.codegen.jet_codegen import KERNELS, jets_module
 from frictionlab.hybrid.kernels.jets import (
@@ -23,10 +23,10 @@ from frictionlab.hybrid.kernels.jets import (
     mode_jets,
 )
 from frictionlab.hybrid.kernels.run_state import jet_columns
-from frictionlab.hybrid.tape.functions import FUNCTIONS
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.functions import FUNCTIONS
+from frictionlab.tape.packing import program_of
 
-pytestmark = pytest.mark.skipif(not compilation.HAS_MACHINE_CODE, reason="needs numba")
+pytestmark = pytest.mark.skipif(not machine_code.HAS_MACHINE_CODE, reason="needs numba")
 SWITCHES = ("cubic", "nonsmooth", "geometry")
 SCENES = [fl.SliderOnBelt(mu_k=1.4).without(*off) for n in range(4) for off in combinations(SWITCHES, n)]
 LAWS = [
@@ -183,7 +183,7 @@ def test_a_run_may_change_over_at_any_step(monkeypatch):
 
 
 def test_what_one_process_compiled_the_next_one_finds(tmp_path, monkeypatch):
-    monkeypatch.setattr(compilation, "CACHE_FOLDER", str(tmp_path))
+    monkeypatch.setattr(machine_code, "CACHE_FOLDER", str(tmp_path))
     program = program_of(LAWS[1].automaton())[0]
     first = native_cache.NativeCode(program)
     assert not first.code.native.any()
@@ -196,7 +196,7 @@ def test_what_one_process_compiled_the_next_one_finds(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
     """One that comes later finds the code there is, in this process and in the next."""
-    monkeypatch.setattr(compilation, "CACHE_FOLDER", str(tmp_path))
+    monkeypatch.setattr(machine_code, "CACHE_FOLDER", str(tmp_path))
     monkeypatch.setattr(native_cache, "COMPILE_AFTER", 0)
     model = fl.SliderOnBelt(mu_k=1.4, impact=fl.RestitutionImpact(e=0.25))
     program = program_of(model.automaton())[0]
@@ -221,7 +221,7 @@ def test_another_order_or_method_compiles_nothing(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("folder", ["", "/proc/no/such/folder"])
 def test_without_a_folder_it_is_compiled_in_memory(folder, monkeypatch):
-    monkeypatch.setattr(compilation, "CACHE_FOLDER", folder)
+    monkeypatch.setattr(machine_code, "CACHE_FOLDER", folder)
     with_code(LAWS[1].automaton(), 0)
 
 
@@ -232,7 +232,7 @@ def test_parameter_values_compile_nothing(monkeypatch):
 
 
 def test_short_runs_compile_nothing(monkeypatch, tmp_path):
-    monkeypatch.setattr(compilation, "CACHE_FOLDER", str(tmp_path))
+    monkeypatch.setattr(machine_code, "CACHE_FOLDER", str(tmp_path))
     model = fl.SliderOnBelt(mu_k=1.4, interface=SlidingSeparation(), impact=fl.RestitutionImpact(e=0.9))
     fl.simulate(model, 0.5, progress=False)
     program = program_of(model.automaton())[0]

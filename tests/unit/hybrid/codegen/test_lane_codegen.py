@@ -6,21 +6,21 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.automaton import Event, HybridAutomaton, Mode
-from frictionlab.hybrid import compilation
+from frictionlab.compilation import machine_code
+from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REGULAR
-from frictionlab.hybrid.compilation import kernel
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.problem import Problem
-from frictionlab.hybrid.tape.functions import FUNCTIONS
-from frictionlab.hybrid.tape.packing import program_of
-from frictionlab.hybrid.tape.program import system_of
+from frictionlab.tape.functions import FUNCTIONS
+from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import system_of
 
-pytestmark = pytest.mark.skipif(not compilation.HAS_MACHINE_CODE, reason="needs numba")
+pytestmark = pytest.mark.skipif(not machine_code.HAS_MACHINE_CODE, reason="needs numba")
 METHODS = [fl.Taylor(tol=1e-15), fl.Taylor(tol=1e-9), fl.Taylor(tol=1e-4), fl.Taylor(order=4)]
 X, Y, A, P = sp.symbols("x y a p")
 INNER = {sp.log: 2 + X, sp.tan: X / 2}  # away from their poles

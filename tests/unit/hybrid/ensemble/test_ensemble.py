@@ -9,7 +9,7 @@ from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.ensemble.arrays import select_runs
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
 from tests.helpers.laws import Undefined
@@ -29,7 +29,7 @@ def compiled(model):
     """Have the code of all modes at hand, so that lanes are used from the first step."""
     automaton = model if isinstance(model, HybridAutomaton) else model.automaton()
     native = native_cache.native_code(program_of(automaton)[0])
-    for mode in range(len(native.code.lanes)) if native_cache.compilation.HAS_MACHINE_CODE else ():
+    for mode in range(len(native.code.lanes)) if native_cache.machine_code.HAS_MACHINE_CODE else ():
         if not native.code.lanes[mode]:
             native.compile_step(mode)
         assert native.code.lanes[mode]
@@ -40,7 +40,7 @@ def compiled(model):
 def test_each_run_is_what_it_would_be_alone(name):
     compiled(SCENES[name])
     models = [SCENES[name].replace(mu_k=float(mu)) for mu in MU]
-    t_end = 0.03 if not native_cache.compilation.HAS_MACHINE_CODE else 5.0
+    t_end = 0.03 if not native_cache.machine_code.HAS_MACHINE_CODE else 5.0
     ends = fl.ensemble(models, t_end, progress=False)
     for i, model in enumerate(models):
         run = fl.simulate(model, t_end, progress=False)
@@ -237,7 +237,7 @@ def test_a_run_goes_on_from_an_event_at_the_very_time_of_a_look():
 
 
 def test_groups_too_small_for_a_second_round_have_their_steps_compiled():
-    if not native_cache.compilation.HAS_MACHINE_CODE:
+    if not native_cache.machine_code.HAS_MACHINE_CODE:
         pytest.skip("there is nothing to compile")
     scene = FULL.without("geometry").automaton()
     native = native_cache.native_code(program_of(scene)[0])

@@ -7,7 +7,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.hybrid.methods.taylor import is_affine
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 LINEAR = fl.SliderOnBelt(mu_k=0.2).without("cubic", "nonsmooth", "geometry")
 

@@ -11,7 +11,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab import HybridAutomaton, Mode
 from frictionlab.hybrid.kernels.jets import mode_jets
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.packing import program_of
 
 T, U = sp.symbols("t u")
 E, P = sp.symbols("e p")

@@ -10,8 +10,8 @@ import frictionlab as fl
 from frictionlab import HybridAutomaton, Mode, parameter
 from frictionlab.components import functions as fn
 from frictionlab.hybrid.kernels.remainder import power_range
-from frictionlab.hybrid.tape.functions import EXP, FUNCTIONS, SECH2, TANH, function_range, function_value
-from frictionlab.hybrid.tape.packing import program_of
+from frictionlab.tape.functions import EXP, FUNCTIONS, SECH2, TANH, function_range, function_value
+from frictionlab.tape.packing import program_of
 
 CIRCLE = np.exp(2j * np.pi * np.arange(400) / 400)
 NOWHERE = np.inf

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid.compilation import cache_folder
+from frictionlab.compilation.machine_code import cache_folder
 from tests.helpers.assertions import assert_same_times
 
 X, V = sp.symbols("x v")

@@ -8,9 +8,9 @@ import sympy as sp
 from scipy.linalg import expm
 
 import frictionlab as fl
-from frictionlab.hybrid.tape.packing import program_of
 from frictionlab.hybrid.variational.tangent_flow import end_rates
 from frictionlab.hybrid.variational.tangent_jets import EventCrossing, saltation_matrix
+from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, clock, coulomb, oscillator
 
 STEPS = (1e-4, 1e-5, 1e-6, 1e-7)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import sympy
 
-from frictionlab.hybrid.tape.formulas import formulas_of
 from frictionlab.stability.equilibrium_points.newton import (
     find_zeros,
     low_rank_newton,
@@ -12,6 +11,7 @@ from frictionlab.stability.equilibrium_points.newton import (
     newton_step,
 )
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.formulas import formulas_of
 
 MASSES = 24
 

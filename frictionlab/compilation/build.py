@@ -1,0 +1,216 @@
+"""Compile the kernels: capture their instructions, make machine code of them for each target, write the
+folder of objects.
+
+Run it as ``python -m frictionlab.compilation``, which makes numba compile even where objects exist.
+"""
+
+from __future__ import annotations
+
+import lzma
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import llvmlite.binding as llvm
+
+from frictionlab.compilation import flat_functions
+from frictionlab.compilation.entry_points import entry_points, symbols
+from frictionlab.compilation.flat_functions import flat_function, scalar_function
+from frictionlab.compilation.manifest import (
+    FILE,
+    TARGETS,
+    WEB,
+    Function,
+    Manifest,
+    Target,
+    code_digest,
+    digest,
+    kernel_sources,
+    objects_folder,
+    source_files,
+)
+
+# The modules that make the instructions and the tables.
+BUILDERS = tuple(
+    f"frictionlab.compilation.{name}" for name in ("build", "entry_points", "flat_functions", "manifest")
+)
+# With more targets it pays to do once the optimisations that hold for all processors; this takes as long as
+# one target.
+MOST_WITHOUT_SIMPLIFICATION = 2
+OPTIMISATION = 2  # level 3 makes objects larger and no run faster
+COMMON = TARGETS[1]  # x86-64 without extensions
+# Kernels that are not inlined: they take longer than a call and are called in many places.
+CALLED = "run_tape", "function_value", "function_range", "power"
+STACK_BYTES, MEMORY_BYTES = 1 << 18, 1 << 25  # in a browser; the memory grows
+LINKER = ("wasm-ld", "--no-entry", "--allow-undefined", "--export-table", "--growable-table", "--strip-all")
+SCALARS = {"int64": "i64", "float64": "double"}
+
+
+def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
+    """Compile for the targets, and replace all that the folder of objects has held."""
+    folder = Path(str(objects_folder()))
+    start, sources = time.perf_counter(), _sources()
+    report("kernels: numba compiles them once, for all processors ...")
+    instructions, tables, names = _capture()
+    report(f"kernels: machine code for {', '.join(target.name for target in targets)} ...")
+    contents = _machine_code(instructions, [*tables, *names], targets)
+    folder.mkdir(exist_ok=True)
+    for old in folder.iterdir():
+        old.unlink()
+    objects = {}
+    for target, content in zip(targets, contents, strict=True):
+        (folder / target.file).write_bytes(content)
+        objects[target.file] = digest(content)
+    manifest = Manifest(sources, tables, tuple(names), objects)
+    (folder / FILE).write_text(manifest.to_json(), encoding="utf-8")
+    report(f"kernels: compiled in {time.perf_counter() - start:.0f} s, in {folder}")
+
+
+def _machine_code(instructions: str, exports: list[str], targets: Sequence[Target]) -> list[bytes]:
+    """Content of each target's file; several are made at once where there are several processors."""
+    of_processors = instructions
+    if sum(target != WEB for target in targets) > MOST_WITHOUT_SIMPLIFICATION:
+        of_processors = simplified(instructions, exports)
+    given = [instructions if target == WEB else of_processors for target in targets]
+    count = min(len(targets), os.cpu_count() or 1)
+    if count == 1:
+        return [object_file(*each) for each in zip(given, repeat(exports), targets)]
+    with ProcessPoolExecutor(count, get_context("spawn")) as pool:
+        return list(pool.map(object_file, given, repeat(exports), targets))
+
+
+def _capture() -> tuple[str, dict[str, Function], list[str]]:
+    """The instructions, the tables of the entry points, and the names of the functions of numbers."""
+    entries, called = entry_points(), symbols()  # before capturing, as making specimens runs compiled code
+    with flat_functions.captured_libraries() as libraries:
+        flat = [flat_function(entry) for entry in entries]
+        scalar = [(each, scalar_function(each)) for each in called]
+        module = flat_functions.linked(libraries)
+    for function in flat:
+        module.link_in(llvm.parse_assembly(shim(function.name, function.symbol)))
+    for symbol, function in scalar:
+        text = scalar_shim(symbol.name, function.symbol, symbol.signature)
+        module.link_in(llvm.parse_assembly(text))
+    return str(module), {each.name: each.table for each in flat}, [each.name for each, _ in scalar]
+
+
+def _sources() -> dict[str, tuple[str, str]]:
+    """Digests of the files that the kernels and their objects depend on."""
+    files = kernel_sources() | source_files(BUILDERS)
+    return {path: (digest(content), code_digest(content)) for path, content in sorted(files.items())}
+
+
+def shim(name: str, symbol: str) -> str:
+    """``int name(int64 *table)`` in LLVM's language; numba's own function takes two more pointers."""
+    return f"""
+declare i32 @"{symbol}"(ptr, ptr, ptr)
+define i32 @{name}(ptr %table) {{
+  %result = alloca [4 x i64]
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, ptr %table)
+  ret i32 %status
+}}
+"""
+
+
+def scalar_shim(name: str, symbol: str, signature: str) -> str:
+    """A C function of numbers, as ``double name(int64, double)``; `signature` is as numba writes it."""
+    words = re.findall(r"\w+", signature)
+    result, *kinds = (SCALARS[word] for word in words)
+    declared = ", ".join(["ptr", "ptr", *kinds])
+    named = ", ".join(f"{kind} %a{i}" for i, kind in enumerate(kinds))
+    return f"""
+declare i32 @"{symbol}"({declared})
+define {result} @{name}({named}) {{
+  %result = alloca {result}
+  %error = alloca ptr
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, {named})
+  %value = load {result}, ptr %result
+  ret {result} %value
+}}
+"""
+
+
+def simplified(instructions: str, exports: list[str]) -> str:
+    """The instructions after the optimisations that hold for all 64-bit processors, done once for them."""
+    machine = _machine(COMMON)
+    return str(_optimised(instructions, exports, COMMON, machine, vectorise=False))
+
+
+def object_file(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Content of a target's file: a compressed object, or a module of WebAssembly."""
+    code = emit_object(instructions, exports, target)
+    return link_for_web(code, exports) if target == WEB else lzma.compress(code, preset=9)
+
+
+def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
+    """Object file of a target, in which only the exports are visible from outside."""
+    machine = _machine(target)
+    return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
+
+
+def _optimised(
+    instructions: str, exports: list[str], target: Target, machine: Any, *, vectorise: bool
+) -> Any:
+    module = llvm.parse_assembly(_adapted(instructions, target, machine))
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = "external" if function.name in exports else "internal"
+            if _is_called(function.name):
+                function.add_function_attribute("noinline")
+    for variable in module.global_variables:
+        if not variable.name.startswith("llvm."):
+            variable.linkage = "internal"
+    options = llvm.create_pipeline_tuning_options(speed_level=OPTIMISATION)
+    options.loop_vectorization = options.slp_vectorization = vectorise
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    module.verify()
+    return module
+
+
+def _is_called(symbol: str) -> bool:
+    """Whether a function is one of :data:`CALLED`; in numba's symbols a name follows its length."""
+    return any(f"{len(name)}{name}B" in symbol for name in CALLED)
+
+
+def _machine(target: Target) -> Any:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    web = target == WEB
+    place: dict[str, Any] = {"reloc": "static"}
+    if not web:
+        place = {"reloc": "pic", "codemodel": "default", "jit": True}
+    known = llvm.Target.from_triple(target.triple)
+    return known.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
+
+
+def _adapted(instructions: str, target: Target, machine: Any) -> str:
+    """The instructions with the target's data layout; addresses of this process become null."""
+    text = re.sub(r'target datalayout = ".*"', f'target datalayout = "{machine.target_data}"', instructions)
+    text = re.sub(r'target triple = ".*"', f'target triple = "{target.triple}"', text)
+    return re.sub(r"inttoptr \(i64 \d+ to ptr\)", "null", text)
+
+
+def link_for_web(code: bytes, exports: list[str]) -> bytes:
+    """An object of :data:`WEB` made a module of WebAssembly by the linker that comes with zig."""
+    with TemporaryDirectory() as folder:
+        given, made = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
+        given.write_bytes(code)
+        sizes = ["-z", f"stack-size={STACK_BYTES}", f"--initial-memory={MEMORY_BYTES}"]
+        shown = [f"--export={name}" for name in [*exports, "__heap_base"]]
+        files = [str(given), "-o", str(made)]
+        command = [sys.executable, "-m", "ziglang", *LINKER, "--gc-sections", "-O2", *sizes, *shown, *files]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise RuntimeError(f"the linker for WebAssembly failed: {done.stderr[:2000]}")
+        return made.read_bytes()

@@ -1,0 +1,70 @@
+"""The decorators of every kernel: compiled ahead of time, else by numba, else plain Python.
+
+The functions of an object take the place of the kernels that Python calls.  Which code there is on this
+machine is known in :mod:`frictionlab.compilation.machine_code`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from frictionlab.compilation import machine_code
+from frictionlab.compilation.machine_code import LOADED, NUMBA
+from frictionlab.compilation.numba_cache import KernelCache, has_kernel
+
+_FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
+
+
+def needs_compilation(function: Any) -> bool:
+    """Whether the next call of a kernel compiles it: neither loaded nor in the cache folder."""
+    if NUMBA is None or function.overloads or function in _FOUND:
+        return False
+    if machine_code.CACHE_FOLDER and has_kernel(machine_code.CACHE_FOLDER, function.__name__):
+        _FOUND.add(function)
+    return function not in _FOUND
+
+
+def kernel(function: Callable) -> Callable:
+    """The function as compiled ahead of time; else numba compiles it on its first call, once per machine;
+    without numba the function itself."""
+    return _compile(function, {"forceinline": False})  # else it inherits this from its callers
+
+
+def inlined(function: Callable) -> Callable:
+    """A kernel that is inlined into its callers: a call would pass some hundred numbers for its arrays."""
+    return _compile(function, {"forceinline": True})
+
+
+def c_address(name: str, function: Callable, signature: str) -> int:
+    """Address at which C code calls a function; ahead of time it was compiled under this `name`."""
+    return _c_function(function, signature).address if LOADED is None else LOADED.address(name)
+
+
+@cache  # keeps the compiled function alive: its code is freed with it
+def _c_function(function: Callable, signature: str) -> Any:
+    from numba.core.ccallback import CFunc
+    from numba.core.sigutils import normalize_signature
+
+    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=jit_options())
+    compiled._cache = KernelCache(function, machine_code.CACHE_FOLDER)
+    compiled.compile()
+    return compiled
+
+
+def _compile(function: Callable, further: dict[str, bool]) -> Callable:
+    if LOADED is not None:
+        return LOADED.function(function)
+    if NUMBA is None:
+        return function
+    compiled = NUMBA.njit(nogil=True, **jit_options(), **further)(function)
+    compiled._cache = KernelCache(function, machine_code.CACHE_FOLDER)
+    return compiled
+
+
+def jit_options() -> dict[str, Any]:
+    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
+    time."""
+    counts = {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
+    return {"error_model": "numpy", "boundscheck": False, **counts}

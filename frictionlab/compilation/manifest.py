@@ -1,0 +1,349 @@
+"""What has been compiled, from which sources and for which processors and systems: a file beside the objects.
+
+The sources are the files that define what a kernel calls, or a constant that it uses.  They are read, not
+imported, so that their digests are known before any kernel is imported.  There is an object for each
+`Target`; `targets_of_machine` says which of them run here.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import io
+import json
+import platform
+import sys
+import tokenize
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from importlib import resources
+from typing import Any
+
+PACKAGE = "frictionlab"
+WITH_KERNELS = "frictionlab.tape", "frictionlab.hybrid"  # the packages that define kernels
+# They determine how kernels are compiled and where the code is, not what it computes: what they import does
+# not matter.
+DECORATORS_MODULE, MACHINE_CODE = "frictionlab.compilation.decorators", "frictionlab.compilation.machine_code"
+DECORATORS = ("kernel", "inlined")
+# Plain functions that native code calls.
+CALLED_BY_NATIVE_CODE = ("frictionlab.hybrid.codegen.jet_codegen", "KERNELS")
+Name = tuple[str, str]  # a module, and a name in it
+
+
+def kernel_sources() -> dict[str, bytes]:
+    """Content of each file that the code of a kernel depends on, by its path in the package."""
+    modules, seen, left = {DECORATORS_MODULE}, set(), [CALLED_BY_NATIVE_CODE, *_kernels()]
+    while left:
+        module, name = left.pop()
+        if (module, name) in seen or module in (DECORATORS_MODULE, MACHINE_CODE):
+            continue
+        seen.add((module, name))
+        modules.add(module)
+        left += needed_names(module, name)
+    return source_files(modules)
+
+
+def source_files(modules: Iterable[str]) -> dict[str, bytes]:
+    """Content of the files of modules, by their paths in the package."""
+    return {_path(module): read_module(module) for module in sorted(modules)}
+
+
+def _kernels() -> Iterator[Name]:
+    """The functions that have a decorator of kernels."""
+    for module in (each for package in WITH_KERNELS for each in _modules(resources.files(package), package)):
+        if any(f"\n@{decorator}\n".encode() in read_module(module) for decorator in DECORATORS):
+            definitions, _ = module_contents(module)
+            for name, nodes in definitions.items():
+                if any(_is_kernel(node) for node in nodes):
+                    yield module, name
+
+
+def _is_kernel(node: ast.AST) -> bool:
+    decorators = getattr(node, "decorator_list", [])
+    return any(isinstance(each, ast.Name) and each.id in DECORATORS for each in decorators)
+
+
+def _modules(folder: Any, package: str) -> Iterator[str]:
+    """The modules in a folder and its subfolders; the folder may be in a zip file."""
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        if entry.is_dir():
+            yield from _modules(entry, f"{package}.{entry.name}")
+        elif entry.name.endswith(".py") and entry.name != "__init__.py":
+            yield f"{package}.{entry.name.removesuffix('.py')}"
+
+
+def needed_names(module: str, name: str) -> list[Name]:
+    """The names of the package that the definition of a name uses, each with the module it comes from."""
+    definitions, imports = module_contents(module)
+    found = []
+    for node in definitions.get(name, []):
+        for part in ast.walk(node):
+            if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
+                origin = imports.get(part.value.id)
+                if origin is not None and _is_module(".".join(origin)):
+                    found.append((".".join(origin), part.attr))
+            elif isinstance(part, ast.Name):
+                if part.id in imports:
+                    found.append(imports[part.id])
+                elif part.id in definitions:
+                    found.append((module, part.id))
+    if not definitions.get(name) and name in imports:
+        found.append(imports[name])
+    return [(home, one) for home, one in found if _is_module(home) and not _is_module(f"{home}.{one}")]
+
+
+@cache
+def module_contents(module: str) -> tuple[dict[str, list[ast.AST]], dict[str, Name]]:
+    """What a module's statements define, by name; and what it imports from the package: for each name the
+    module that it comes from, and its name there."""
+    definitions: dict[str, list[ast.AST]] = {}
+    imports: dict[str, Name] = {}
+    tree = ast.parse(read_module(module))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
+            for alias in node.names:
+                imports[alias.asname or alias.name] = (str(node.module), alias.name)
+    for node in _statements(tree.body):
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            definitions.setdefault(node.name, []).append(node)
+        elif isinstance(node, (ast.Assign, ast.AnnAssign)):
+            for part in ast.walk(node):
+                if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
+                    definitions.setdefault(part.id, []).append(node)
+    return definitions, imports
+
+
+def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """The statements of a module, and those inside its `if`, `try` and `with` statements."""
+    for node in body:
+        yield node
+        for inner in ("body", "orelse", "finalbody"):
+            if isinstance(node, (ast.If, ast.Try, ast.With)):
+                yield from _statements(getattr(node, inner, []))
+
+
+def _file(module: str) -> Any:
+    """The file of a module of the package, which need not exist."""
+    _, *parts = module.split(".")
+    return resources.files(PACKAGE).joinpath(*parts[:-1], f"{parts[-1]}.py") if parts else None
+
+
+def _path(module: str) -> str:
+    return module.removeprefix(f"{PACKAGE}.").replace(".", "/") + ".py"
+
+
+@cache
+def read_module(module: str) -> bytes:
+    """Content of a module's file."""
+    return _file(module).read_bytes()
+
+
+@cache
+def _is_module(name: str) -> bool:
+    """Whether a name is that of a module's file; packages do not count, as they hold no kernels."""
+    file = _file(name) if name.startswith(f"{PACKAGE}.") else None
+    return file is not None and file.is_file()
+
+
+FOLDER, FILE = "objects", "manifest.json"
+Word = tuple[str, str, int]  # name, type, number of axes (0: a number)
+
+
+@dataclass(frozen=True)
+class Function:
+    """The table of a function: its results, then its arguments.
+
+    `returns` names the class of named tuples that the results form; "" where there is one result or none.
+    """
+
+    results: tuple[Word, ...]
+    arguments: tuple[Word, ...]
+    returns: str = ""
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a folder of objects holds.
+
+    Parameters
+    ----------
+    sources : dict of str to (str, str)
+        Digests of each file that compiled code depends on, by its path in the package: of its bytes, and of
+        its code (:func:`code_digest`).
+    functions : dict of str to Function
+        The entry points that Python calls.
+    symbols : tuple of str
+        Functions that native code calls.
+    objects : dict of str to str
+        Digest of each file with machine code, by its name.
+    """
+
+    sources: dict[str, tuple[str, str]]
+    functions: dict[str, Function] = field(default_factory=dict)
+    symbols: tuple[str, ...] = ()
+    objects: dict[str, str] = field(default_factory=dict)
+
+    def to_json(self) -> str:
+        return json.dumps(asdict(self), indent=1)
+
+
+def objects_folder() -> Any:
+    """The folder of objects, which may be in a zip file."""
+    return resources.files("frictionlab.compilation") / FOLDER
+
+
+def read_manifest() -> Manifest | None:
+    """The manifest beside the objects; None where it is missing or damaged."""
+    try:
+        given = json.loads((objects_folder() / FILE).read_text(encoding="utf-8"))
+        functions = {
+            name: Function(
+                tuple(tuple(word) for word in each["results"]),
+                tuple(tuple(word) for word in each["arguments"]),
+                each["returns"],
+            )
+            for name, each in given.pop("functions").items()
+        }
+        sources = {path: (of_bytes, of_code) for path, (of_bytes, of_code) in given.pop("sources").items()}
+        return Manifest(sources, functions, **given)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+def lacking_objects(names: Iterable[str]) -> list[str]:
+    """Those of the files that are missing, not as they were written, or made from other sources."""
+    manifest = read_manifest()
+    if manifest is None or changed_sources(manifest):
+        return list(names)
+    return [name for name in names if read_object(manifest, name) is None]
+
+
+def read_object(manifest: Manifest, name: str) -> bytes | None:
+    """Content of a file; None where it is missing or not as it was written."""
+    try:
+        content = (objects_folder() / name).read_bytes()
+    except OSError:
+        return None
+    return content if manifest.objects.get(name) == digest(content) else None
+
+
+def digest(content: bytes) -> str:
+    """Digest by which files are compared."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def changed_sources(manifest: Manifest) -> list[str]:
+    """Sources that have changed since they were compiled."""
+    package = resources.files("frictionlab")
+    return [path for path, known in manifest.sources.items() if not _is_source(package, path, known)]
+
+
+def _is_source(package: Any, path: str, known: tuple[str, str]) -> bool:
+    """Whether a file has the same bytes, or else the same code, as when it was compiled."""
+    try:
+        content = (package / path).read_bytes()
+    except OSError:
+        return False
+    return digest(content) == known[0] or code_digest(content) == known[1]
+
+
+def code_digest(content: bytes) -> str:
+    """Digest of a file without its docstrings, comments and blank lines, of which no machine code depends."""
+    try:
+        tokens = list(tokenize.tokenize(io.BytesIO(content).readline))
+    except (tokenize.TokenError, SyntaxError):
+        return digest(content)
+    lines = content.decode().splitlines()
+    for before, token, after in reversed(list(zip(tokens, tokens[1:], tokens[2:], strict=False))):
+        is_statement = before.type in STATEMENT_ENDS and after.type == tokenize.NEWLINE
+        if token.type == tokenize.COMMENT or (token.type == tokenize.STRING and is_statement):
+            (first, begin), (last, end) = token.start, token.end
+            lines[first - 1 : last] = [lines[first - 1][:begin] + lines[last - 1][end:]]
+    return digest("\n".join(line.rstrip() for line in lines if line.strip()).encode())
+
+
+# What stands before a statement that is a string alone.
+STATEMENT_ENDS = (
+    *(tokenize.ENCODING, tokenize.NEWLINE, tokenize.NL),
+    *(tokenize.INDENT, tokenize.DEDENT, tokenize.COMMENT),
+)
+
+
+# Features of x86-64-v3 beyond the baseline; a processor must have all of them.
+V3_FEATURES = "avx avx2 bmi bmi2 f16c fma lzcnt movbe".split()
+X86, ARM = ("x86_64", "amd64"), ("aarch64", "arm64")  # as machines name themselves
+
+
+@dataclass(frozen=True)
+class Target:
+    """A processor and a system.
+
+    Parameters
+    ----------
+    name : str
+        Name of the target, and of an object's file without its ending.
+    triple, cpu, features : str
+        As LLVM names them.
+    system : str
+        What ``sys.platform`` begins with.
+    machines : tuple of str
+        Names that machines give such a processor, in lower case.
+    wheel : str
+        The platform tag of a wheel that carries the object.
+    needs : tuple of str
+        Features of the processor that the code uses beyond the baseline.
+    """
+
+    name: str
+    triple: str
+    cpu: str
+    features: str
+    system: str
+    machines: tuple[str, ...]
+    wheel: str
+    needs: tuple[str, ...] = ()
+
+    @property
+    def file(self) -> str:
+        """Name of the file in the folder of objects."""
+        return "kernels.wasm" if self.system == "emscripten" else self.name + ".o.xz"
+
+
+# MCJIT loads ELF objects on Windows too; numba uses it so.
+_WINDOWS = "pc-windows-msvc-elf"
+# The objects call nothing of the system, so this is the oldest one that Python and numpy have wheels for.
+_LINUX = "manylinux_2_17"
+_X86_LINUX = ("linux", X86, f"{_LINUX}_x86_64")
+_X86_WINDOWS = ("win32", X86, "win_amd64")
+# In the order in which they are tried.
+TARGETS = (
+    Target("linux-x86-64-v3", "x86_64-unknown-linux-gnu", "x86-64-v3", "", *_X86_LINUX, tuple(V3_FEATURES)),
+    Target("linux-x86-64", "x86_64-unknown-linux-gnu", "x86-64", "", *_X86_LINUX),
+    Target("linux-aarch64", "aarch64-unknown-linux-gnu", "generic", "", "linux", ARM, f"{_LINUX}_aarch64"),
+    Target("macos-aarch64", "arm64-apple-macosx11", "apple-m1", "", "darwin", ARM, "macosx_11_0_arm64"),
+    Target("windows-x86-64-v3", f"x86_64-{_WINDOWS}", "x86-64-v3", "", *_X86_WINDOWS, tuple(V3_FEATURES)),
+    Target("windows-x86-64", f"x86_64-{_WINDOWS}", "x86-64", "", *_X86_WINDOWS),
+)
+WEB = Target(
+    "web", "wasm32-unknown-unknown", "generic",
+    "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals", "emscripten", ("wasm32",),
+    "",
+)  # fmt: skip
+
+
+def targets_of_machine() -> list[Target]:
+    """The targets whose code runs here, the best one first."""
+    machine = platform.machine().lower()
+    fitting = [t for t in TARGETS if sys.platform.startswith(t.system) and machine in t.machines]
+    features = _features() if any(target.needs for target in fitting) else {}
+    return [target for target in fitting if all(features.get(name) for name in target.needs)]
+
+
+def _features() -> dict[str, bool]:
+    import llvmlite.binding as llvm
+
+    try:
+        return dict(llvm.get_host_cpu_features())
+    except RuntimeError:  # LLVM does not know the processor
+        return {}

@@ -1,0 +1,711 @@
+"""Expressions as functions of numbers, arrays and intervals, with their derivatives.
+
+`Formulas` are a tape whose inputs are all symbols, states and parameters alike, and whose coefficients are
+numbers.  Rates, event functions, outputs, statics, energies and the numbers in the tapes of modes are
+evaluated by it.  Its operations are those of the kernels and a few more, such as |a| and the greater of two.
+
+Derivatives are formulas again: each operation is differentiated into further operations (forward mode,
+A. Griewank and A. Walther, "Evaluating Derivatives", SIAM 2008).  So Jacobians, derivatives along directions
+and those of any order need no sympy, and what is kept of a structure for later processes is the tape alone.
+
+Three arithmetics evaluate the same tape:
+
+`NUMBERS`
+    Single numbers, the same to the last bit on every machine.
+`ARRAYS`
+    numpy's functions, for arrays, complex numbers, intervals and polynomials.  A power of a negative number
+    is NaN.
+`ALONG_RUNS`
+    As `ARRAYS`, by the kernels' rule for powers: a base that rounding has made negative counts as zero.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton.expressions import integer_exponent, unsorted_product, within_floats
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.tape.elementary import exponentials, trigonometry
+from frictionlab.tape.functions import (
+    AFFINE,
+    CONSTANT_TERM,
+    FUNCTIONS,
+    LOG,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    SQUARE,
+    Function,
+)
+from frictionlab.tape.tape import AffineTerms, Tape, TapeBuilder, TapeError
+
+# Operations that only formulas have, as kernels have no series of them.
+FIRST_OF_FORMULAS = 64
+INTEGER_POWER, REAL_POWER, ABS, SIGN, FLOOR, CEILING = range(FIRST_OF_FORMULAS, FIRST_OF_FORMULAS + 6)
+ASIN, ACOS, ACOSH, ATANH, ATAN2 = range(CEILING + 1, CEILING + 6)
+MAXIMUM, MINIMUM, LESS, LESS_OR_EQUAL, EQUAL, AND, OR, NOT, SELECT = range(ATAN2 + 1, ATAN2 + 10)
+STEP = SELECT + 1
+
+Data = dict[str, Any]
+Step = Callable[[list[Any]], Any]  # an operation, of the values so far
+Derivative = dict[int, AffineTerms]  # of a slot: by number of the direction, as a combination of slots
+
+
+class Arithmetic(NamedTuple):
+    """What evaluates formulas: functions of one and of two values by their operations.
+
+    Parameters
+    ----------
+    functions : mapping of int to callable
+    select : callable
+        Of a condition and two values.
+    """
+
+    functions: Mapping[int, Callable[..., Any]]
+    select: Callable[[Any, Any, Any], Any]
+
+
+def _quotient(a: float, b: float) -> float:
+    return a / b if b else math.nan
+
+
+def integer_power(x: float, n: float) -> float:
+    """x^n by repeated squaring; the squares are multiplied from the lowest power to the highest."""
+    value, square, count = 1.0, float(x), abs(int(n))
+    while count:
+        if count % 2:
+            value *= square
+        square *= square
+        count //= 2
+    return value if n >= 0 else _quotient(1.0, value)
+
+
+def real_power(x: float, y: float) -> float:
+    """x^y; a product where y is an integer, by a square root where it is a half or minus a half."""
+    if float(y).is_integer():
+        return integer_power(x, y)
+    if abs(y) == 0.5:
+        root = math.sqrt(x) if x >= 0.0 else math.nan
+        return root if y > 0.0 else _quotient(1.0, root)
+    return exponentials.power(float(x), float(y))
+
+
+def _of_float(function: Callable[[float], float]) -> Callable[[float], float]:
+    return lambda x: function(float(x))  # an integer would be another signature of the kernel
+
+
+def _sign(x: float) -> float:
+    return math.copysign(1.0, x) if x else 0.0
+
+
+def _of_square(sign: int, constant: int, root: bool, factor: int = 1) -> Callable[..., Any]:
+    """A slope `factor`/(constant + sign a^2), or over the root of this."""
+
+    def slope(make: Any, a: int, y: int) -> dict[int, Any]:
+        inner = {make.product(a, a): sign, CONSTANT_TERM: constant}
+        return {make.power(inner, -0.5) if root else make.inverse(inner): factor}
+
+    return slope
+
+
+def _flat(*_: Any) -> dict[int, Any]:
+    return {}
+
+
+# Functions of one argument that only formulas have, as kernels have no series of them.
+INVERSE_FUNCTIONS = (
+    Function(ASIN, "asin", trigonometry.asin, np.arcsin, _of_square(-1, 1, True)),
+    Function(ACOS, "acos", trigonometry.acos, np.arccos, _of_square(-1, 1, True, -1)),
+    Function(ACOSH, "acosh", exponentials.acosh, np.arccosh, _of_square(1, -1, True)),
+    Function(ATANH, "atanh", exponentials.atanh, np.arctanh, _of_square(-1, 1, False)),
+)
+OTHER_FUNCTIONS = (
+    *INVERSE_FUNCTIONS,
+    Function(ABS, "Abs", abs, np.abs, lambda make, a, y: {make.function(SIGN, a): 1}),
+    Function(SIGN, "sign", _sign, np.sign, _flat),
+    Function(FLOOR, "floor", lambda x: float(np.floor(x)), np.floor, _flat),
+    Function(CEILING, "ceiling", lambda x: float(np.ceil(x)), np.ceil, _flat),
+    Function(STEP, "Heaviside", lambda x: 0.5 * (1.0 + _sign(x)), lambda x: np.heaviside(x, 0.5), _flat),
+    Function(NOT, "Not", operator.not_, np.logical_not, _flat),
+)
+FUNCTIONS_BY_KIND = {function.kind: function for function in (*FUNCTIONS, *OTHER_FUNCTIONS)}
+# Functions of one number that kernels compute, the same to the last bit on every machine.
+ELEMENTARY = {function.kind: function.value for function in (*FUNCTIONS, *INVERSE_FUNCTIONS)}
+
+NUMBERS = Arithmetic(
+    {
+        **{kind: _of_float(function.value) for kind, function in FUNCTIONS_BY_KIND.items()},
+        NOT: operator.not_,
+        ATAN2: math.atan2,
+        QUOTIENT: _quotient,
+        INTEGER_POWER: integer_power,
+        POWER: real_power,
+        REAL_POWER: real_power,
+        MAXIMUM: max,
+        MINIMUM: min,
+        LESS: operator.lt,
+        LESS_OR_EQUAL: operator.le,
+        EQUAL: operator.eq,
+        AND: lambda a, b: a and b,
+        OR: lambda a, b: a or b,
+    },
+    lambda condition, a, b: a if condition else b,
+)
+
+
+def nonnegative_power(base: Any, exponent: Any) -> Any:
+    """A power whose base counts as zero where it is negative, as rounding may make it: penetration^1.5 at a
+    penetration of -1e-18 m."""
+    with np.errstate(divide="ignore"):
+        return np.maximum(base, 0.0) ** exponent
+
+
+ARRAYS = Arithmetic(
+    {
+        **{kind: function.array for kind, function in FUNCTIONS_BY_KIND.items()},
+        ATAN2: np.arctan2,
+        QUOTIENT: operator.truediv,
+        INTEGER_POWER: lambda x, n: x ** int(n),
+        POWER: lambda x, y: np.sqrt(x) if y == 0.5 else _array_power(x, y),
+        REAL_POWER: lambda x, y: _array_power(x, y),
+        MAXIMUM: np.maximum,
+        MINIMUM: np.minimum,
+        LESS: np.less,
+        LESS_OR_EQUAL: np.less_equal,
+        EQUAL: np.equal,
+        AND: np.logical_and,
+        OR: np.logical_or,
+    },
+    np.where,
+)
+ALONG_RUNS = Arithmetic(
+    {**ARRAYS.functions, POWER: nonnegative_power, REAL_POWER: nonnegative_power}, np.where
+)
+
+
+def _array_power(x: Any, y: Any) -> Any:
+    """x^y; of a negative float Python would give a complex number."""
+    return np.float64(x) ** y if isinstance(x, float) else x**y
+
+
+class FormulaBuilder(TapeBuilder):
+    """Lowers expressions of symbols onto the tape of formulas; its coefficients are floats."""
+
+    has_corners = True
+
+    def number(self, expr: Any) -> float:
+        """A number as the tape holds it."""
+        if isinstance(expr, (int, float)):
+            return float(expr)
+        exact = sp.sympify(expr, strict=True)
+        if exact.is_Rational or exact.is_Float:
+            return float(exact)
+        if exact.free_symbols:
+            raise TapeError(f"formulas are of {', '.join(map(str, self._states))}, got {exact}")
+        try:
+            return float(exact.evalf(30))
+        except TypeError:
+            return math.nan  # of zoo and nan; an error says so where the value is asked for
+
+    def _factored(self, expr: Any) -> tuple[Any, Any]:
+        """The number in front of a product, and the rest."""
+        fixed = [f for f in expr.args if not f.free_symbols] if expr.is_Mul else []
+        if not fixed:
+            return sp.S.One, expr
+        return unsorted_product(fixed), unsorted_product([f for f in expr.args if f.free_symbols])
+
+    def _after_rate(self, kind: int, a: int, constant: Any = 0) -> int:
+        return self.operation(kind, a, a, self.number(constant))
+
+    def operation(self, kind: int, a: int, b: int, constant: float = 0.0) -> int:
+        """Slot of an operation, emitted if it is not there."""
+        key = kind, a, b, constant
+        if key not in self._slots:
+            self._slots[key] = self.tape.emit(kind, a, b, constant)
+        return self._slots[key]
+
+    def _binary(self, kind: int, a: int, b: int) -> int:
+        return self.operation(SQUARE if a == b and kind == PRODUCT else kind, a, b)
+
+    def _materialise(self, combination: AffineTerms) -> int:
+        """Slot of a combination; terms keep their order, so that a number does not depend on others."""
+        numbers = {slot: self.number(c) for slot, c in combination.items()}
+        constant = numbers.pop(CONSTANT_TERM, 0.0)
+        if not constant and [*numbers.values()] == [1.0]:
+            return next(iter(numbers))
+        key = (*numbers.items(), constant)
+        if key not in self._slots:
+            first = len(self.tape.terms)
+            self.tape.terms.extend(numbers.items())
+            self._slots[key] = self.tape.emit(AFFINE, first, len(self.tape.terms), constant)
+        return self._slots[key]
+
+    def _power(self, base: Any, exponent: int) -> int:
+        slot = self.slot(base)
+        return slot if exponent == 1 else self.operation(INTEGER_POWER, slot, slot, float(exponent))
+
+    def _lower_new(self, expr: Any) -> AffineTerms:
+        if expr.is_Pow and not self.constant(expr.exp) and integer_exponent(expr) is None:
+            return {self.operation(REAL_POWER, self.slot(expr.base), self.slot(expr.exp)): sp.S.One}
+        if not self.constant(expr):
+            known = _functions_of_formulas().get(expr.func)
+            if known is not None:
+                return {self._fold(known, [self.slot(arg) for arg in expr.args]): sp.S.One}
+            if expr.func is sp.Piecewise:
+                return {self._piecewise(expr.args): sp.S.One}
+            if expr.func in (sp.Gt, sp.Ge):
+                return self._lower(expr.reversed)
+            if expr.func is sp.Ne:
+                return self._lower(sp.Not(sp.Eq(*expr.args), evaluate=False))
+        elif expr in (sp.true, sp.false):
+            return {CONSTANT_TERM: sp.Integer(int(expr == sp.true))}
+        return super()._lower_new(expr)
+
+    def function(self, kind: int, a: int) -> int:
+        """Slot of a function of another slot."""
+        return self.operation(kind, a, a)
+
+    def _fold(self, kind: int, slots: Sequence[int]) -> int:
+        """The function of one or two slots; of more, such as the greatest of three, one after the other."""
+        first, *others = slots
+        if not others:
+            return self.operation(kind, first, first)
+        for other in others:
+            first = self.operation(kind, first, other)
+        return first
+
+    def _piecewise(self, pairs: Sequence[Any]) -> int:
+        value = self.slot(sp.nan)
+        for each, condition in reversed(pairs):
+            first = self.slot(each)
+            value = first if condition == sp.true else self.select(self.slot(condition), first, value)
+        return value
+
+    def select(self, condition: int, a: int, b: int) -> int:
+        """Slot of a value where a condition holds, of another elsewhere; the condition is the number."""
+        return self.operation(SELECT, a, b, float(condition))
+
+
+@lru_cache(maxsize=1)
+def _functions_of_formulas() -> dict[Any, int]:
+    """Operations of formulas alone by their sympy functions."""
+    of_several = {
+        sp.atan2: ATAN2,
+        sp.Max: MAXIMUM,
+        sp.Min: MINIMUM,
+        sp.Lt: LESS,
+        sp.Le: LESS_OR_EQUAL,
+        sp.Eq: EQUAL,
+        sp.And: AND,
+        sp.Or: OR,
+    }
+    return {function.expression: function.kind for function in OTHER_FUNCTIONS} | of_several
+
+
+COMPARISONS = frozenset({LESS, LESS_OR_EQUAL, EQUAL, AND, OR})  # of zero derivative
+STEPS = COMPARISONS | {function.kind for function in OTHER_FUNCTIONS if function.slope is _flat}
+
+
+@dataclass(frozen=True, eq=False)
+class Formulas:
+    """Functions of the same inputs, evaluated together.
+
+    Parameters
+    ----------
+    tape : Tape
+        Its coefficients are floats.
+    outputs : tuple of int
+        The slot of each function.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> k, m = sympy.symbols("k m")
+    >>> made = formulas_of([k, m], [sympy.sqrt(k / m), m**3])
+    >>> made.numbers(8.0, 2.0)
+    array([2., 8.])
+    >>> places, slopes = made.jacobian()
+    >>> places, slopes.numbers(8.0, 2.0).tolist()
+    ([(0, 0), (0, 1), (1, 1)], [0.125, -0.5, 12.0])
+    """
+
+    tape: Tape
+    outputs: tuple[int, ...]
+
+    def numbers(self, *inputs: float) -> NDArray[np.float64]:
+        """The values at single numbers, the same to the last bit on every machine.
+
+        What has no real value is NaN.
+        """
+        slots, places = self._distinct_outputs
+        values = self._values(NUMBERS, inputs)
+        return np.array([values[slot] for slot in slots], dtype=float)[places]
+
+    def arrays(self, *inputs: Any) -> list[Any]:
+        """The values at arrays, complex numbers, intervals or polynomials."""
+        values = self._values(ARRAYS, inputs)
+        return [values[slot] for slot in self.outputs]
+
+    def along_run(self, *inputs: Any) -> list[Any]:
+        """The values at states of a run: the base of a power counts as zero where it is negative."""
+        values = self._values(ALONG_RUNS, inputs)
+        return [values[slot] for slot in self.outputs]
+
+    def _values(self, arithmetic: Arithmetic, inputs: Sequence[Any]) -> list[Any]:
+        if len(inputs) != self.tape.inputs:
+            raise TypeError(f"{self.tape.inputs} values are needed, got {len(inputs)}")
+        values = [*inputs, *[None] * len(self.tape.ops)]
+        for slot, step in self._steps(arithmetic):
+            values[slot] = step(values)
+        return values
+
+    @cached_property
+    def _distinct_outputs(self) -> tuple[list[int], NDArray[np.intp]]:
+        """The slots of outputs, each once, and for each output its place among them."""
+        slots, places = np.unique(np.array(self.outputs, dtype=np.intp), return_inverse=True)
+        return slots.tolist(), places
+
+    def _steps(self, arithmetic: Arithmetic) -> list[tuple[int, Step]]:
+        known = self._steps_by_arithmetic
+        if id(arithmetic) not in known:
+            known[id(arithmetic)] = _steps(self.tape, arithmetic, self.needed)
+        return known[id(arithmetic)]
+
+    @cached_property
+    def _steps_by_arithmetic(self) -> dict[int, list[tuple[int, Step]]]:
+        return {}
+
+    @cached_property
+    def needed(self) -> tuple[int, ...]:
+        """The operations on which an output depends, in order."""
+        needed = {*self.outputs}
+        for i in reversed(range(len(self.tape.ops))):
+            if self.tape.inputs + i in needed:
+                needed.update(operands(self.tape, i))
+        return tuple(sorted(slot - self.tape.inputs for slot in needed if slot >= self.tape.inputs))
+
+    @cached_property
+    def dependences(self) -> list[frozenset[int]]:
+        """For each function the inputs on which it depends."""
+        known = self._dependences_of_slots
+        return [known[slot] for slot in self.outputs]
+
+    @cached_property
+    def step_dependences(self) -> list[frozenset[int]]:
+        """For each function the inputs on which steps in it depend: signs, whole parts, conditions."""
+        found: list[frozenset[int]] = [frozenset()] * self.tape.inputs
+        for i, (kind, _, _) in enumerate(self.tape.ops):
+            steps = frozenset().union(*(found[slot] for slot in operands(self.tape, i)))
+            found.append(self._dependences_of_slots[self.tape.inputs + i] if kind in STEPS else steps)
+        return [found[slot] for slot in self.outputs]
+
+    @cached_property
+    def _dependences_of_slots(self) -> list[frozenset[int]]:
+        known = [frozenset({i}) for i in range(self.tape.inputs)]
+        for i in range(len(self.tape.ops)):
+            known.append(frozenset().union(*(known[slot] for slot in operands(self.tape, i))))
+        return known
+
+    def jacobian(self, inputs: Sequence[int] | None = None) -> tuple[list[tuple[int, int]], Formulas]:
+        """The derivatives that are not zero everywhere: places (function, input), and formulas of the values.
+
+        Parameters
+        ----------
+        inputs : sequence of int, optional
+            Those by which to differentiate; by default all.
+        """
+        return _jacobian(self, tuple(range(self.tape.inputs) if inputs is None else inputs))
+
+    def along(self, inputs: Sequence[int]) -> Formulas:
+        """The derivatives along a direction in some inputs; its components are further inputs, at the end."""
+        return _along(self, tuple(inputs))
+
+    def to_data(self) -> Data:
+        """The formulas as data that JSON can hold: the operations on which they depend."""
+        alone = self._without_others()
+        tape = alone.tape
+        return {
+            "inputs": tape.inputs,
+            "ops": [list(op) for op in tape.ops],
+            "constants": tape.constants,
+            "terms": [list(term) for term in tape.terms],
+            "outputs": list(alone.outputs),
+        }
+
+    def _without_others(self) -> Formulas:
+        """The same formulas on a tape of their own: other formulas may share this one."""
+        tape, count = Tape(self.tape.inputs), self.tape.inputs
+        places = {slot: slot for slot in range(count)}
+        for i in self.needed:
+            (kind, a, b), number = self.tape.ops[i], self.tape.constants[i]
+            if kind == AFFINE:
+                first = len(tape.terms)
+                tape.terms.extend((places[slot], factor) for slot, factor in self.tape.terms[a:b])
+                op = first, len(tape.terms)
+            else:
+                op = places[a], places[b]
+            moved = float(places[int(number)]) if kind == SELECT else number
+            places[count + i] = tape.emit(kind, *op, moved)
+        return Formulas(tape, tuple(places[slot] for slot in self.outputs))
+
+
+@lru_cache(maxsize=256)
+def _jacobian(formulas: Formulas, inputs: tuple[int, ...]) -> tuple[list[tuple[int, int]], Formulas]:
+    builder = _Differentiation(formulas.tape, {i: {i: {CONSTANT_TERM: 1.0}} for i in inputs})
+    rows = [sorted(builder.derivatives[slot].items()) for slot in formulas.outputs]
+    places = [(row, column) for row, some in enumerate(rows) for column, _ in some]
+    slots = tuple(builder.materialised(terms) for some in rows for _, terms in some)
+    return places, Formulas(builder.tape, slots)
+
+
+@lru_cache(maxsize=256)
+def _along(formulas: Formulas, inputs: tuple[int, ...]) -> Formulas:
+    count = formulas.tape.inputs
+    wider = _with_inputs(formulas.tape, len(inputs))
+    seeds: dict[int, Derivative] = {i: {0: {count + k: 1.0}} for k, i in enumerate(inputs)}
+    builder = _Differentiation(wider, seeds)
+    moved = (slot if slot < count else slot + len(inputs) for slot in formulas.outputs)
+    slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in moved)
+    return Formulas(builder.tape, slots)
+
+
+def formulas_from_data(data: Data) -> Formulas:
+    """The formulas from what :meth:`Formulas.to_data` gave."""
+    ops = [(kind, a, b) for kind, a, b in data["ops"]]
+    terms = [(slot, number) for slot, number in data["terms"]]
+    return Formulas(Tape(data["inputs"], ops, list(data["constants"]), terms), tuple(data["outputs"]))
+
+
+def formulas_of(inputs: Sequence[Any], expressions: Sequence[Any]) -> Formulas:
+    """The formulas of expressions.
+
+    Parameters
+    ----------
+    inputs : sequence of Symbol
+    expressions : sequence of Expr
+
+    Raises
+    ------
+    TapeError
+        Where an expression needs an operation that there is not, or another symbol.
+    """
+    builder = FormulaBuilder(inputs)
+    return Formulas(builder.tape, tuple(builder.slot(within_floats(one)) for one in expressions))
+
+
+def function_along_run(inputs: Sequence[Any], expression: Any) -> Callable[..., Any]:
+    """One expression as a function of arrays, by the kernels' rule for powers."""
+    formulas = formulas_of(inputs, [expression])
+    return lambda *values: formulas.along_run(*values)[0]
+
+
+_KEPT: WeakKeyDictionary[Any, dict[str, Formulas]] = WeakKeyDictionary()
+
+
+def kept_formulas(kept: Any, name: str, derive: Callable[[], Formulas]) -> Formulas:
+    """Formulas of a structure from files, `kept`; where they are not there yet, those that `derive` makes.
+
+    Without a structure in files (`kept` is None) they are derived.
+    """
+    if kept is None:
+        return derive()
+    known = _KEPT.setdefault(kept, {})
+    if name not in known:
+        data = kept.get(f"{name}()")
+        if data is not None:
+            known[name] = formulas_from_data(data)
+        else:
+            known[name] = derive()
+            kept.keep(f"{name}()", known[name].to_data())
+    return known[name]
+
+
+def operands(tape: Tape, i: int) -> list[int]:
+    """The slots that an operation takes."""
+    kind, a, b = tape.ops[i]
+    if kind == AFFINE:
+        return [slot for slot, _ in tape.terms[a:b]]
+    return [a, b, int(tape.constants[i])] if kind == SELECT else [a] if a == b else [a, b]
+
+
+_STEPS: WeakKeyDictionary[Tape, dict[int, dict[int, Step]]] = WeakKeyDictionary()
+
+
+def _steps(tape: Tape, arithmetic: Arithmetic, needed: Sequence[int]) -> list[tuple[int, Step]]:
+    """Operations as functions of the values so far, each with the slot that it writes.
+
+    They are remembered for each tape, as a tape grows where modes are derived on demand.
+    """
+    known = _STEPS.setdefault(tape, {}).setdefault(id(arithmetic), {})
+    for i in needed:
+        if i not in known:
+            known[i] = _step(tape, i, arithmetic)
+    return [(tape.inputs + i, known[i]) for i in needed]
+
+
+def _step(tape: Tape, i: int, arithmetic: Arithmetic) -> Step:
+    """An operation as a function of the values so far."""
+    kind, a, b = tape.ops[i]
+    number = tape.constants[i]
+    if kind == AFFINE:
+        return _affine(number, [(c, slot) for slot, c in tape.terms[a:b]])
+    if kind == PRODUCT:
+        return lambda v: v[a] * v[b]
+    if kind == SQUARE:
+        return lambda v: v[a] * v[a]
+    if kind == SELECT:
+        select, condition = arithmetic.select, int(number)
+        return lambda v: select(v[condition], v[a], v[b])
+    function = arithmetic.functions[kind]
+    if kind in (INTEGER_POWER, POWER):
+        return lambda v: function(v[a], number)
+    if kind in FUNCTIONS_BY_KIND:
+        return lambda v: function(v[a])
+    return lambda v: function(v[a], v[b])
+
+
+def _affine(constant: float, terms: Sequence[tuple[float, int]]) -> Step:
+    if not terms:
+        return lambda _: constant
+    (factor, first), *others = terms
+    if not others and constant == 0.0:
+        return (lambda v: -v[first]) if factor == -1.0 else lambda v: factor * v[first]
+
+    def total(v: list[Any]) -> Any:
+        value = v[first] if factor == 1.0 else factor * v[first]
+        if constant != 0.0:
+            value = constant + value
+        for c, slot in others:
+            value = value + v[slot] if c == 1.0 else value - v[slot] if c == -1.0 else value + c * v[slot]
+        return value
+
+    return total
+
+
+def _with_inputs(tape: Tape, count: int) -> Tape:
+    """The tape with further inputs behind its own, so that all other slots move."""
+
+    def moved(slot: int) -> int:
+        return slot if slot < tape.inputs else slot + count
+
+    ops = [(k, a, b) if k == AFFINE else (k, moved(a), moved(b)) for k, a, b in tape.ops]
+    numbers = [float(moved(int(n))) if op[0] == SELECT else n for n, op in zip(tape.constants, ops)]
+    return Tape(tape.inputs + count, ops, numbers, [(moved(slot), c) for slot, c in tape.terms])
+
+
+class _Differentiation(FormulaBuilder):
+    """Appends the derivatives of a tape's slots to it.
+
+    Parameters
+    ----------
+    tape : Tape
+    seeds : mapping of int to derivatives
+        Those of the inputs by which to differentiate.
+    """
+
+    def __init__(self, tape: Tape, seeds: Mapping[int, Derivative]) -> None:
+        super().__init__([])
+        self.tape = Tape(tape.inputs, list(tape.ops), list(tape.constants), list(tape.terms))
+        for i, (op, number) in enumerate(zip(tape.ops, tape.constants, strict=True)):
+            self._slots[_key(tape, op, number)] = tape.inputs + i
+        self.derivatives: list[Derivative] = [seeds.get(i, {}) for i in range(tape.inputs)]
+        for i in range(len(tape.ops)):
+            self.derivatives.append(self._derivative(tape, i))
+
+    def _derivative(self, tape: Tape, i: int) -> Derivative:
+        (kind, a, b), number, out = tape.ops[i], tape.constants[i], tape.inputs + i
+        if kind == AFFINE:
+            return _sum([(c, self.derivatives[slot]) for slot, c in tape.terms[a:b]])
+        if kind in COMPARISONS or not any(self.derivatives[slot] for slot in operands(tape, i)):
+            return {}
+        if kind == PRODUCT:
+            return _sum([(1.0, self._times(b, a)), (1.0, self._times(a, b))])
+        if kind == QUOTIENT:  # (a' - q b')/b
+            rest = _sum([(1.0, self.derivatives[a]), (-1.0, self._times(out, b))])
+            return {d: {self.operation(QUOTIENT, self.materialised(t), b): 1.0} for d, t in rest.items()}
+        if kind == SELECT:
+            return self._selected(int(number), a, b)
+        if kind in (MAXIMUM, MINIMUM):
+            pair = (a, b) if kind == MINIMUM else (b, a)
+            return self._selected(self.operation(LESS, *pair), a, b)
+        if kind == ATAN2:  # of y and x: (x y' - y x')/(x^2 + y^2)
+            size = self.materialised({self.product(a, a): 1.0, self.product(b, b): 1.0})
+            rest = _sum([(1.0, self._times(b, a)), (-1.0, self._times(a, b))])
+            return {d: {self.operation(QUOTIENT, self.materialised(t), size): 1.0} for d, t in rest.items()}
+        if kind == REAL_POWER:
+            lower = self.materialised({b: 1.0, CONSTANT_TERM: -1.0})
+            by_base = self.product(b, self.operation(REAL_POWER, a, lower))
+            by_exponent = self.product(out, self.function(LOG, a))
+            return _sum([(1.0, self._times(by_base, a)), (1.0, self._times(by_exponent, b))])
+        slope = self._slope(kind, a, number, out)
+        return {} if slope is None else self._times(slope, a)
+
+    def _slope(self, kind: int, a: int, number: float, out: int) -> int | None:
+        """Slot of the derivative of a function of one slot by this; None where that is zero."""
+        if kind == SQUARE:
+            return self.materialised({a: 2.0})
+        if kind == INTEGER_POWER:
+            n = int(number)
+            lower = {1: {CONSTANT_TERM: 1.0}, 2: {a: 1.0}}.get(n)
+            if lower is None:
+                lower = {self.operation(INTEGER_POWER, a, a, n - 1.0): 1.0}
+            return self.materialised({slot: number * factor for slot, factor in lower.items()})
+        if kind == POWER:
+            return self.materialised({self.operation(POWER, a, a, number - 1.0): number})
+        terms = FUNCTIONS_BY_KIND[kind].slope(self, a, out)
+        return self.materialised(terms) if terms else None
+
+    def _selected(self, condition: int, a: int, b: int) -> Derivative:
+        directions = {*self.derivatives[a], *self.derivatives[b]}
+
+        def part(slot: int, d: int) -> int:
+            return self.materialised(self.derivatives[slot].get(d, {}))
+
+        return {d: {self.select(condition, part(a, d), part(b, d)): 1.0} for d in directions}
+
+    def _times(self, factor: int, slot: int) -> Derivative:
+        """The derivative of a slot times another slot."""
+        return {d: self._product_terms(factor, terms) for d, terms in self.derivatives[slot].items()}
+
+    def _product_terms(self, factor: int, terms: AffineTerms) -> AffineTerms:
+        if not terms.keys() - {CONSTANT_TERM}:
+            return {factor: terms[CONSTANT_TERM]}
+        number, (slot, *others) = 1.0, terms
+        if not others:  # a multiple of one slot: the number stays outside
+            number = terms[slot]
+        else:
+            slot = self.materialised(terms)
+        return {self.product(factor, slot): number}
+
+    def materialised(self, terms: AffineTerms) -> int:
+        """Slot of a combination."""
+        return self._materialise({slot: float(c) for slot, c in terms.items()})
+
+
+def _key(tape: Tape, op: tuple[int, int, int], number: float) -> Any:
+    """What tells an operation from others, as the builder does."""
+    kind, a, b = op
+    if kind != AFFINE:
+        return kind, a, b, number
+    return (*tape.terms[a:b], number)
+
+
+def _sum(parts: Sequence[tuple[float, Derivative]]) -> Derivative:
+    """The sum of derivatives times numbers."""
+    total: Derivative = {}
+    for factor, derivative in parts:
+        for direction, terms in derivative.items():
+            into = total.setdefault(direction, {})
+            for slot, number in terms.items():
+                into[slot] = into.get(slot, 0.0) + factor * number
+    cleaned = {d: {slot: c for slot, c in terms.items() if c != 0.0} for d, terms in total.items()}
+    return {d: terms for d, terms in cleaned.items() if terms}

@@ -1,0 +1,273 @@
+"""The tapes of modes and resets, the numbers in them, and the functions that are zero after a reset.
+
+A mode or a reset is lowered to its tape, with the slots of its functions as arrays.  The numbers in tapes,
+constants and coefficients, are functions of the parameters.  Some functions are zero after a reset whatever
+the numbers, so that their zeros there are no events.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import chain
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from frictionlab.automaton import Event, Mode, Reset
+from frictionlab.automaton.expressions import multiply_out, within_floats
+from frictionlab.automaton.mode import Expr
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.tape.formulas import FormulaBuilder, Formulas
+from frictionlab.tape.functions import AFFINE
+from frictionlab.tape.program import NOT_POLYNOMIAL, Section
+from frictionlab.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
+from frictionlab.tape.undefined_parts import undefined_part
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredTape:
+    """A tape as arrays."""
+
+    tape: Tape
+
+    @cached_property
+    def ops(self) -> np.ndarray:
+        """(operations, 3): kind, a, b."""
+        return slot_array(self.tape.ops, columns=3)
+
+    @cached_property
+    def affine(self) -> np.ndarray:
+        """(operations,) whether a and b are a range of terms."""
+        return self.ops[:, 0] == AFFINE
+
+    @cached_property
+    def term_slots(self) -> np.ndarray:
+        """(terms,)"""
+        return slot_array([slot for slot, _ in self.tape.terms])
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredMode(LoweredTape):
+    """A mode's tape, and the slots of its flow, guards, constraints and sections."""
+
+    flow: list[int]
+    guards: list[int]
+    constraints: list[int]
+    sections: list[int]
+
+    @cached_property
+    def degrees(self) -> list[float]:
+        """Degree of each slot as a polynomial of the states; infinite where it is none."""
+        return self.tape.degrees()
+
+    @cached_property
+    def ranges(self) -> np.ndarray:
+        """(slots,) how the range of each on a disc is found, a :class:`tape.Range`."""
+        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections)))
+
+    @cached_property
+    def degree(self) -> int:
+        """The highest degree, NOT_POLYNOMIAL where there are other functions."""
+        return _finite(max(self.degrees))
+
+    @cached_property
+    def polynomial(self) -> np.ndarray:
+        """(slots,) whether each is a polynomial of the states."""
+        return int_array([degree < math.inf for degree in self.degrees])
+
+    @cached_property
+    def polynomial_degree(self) -> int:
+        """The highest degree of the slots that are polynomials."""
+        return _finite(max(degree for degree in self.degrees if degree < math.inf))
+
+    @cached_property
+    def guard_degrees(self) -> np.ndarray:
+        """Degrees of the event functions."""
+        return int_array([_finite(self.degrees[slot]) for slot in self.guards])
+
+    def has(self, kind: int) -> bool:
+        """Whether there are operations of a kind."""
+        return any(op[0] == kind for op in self.tape.ops)
+
+    @cached_property
+    def flow_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.flow)
+
+    @cached_property
+    def guard_slots(self) -> np.ndarray:
+        """(guards,)"""
+        return slot_array(self.guards)
+
+    @cached_property
+    def constraint_slots(self) -> np.ndarray:
+        """(constraints,)"""
+        return slot_array(self.constraints)
+
+
+@dataclass(frozen=True, eq=False)
+class LoweredReset(LoweredTape):
+    """A reset's tape, and the slot of each state's new value."""
+
+    out: list[int]
+
+    @cached_property
+    def out_slots(self) -> np.ndarray:
+        """(states,)"""
+        return slot_array(self.out)
+
+
+@lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
+def lower_mode(
+    mode: Mode, states: tuple[Any, ...], sections: tuple[Section, ...], integrands: tuple[Any, ...]
+) -> LoweredMode:
+    """Lower a mode with its sections; the integrands of quadratures follow the flow."""
+    builder = TapeBuilder(states, _linear_terms(states))
+
+    def slots(expressions: Iterable[Any]) -> list[int]:
+        return [builder.slot(within_floats(expr)) for expr in expressions]
+
+    return LoweredMode(
+        flow=slots((*mode.flow, *(_section_expression(e, mode) for e in integrands))),
+        guards=slots(event.function for event in mode.events),
+        constraints=slots(mode.constraints),
+        sections=slots(_section_expression(section.function, mode) for section in sections),
+        tape=builder.tape,
+    )
+
+
+@lru_cache(maxsize=64)
+def _linear_terms(states: tuple[Any, ...]) -> dict[Any, AffineTerms]:
+    """Terms of expressions that are affine in the states, shared by all tapes, on which they are the same."""
+    return {}
+
+
+@lru_cache(maxsize=4096)
+def lower_reset(reset: Reset, states: tuple[Any, ...]) -> LoweredReset:
+    """Lower a reset."""
+    builder = ResetBuilder(states, _linear_terms(states))
+    return LoweredReset(
+        out=[builder.slot(within_floats(reset.jump.get(state, state))) for state in states],
+        tape=builder.tape,
+    )
+
+
+def _section_expression(function: Any | str, mode: Mode) -> Any:
+    return mode.outputs[function] if isinstance(function, str) else function
+
+
+def _finite(degree: float) -> int:
+    return int(min(degree, NOT_POLYNOMIAL))
+
+
+def int_array(rows: Any, columns: int | None = None, kind: type = np.int64) -> np.ndarray:
+    """An array of integers; with `columns` given it has two axes, even where `rows` is empty."""
+    array = np.array(rows, dtype=kind)
+    return array if columns is None else array.reshape(len(rows), columns)
+
+
+def slot_array(rows: Sequence[Any], columns: int | None = None) -> np.ndarray:
+    """An array of unsigned integers, which spare the kernels the check for negative indices."""
+    return int_array(rows, columns, np.uint32)
+
+
+def undefined_number(
+    parameters: tuple[Any, ...], every: Sequence[LoweredTape], values: Sequence[float]
+) -> str:
+    """A text that says which number is the first without a value; empty where none is found."""
+    at = dict(zip(parameters, values, strict=True))
+    exprs = _numbers_of(every)
+    return next(filter(None, (undefined_part(expr, at) for expr in exprs)), "")
+
+
+def _numbers_of(every: Sequence[LoweredTape]) -> list[Any]:
+    """All constants, then the coefficients of all terms."""
+    return [c for one in every for c in one.tape.constants] + [c for one in every for _, c in one.tape.terms]
+
+
+class NumberFormulas:
+    """The numbers in tapes as formulas of the parameters.
+
+    What is known of them is shared by all programs of the same parameters: modes that are derived one by one
+    are packed again and again.
+    """
+
+    def __init__(self, parameters: tuple[Any, ...]) -> None:
+        self._builder = FormulaBuilder(parameters)
+        self._slots: WeakKeyDictionary[LoweredTape, tuple[list[int], list[int]]] = WeakKeyDictionary()
+
+    def of(self, every: Sequence[LoweredTape]) -> Formulas:
+        """All constants, then the coefficients of all terms."""
+        constants, terms = zip(*map(self._slots_of, every))
+        return Formulas(self._builder.tape, (*chain.from_iterable(constants), *chain.from_iterable(terms)))
+
+    def _slots_of(self, lowered: LoweredTape) -> tuple[list[int], list[int]]:
+        if lowered not in self._slots:
+            tape, slot = lowered.tape, self._builder.slot
+            self._slots[lowered] = [*map(slot, tape.constants)], [slot(c) for _, c in tape.terms]
+        return self._slots[lowered]
+
+
+@lru_cache(maxsize=64)
+def number_formulas(parameters: tuple[Any, ...]) -> NumberFormulas:
+    """Those of these parameters."""
+    return NumberFormulas(parameters)
+
+
+@lru_cache(maxsize=4096)
+def structural_zeros(mode: Mode, event: Event, reset: Reset) -> Mapping[Any, int]:
+    """How many leading Taylor coefficients are zero after the event's reset, by function up to its sign.
+
+    The reset declares such functions.  Besides, the function that triggered the event and the constraints of
+    the mode that ends were zero before the reset; they stay zero unless it changes them where the event is.
+    """
+    zero: dict[Any, int] = {}
+    for function, count in reset.vanishing.items():
+        zero[sign_normal_form(function)] = max(count, zero.get(sign_normal_form(function), 0))
+    for function in (event.function, *mode.constraints):
+        if sign_normal_form(function) not in zero and _survives(function, reset, event.function):
+            zero[sign_normal_form(function)] = 1
+    return zero
+
+
+def _survives(function: Expr, reset: Reset, guard: Expr) -> bool:
+    """Whether a function that was zero before the reset is zero after it, where the guard is zero."""
+    if function.free_symbols.isdisjoint(reset.jump):
+        return True
+    after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # a jump may be a plain number
+    if _is_zero(after):
+        return True
+    surface = _solved(guard, function.free_symbols & guard.free_symbols)
+    return surface is not None and _is_zero((after - function).xreplace(surface))
+
+
+def _solved(guard: Expr, symbols: set[Any]) -> dict[Any, Expr] | None:
+    """The value of one of the symbols at which the guard is zero; None where it is linear in none of them."""
+    for one in sorted(symbols, key=str):
+        slope = sp.diff(guard, one)
+        if slope != 0 and one not in slope.free_symbols:
+            return {one: -guard.xreplace({one: sp.S.Zero}) / slope}
+    return None
+
+
+def _is_zero(expression: Any) -> bool:
+    somewhere = expression.xreplace(_integers(expression.free_symbols))
+    if somewhere.is_Rational and somewhere != 0:  # exact, and quicker than multiplying out
+        return False
+    return multiply_out(expression) in (0, 0.0)  # to sympy these are two numbers
+
+
+def _integers(symbols: set[Any]) -> dict[Any, Any]:
+    """A different integer for each symbol."""
+    return {name: sp.Integer(i) for i, name in enumerate(sorted(symbols, key=str), start=3)}
+
+
+@lru_cache(maxsize=4096)
+def sign_normal_form(function: Expr) -> Expr:
+    """One form for f and -f, however they are written, as both are zero together."""
+    expanded = multiply_out(function)
+    return -expanded if expanded.could_extract_minus_sign() else expanded

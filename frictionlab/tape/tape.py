@@ -1,0 +1,342 @@
+"""Sympy expressions lowered to a tape: a list of operations on numbered slots.
+
+The first slots are the states, every operation writes one more.  There are few operations, each with a
+recurrence for Taylor coefficients (:mod:`frictionlab.hybrid.kernels.jets`), and the numbers in them (the
+coefficients of affine combinations) are expressions of the parameters alone.  So a tape depends only on the
+structure of a model; parameter values are filled in afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+from frictionlab.automaton.expressions import integer_exponent, unsorted_product
+from frictionlab.automaton.mode import Expr
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.tape.functions import (
+    AFFINE,
+    ALLOWED_OPERATIONS,
+    CONSTANT_TERM,
+    FIRST_FUNCTION,
+    FUNCTIONS,
+    OPERATION_NAMES,
+    POWER,
+    PRODUCT,
+    QUOTIENT,
+    RATE,
+    SQUARE,
+    function_table,
+)
+
+AffineTerms = dict[int, Expr]
+
+
+class TapeError(ValueError):
+    """An expression that the tape has no operation for."""
+
+
+class Range(IntEnum):
+    """How the range of a slot on a disc is found."""
+
+    UNUSED = 0  # no rate, guard or section depends on it
+    WHEN_BLIND = 1  # by its operands, but only where the last terms of polynomials do not tell
+    OPERATION = 2  # by its operands
+    BOTH = 3  # by its operands and by its own series, as terms of a sum may cancel
+    SERIES = 4  # by its own series, which is exact
+
+
+@dataclass(eq=False)
+class Tape:
+    """Operations in the order of their execution.
+
+    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
+    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.  A function f(a), and a power
+    with the exponent ``constants[i]``, come directly after the rate t a' of their argument; b is the slot of
+    f'(a), which may come later, as it is needed only in lower orders.
+    """
+
+    inputs: int
+    ops: list[tuple[int, int, int]] = field(default_factory=list)
+    constants: list[Expr] = field(default_factory=list)
+    terms: list[tuple[int, Expr]] = field(default_factory=list)
+
+    @property
+    def slots(self) -> int:
+        """Number of slots in use."""
+        return self.inputs + len(self.ops)
+
+    def emit(self, kind: int, a: int, b: int, constant: Expr) -> int:
+        """Append an operation; returns the slot it writes."""
+        self.ops.append((kind, a, b))
+        self.constants.append(constant)
+        return self.slots - 1
+
+    def degrees(self) -> list[float]:
+        """Degree of each slot as a polynomial of the states; infinite where it is not one."""
+        degrees = [1.0] * self.inputs
+        for kind, a, b in self.ops:
+            if kind == AFFINE:
+                degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
+            elif kind in (PRODUCT, SQUARE):
+                degrees.append(degrees[a] + degrees[b])
+            elif kind == RATE:
+                degrees.append(1.0)
+            else:
+                degrees.append(math.inf)
+        return degrees
+
+    def operands(self, op: int) -> list[int]:
+        """Operands of an operation, as slots; none for a rate, which belongs to the next operation."""
+        kind, a, b = self.ops[op]
+        if kind == AFFINE:
+            return [slot for slot, _ in self.terms[a:b]]
+        if kind == RATE:
+            return []
+        return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
+
+    def ranges(self, outputs: Sequence[int]) -> list[Range]:
+        """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
+
+        Remainders of polynomials show in the last terms of their series.  So slots that serve only
+        polynomials need no range, unless these terms do not tell (WHEN_BLIND).
+        """
+        degrees, linear = self.degrees(), self._linear()
+        curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
+        all_needed, factors = set(outputs), set[int]()
+        for op in reversed(range(len(self.ops))):
+            slot, operands, affine = self.inputs + op, self.operands(op), self.ops[op][0] == AFFINE
+            if slot in all_needed:
+                all_needed.update(operands)
+            if slot in curved or (slot in needed and slot not in linear):
+                curved.update(each for each in operands if degrees[each] == math.inf)
+                if slot in needed or not affine:
+                    needed.update(operands)
+                if not affine:
+                    factors.update(operands)
+        return [
+            Range.SERIES
+            if slot in needed & linear
+            else Range.BOTH
+            if slot in needed & factors and self._is_affine(slot)
+            else Range.OPERATION
+            if slot in needed | curved
+            else Range.WHEN_BLIND
+            if slot in all_needed
+            else Range.UNUSED
+            for slot in range(self.slots)
+        ]
+
+    def _linear(self) -> set[int]:
+        """States, and their affine combinations: their series are exact."""
+        linear = set(range(self.inputs))
+        for op in range(len(self.ops)):
+            if self.ops[op][0] == AFFINE and linear.issuperset(self.operands(op)):
+                linear.add(self.inputs + op)
+        return linear
+
+    def _is_affine(self, slot: int) -> bool:
+        return slot >= self.inputs and self.ops[slot - self.inputs][0] == AFFINE
+
+    def counts(self) -> dict[str, int]:
+        """Number of operations by name."""
+        kinds = [op[0] for op in self.ops]
+        return {name: kinds.count(kind) for kind, name in OPERATION_NAMES.items()}
+
+
+class TapeBuilder:
+    """Lowers expressions onto one tape; equal subexpressions share a slot.
+
+    `linear` holds the terms of expressions that are affine in the states; tapes that get the same dict share
+    what they find.
+    """
+
+    has_corners = False  # whether there are operations for Abs and sign
+
+    def __init__(self, states: Sequence[Any], linear: dict[Expr, AffineTerms] | None = None) -> None:
+        self.tape = Tape(len(states))
+        self._linear_terms = {} if linear is None else linear
+        self._states = {state: i for i, state in enumerate(states)}
+        self._affine: dict[Expr, AffineTerms] = {}
+        self._slots: dict[object, int] = {}
+
+    def slot(self, expr: Expr) -> int:
+        """Slot that holds `expr`, emitting what is missing."""
+        return self._materialise(self._lower(sp.sympify(expr, strict=True)))
+
+    def constant(self, expr: Expr) -> bool:
+        """Whether `expr` depends on the parameters alone."""
+        return self._states.keys().isdisjoint(expr.free_symbols)
+
+    def _lower(self, expr: Expr) -> AffineTerms:
+        known = self._affine.get(expr)
+        if known is None:
+            known = self._linear_terms.get(expr)
+            if known is None:
+                known = self._lower_new(expr)
+                if all(slot < self.tape.inputs for slot in known):
+                    self._linear_terms[expr] = known
+            self._affine[expr] = known
+        return known
+
+    def _lower_new(self, expr: Expr) -> AffineTerms:
+        if self.constant(expr):
+            return {CONSTANT_TERM: expr} if expr != 0 else {}
+        if expr in self._states:
+            return {self._states[expr]: sp.S.One}
+        if expr.is_Add:
+            return _total([self._term(arg) for arg in expr.args])
+        if expr.is_Mul:
+            return self._mul(expr)
+        if expr.is_Pow and expr.base.func is sp.Abs and self.constant(expr.exp) and not self.has_corners:
+            return self._power_of_size(expr.base.args[0], expr.exp)
+        if expr.is_Pow and (exponent := integer_exponent(expr)) is not None:
+            return {self._power(expr.base, exponent) if exponent else CONSTANT_TERM: sp.S.One}
+        if expr.is_Pow and self.constant(expr.exp):
+            return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
+        if expr.func in function_table():
+            return self._function(expr)
+        raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
+
+    def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
+        """|a|^p as the power p/2 of the square of a, which is not negative."""
+        if exponent.is_even:
+            return self._lower(expr**exponent)
+        a = self.slot(expr)
+        return {self._after_rate(POWER, self._binary(SQUARE, a, a), exponent / 2): sp.S.One}
+
+    def _function(self, expr: Expr) -> AffineTerms:
+        kind = function_table()[expr.func].kind
+        return {self.function(kind, self.slot(expr.args[0])): sp.S.One}
+
+    def function(self, kind: int, a: int) -> int:
+        """Slot of a function of another slot; its slope comes after it, as it may contain the function."""
+        if (kind, a) not in self._slots:
+            place = self._slots[kind, a] = self._after_rate(kind, a)
+            slope = self._materialise(FUNCTIONS[kind - FIRST_FUNCTION].slope(self, a, place))
+            self.tape.ops[place - self.tape.inputs] = kind, a, slope
+        return self._slots[kind, a]
+
+    def product(self, a: int, b: int) -> int:
+        """Slot of a product."""
+        return self._binary(PRODUCT, *sorted((a, b)))
+
+    def inverse(self, terms: AffineTerms) -> int:
+        """Slot of 1 over a combination."""
+        return self._binary(QUOTIENT, self._materialise({CONSTANT_TERM: 1}), self._materialise(terms))
+
+    def power(self, terms: AffineTerms, exponent: float) -> int:
+        """Slot of a power of a combination."""
+        return self._after_rate(POWER, self._materialise(terms), exponent)
+
+    def number(self, expr: Expr) -> Any:
+        """A number as the tape holds it: an expression of the parameters."""
+        return sp.sympify(expr, strict=True)
+
+    def _after_rate(self, kind: int, a: int, constant: Expr = 0) -> int:
+        self.tape.emit(RATE, a, a, self.number(0))
+        return self.tape.emit(kind, a, a, self.number(constant))
+
+    def _term(self, expr: Expr) -> AffineTerms:
+        """A summand: a multiple of a non-linear sum refers to its slot instead of copying its terms."""
+        factor, rest = self._factored(expr)
+        if rest.is_Add and factor != 1 and not self._linear(rest):
+            return {self.slot(rest): factor}
+        return self._lower(expr)
+
+    def _factored(self, expr: Expr) -> tuple[Expr, Expr]:
+        """The factors that depend on the parameters alone, and the rest."""
+        if expr in self._states:
+            return sp.S.One, expr
+        moving = [f for f in expr.args if not self.constant(f)] if expr.is_Mul else ()
+        if len(moving) == 1 and moving[0] in self._states:
+            return unsorted_product([f for f in expr.args if f is not moving[0]]), moving[0]
+        return expr.as_independent(*self._states, as_Add=False)
+
+    def _linear(self, expr: Expr) -> bool:
+        return all(slot < self.tape.inputs for slot in self._lower(expr))
+
+    def _mul(self, expr: Expr) -> AffineTerms:
+        factor, rest = self._factored(expr)
+        factors: Any = sp.Mul.make_args(rest)
+        factors = factors if self.has_corners else _without_signs(factors)
+        if len(factors) == 1:
+            lowered = self._lower(factors[0]).items()
+            return {slot: factor if value is sp.S.One else factor * value for slot, value in lowered}
+        below = [f for f in factors if f.is_Pow and (integer_exponent(f) or 0) < 0]
+        above = [f for f in factors if f not in below]
+        slot = self._product(above) if above else self.slot(sp.S.One)
+        if below:
+            slot = self._binary(QUOTIENT, slot, self._product([1 / f for f in below]))
+        return {slot: factor}
+
+    def _product(self, factors: Sequence[Expr]) -> int:
+        slots = [self.slot(f) for f in factors]
+        result = slots[0]
+        for other in slots[1:]:
+            result = self.product(result, other)
+        return result
+
+    def _power(self, base: Expr, exponent: int) -> int:
+        if exponent < 0:
+            return self._binary(QUOTIENT, self.slot(sp.S.One), self._power(base, -exponent))
+        if exponent == 1:
+            return self.slot(base)
+        half = self._power(base, exponent // 2)
+        square = self._binary(SQUARE, half, half)
+        return square if exponent % 2 == 0 else self.product(self.slot(base), square)
+
+    def _binary(self, kind: int, a: int, b: int) -> int:
+        if a == b and kind == PRODUCT:
+            kind = SQUARE
+        key = (kind, a, b)
+        if key not in self._slots:
+            self._slots[key] = self.tape.emit(kind, a, b, self.number(0))
+        return self._slots[key]
+
+    def _materialise(self, combination: AffineTerms) -> int:
+        if len(combination) == 1:
+            ((slot, factor),) = combination.items()
+            if slot != CONSTANT_TERM and factor == 1:
+                return slot
+        key = frozenset(combination.items())
+        if key not in self._slots:
+            terms = self.tape.terms
+            first = len(terms)
+            # By slot: the sum need not wait for the slot that is computed last.
+            ordered = sorted(slot for slot in combination if slot != CONSTANT_TERM)
+            terms.extend((slot, self.number(combination[slot])) for slot in ordered)
+            constant = self.number(combination.get(CONSTANT_TERM, 0))
+            self._slots[key] = self.tape.emit(AFFINE, first, len(terms), constant)
+        return self._slots[key]
+
+
+class ResetBuilder(TapeBuilder):
+    """Lowers resets, of which only values are needed, no series: they may have corners (Abs)."""
+
+    def _lower_new(self, expr: Expr) -> AffineTerms:
+        if expr.func is sp.Abs:
+            slot = self.slot(expr.args[0])
+            return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
+        return super()._lower_new(expr)
+
+
+def _without_signs(factors: Sequence[Expr]) -> Sequence[Expr]:
+    """The factors of a product, with a |a|^(p - 1) instead of sign(a) |a|^p, the slope of |a|^(p + 1)."""
+    for sign in (f for f in factors if f.func is sp.sign):
+        size = sp.Abs(sign.args[0])
+        for power in (f for f in factors if f.is_Pow and f.base == size):
+            rest = [f for f in factors if f is not sign and f is not power]
+            return _without_signs([*rest, sign.args[0], size ** (power.exp - 1)])
+    return factors
+
+
+def _total(parts: Sequence[AffineTerms]) -> AffineTerms:
+    total: AffineTerms = {}
+    for part in parts:
+        for slot, value in part.items():
+            total[slot] = total[slot] + value if slot in total else value
+    return {slot: value for slot, value in total.items() if value != 0}

@@ -1,0 +1,207 @@
+"""Lowered tapes compute what their expressions say, to any order, and a scene's tape skips what it lacks."""
+
+from itertools import chain, combinations
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+import frictionlab as fl
+from frictionlab.hybrid.kernels.jets import majorant, mode_jets
+from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import Numbers, Section
+from frictionlab.tape.tape import TapeError
+
+X, Y, A = sp.symbols("x y a")
+VALUES = {X: sp.Rational(3, 4), Y: sp.Rational(-5, 8), A: sp.Rational(7, 3)}
+ORDER = 12
+
+
+bounded = st.sampled_from([sp.exp, sp.sin, sp.cos, sp.tan, sp.tanh, sp.sinh, sp.cosh, sp.atan])
+
+
+def combine(children):
+    pairs = st.tuples(children, children)
+    return st.one_of(
+        pairs.map(lambda p: p[0] + p[1]),
+        pairs.map(lambda p: p[0] - p[1]),
+        pairs.map(lambda p: p[0] * p[1]),
+        pairs.map(lambda p: p[0] / (3 + p[1] ** 2)),
+        st.tuples(children, st.integers(2, 5)).map(lambda p: p[0] ** p[1]),
+        children.map(lambda c: (c**2 + 2) ** -3),
+        children.map(lambda c: (c**2 + 2) ** (A / 2)),
+        children.map(lambda c: sp.sqrt(1 + c**2)),
+        st.tuples(bounded, children).map(lambda p: p[0](p[1] / (1 + p[1] ** 2))),
+        children.map(lambda c: sp.log(2 + c**2)),
+    )
+
+
+leaves = st.sampled_from([X, Y, A, sp.Integer(2), sp.Rational(-1, 3), X * Y, X + A])
+expressions = st.recursive(leaves, combine, max_leaves=6)
+
+
+def jets_of(expression, flow, order=ORDER):
+    """Taylor coefficients of an expression along a flow of (x, y), and their majorant.
+
+    It is a section: event functions are multiplied out, which takes sympy most of the time.
+    """
+    given = fl.HybridAutomaton((X, Y), (fl.Mode("only", tuple(flow)),), {A: float(VALUES[A])})
+    program, numbers = program_of(given, {"e": Section(expression)})
+    state = np.array([float(VALUES[X]), float(VALUES[Y])])
+    shape = program.slots, order + 1
+    jets, bounds = np.zeros(shape), np.zeros(shape)
+    mode_jets(program.code, numbers, 0, order, state, jets)
+    majorant(program.code, Numbers(*map(np.abs, numbers)), 0, order, state, jets, bounds)
+    slot = program.code.sections[0, 0]
+    return jets[slot], bounds[slot]
+
+
+@pytest.mark.plain_python
+@given(expressions)
+def test_values_are_sympys(expression):
+    exact = float(expression.xreplace(VALUES))
+    jet, bound = jets_of(expression, (Y, -X), order=0)
+    assert abs(jet[0] - exact) <= 64 * np.finfo(float).eps * bound[0]
+
+
+@pytest.mark.plain_python
+@given(expressions)
+def test_jets_along_straight_lines_are_the_taylor_series(expression):
+    """With x' = 1, y' = 2 the jet is the series of f(x + s, y + 2 s)."""
+    jet, bound = jets_of(expression, (sp.S.One, sp.Integer(2)))
+    s = sp.Symbol("s")
+    along = sp.lambdify(s, expression.xreplace({**VALUES, X: VALUES[X] + s, Y: VALUES[Y] + 2 * s}), "mpmath")
+    with mpmath.workdps(60):
+        exact = [float(c) for c in mpmath.taylor(lambda t: mpmath.mpf(1) * along(t), 0, ORDER)]
+    assume(max(map(abs, exact)) < 1e100)
+    assert (np.abs(jet - exact) <= 64 * np.finfo(float).eps * bound).all()
+
+
+@given(expressions, expressions)
+def test_the_majorant_bounds_the_jets(expression, rate):
+    jet, bound = jets_of(expression, (rate, Y - X))
+    assume(np.isfinite(bound).all())
+    assert (np.abs(jet) <= bound * (1 + 1e-12)).all()
+
+
+def test_jets_of_a_nonlinear_flow_to_order_forty():
+    """x' = 1 + x^2 from 3/4: x = tan(s + atan(3/4))."""
+    jet, _ = jets_of(X, (1 + X**2, sp.S.Zero), order=40)
+    with mpmath.workdps(60):
+        shift = mpmath.atan(mpmath.mpf(3) / 4)
+        exact = np.array([float(c) for c in mpmath.taylor(lambda s: mpmath.tan(s + shift), 0, 40)])
+    assert jet == pytest.approx(exact, rel=1e-13)
+
+
+def test_jets_of_a_quotient_flow_to_order_thirty():
+    """x' = 1/x from 3/4: x = sqrt(9/16 + 2 s)."""
+    jet, _ = jets_of(X, (1 / X, sp.S.Zero), order=30)
+    with mpmath.workdps(60):
+        exact = mpmath.taylor(lambda s: mpmath.sqrt(mpmath.mpf(9) / 16 + 2 * s), 0, 30)
+    assert jet == pytest.approx(np.array([float(c) for c in exact]), rel=1e-12)
+
+
+@pytest.mark.plain_python
+def test_equal_subexpressions_cost_once():
+    mode = fl.Mode("only", ((1 + X * Y) ** 3, X * Y), (fl.Event("e", (1 + X * Y) ** 2),))
+    program, _ = program_of(fl.HybridAutomaton((X, Y), (mode,)))
+    counts = program.tapes[0].counts()
+    assert (counts["product"], counts["square"], counts["quotient"]) == (2, 1, 0)
+
+
+@pytest.mark.plain_python
+@pytest.mark.parametrize("function", [sp.gamma(X), sp.Abs(X - A), A**X, sp.Max(X, 0)], ids=str)
+def test_a_function_without_operation_is_named(function):
+    with pytest.raises(TapeError, match="no operation for") as error:
+        jets_of(1 + 2 * function, (Y, -X))
+    assert str(function) in str(error.value)
+
+
+@pytest.mark.plain_python
+def test_a_function_of_parameters_alone_is_a_number():
+    assert jets_of(X * sp.sin(A), (Y, -X))[0][0] == pytest.approx(0.75 * np.sin(7 / 3), rel=1e-15)
+
+
+# --- the eight on/off combinations of the slider on the belt
+
+TOGGLES = ("cubic", "nonsmooth", "geometry")
+COMBINATIONS = list(chain.from_iterable(combinations(TOGGLES, n) for n in range(4)))
+OPERATIONS = ("affine", "product", "square", "quotient")
+
+
+def cost(off):
+    return program_of(fl.SliderOnBelt().without(*off).automaton())[0].cost()
+
+
+@pytest.mark.parametrize("off", COMBINATIONS, ids=lambda off: "-".join(off) or "full")
+def test_a_scene_does_not_pay_for_what_it_lacks(off):
+    costs = cost(off)
+    assert {c["states"] for c in costs.values()} == {8 if "geometry" in off else 10}
+    # In chatter there is W_N^T M^-1 W_N, which depends on where the slider is.
+    assert all(c["quotient"] == 0 for name, c in costs.items() if name != "chatter")
+    if "nonsmooth" in off:
+        assert list(costs) == ["slip"]
+        assert costs["slip"]["guards"] == 0
+    else:
+        guards = {name: c["guards"] for name, c in costs.items()}
+        expected = {"stick": 3, "slip+": 2, "slip-": 2, "separation": 1}
+        assert guards == expected | ({} if "geometry" in off else {"chatter": 2})
+    if {"cubic", "geometry"} <= set(off):
+        assert all(c["product"] == c["square"] == 0 for c in costs.values())
+
+
+@pytest.mark.parametrize(
+    ("off", "toggle"), [(off, toggle) for off in COMBINATIONS for toggle in TOGGLES if toggle not in off]
+)
+def test_each_switch_reduces_or_keeps_every_count(off, toggle):
+    before, after = cost(off), cost((*off, toggle))
+    if toggle == "nonsmooth":
+        # the one mode left is sliding in the direction of the belt
+        before = {"slip": before["slip+"]}
+    assert after
+    for mode, counts in after.items():
+        assert all(counts[kind] <= before[mode][kind] for kind in (*OPERATIONS, "guards", "states"))
+
+
+def test_the_linear_smooth_scene_is_one_affine_combination_per_acceleration():
+    counts = cost(TOGGLES)["slip"]
+    assert counts["product"] == counts["square"] == counts["quotient"] == 0
+    assert counts["affine"] <= 5  # four accelerations and the gap
+
+
+def test_only_numbers_differ_between_parameters():
+    one, two = (fl.SliderOnBelt(mu_k=mu).automaton() for mu in (0.3, 1.4))
+    assert program_of(one)[0] is program_of(two)[0]
+
+
+@pytest.mark.parametrize("exponent", [3, 2, 1, -2])
+def test_an_integer_exponent_may_be_written_as_a_float(exponent):
+    """x^2.0 is x^2 for a negative x too, in flows, outputs, sections and quadratures."""
+
+    def run(written):
+        outputs = {"w": X**written}
+        flow = Y, -X - 0.1 * (X - 3) ** written
+        automaton = fl.HybridAutomaton((X, Y), (fl.Mode("on", flow, outputs=outputs),), coordinates=1)
+        return fl.solve(
+            automaton,
+            4.0,
+            x0=[1.0, 0.0],
+            sections={"half": (X - 0.5) ** abs(written)},
+            quadratures={"a": Y**written if exponent > 0 else (X - 3) ** written, "b": f"(x - 3)**{written}"},
+            progress=False,
+        )
+
+    found, expected = run(float(exponent)), run(exponent)
+    assert expected.states[:, 1].min() < 0
+    assert found.final_state.tolist() == expected.final_state.tolist()
+    assert found.w.tolist() == expected.w.tolist()
+    assert found.quadratures == expected.quadratures
+    assert found.sections["half"].t.tolist() == expected.sections["half"].t.tolist()
+
+
+def test_a_power_zero_written_as_a_float_is_one():
+    automaton = fl.HybridAutomaton((X,), (fl.Mode("on", (X**0.0,)),))
+    assert fl.solve(automaton, 2.0, x0=[-1.0], progress=False).final_state == pytest.approx([1.0])
