@@ -151,7 +151,7 @@ def _specimens() -> dict[str, Any]:
     matrices = dict.fromkeys(("J", "jets", "values", "T", "frame", "starts", "out"), matrix)
     integers = dict.fromkeys(("candidates", "initial", "which", "chosen"), places)
     whole = dict.fromkeys(("order", "guard", "mode", "rounds"), 0)
-    others = {"flow": code.flow[0], "operations": (0, 1), "sign": -1.0, "h": STEP}
+    others = {"flow": code.flow[0], "operations": (0, 1), "orders": (0, 1), "sign": -1.0, "h": STEP}
     return of_program | of_runs | vectors | matrices | integers | whole | others
 
 

@@ -317,7 +317,7 @@ def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[
     terms, sums = np.empty_like(amounts), J.copy()
     for i, z in enumerate(states):
         J[: len(z), 0] = z
-        run_tape(code, numbers, mode_operations(code, mode), 0, code.flow[mode], -1.0, J, J)
+        run_tape(code, numbers, mode_operations(code, mode), (0, 0), code.flow[mode], -1.0, J, J)
         majorant(code, magnitudes, mode, 0, z, J, sums)
         amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
         terms[i] = np.append(sums[guards, 0], sums[fixed, 0])

@@ -56,7 +56,7 @@ def product_coefficient(J, a, b, k):
     """Coefficient k of the product of two slots; the newest are added last, that of b after that of a."""
     if k == 0:
         return J[a, 0] * J[b, 0]
-    total = convolution(J, a, b, 1, k - 1, k)
+    total = convolution(J, a, b, 1, k - 1, k) if k > 1 else 0.0
     return (total + J[a, k] * J[b, 0]) + J[a, 0] * J[b, k]
 
 
@@ -65,7 +65,7 @@ def square_coefficient(J, a, k):
     """Coefficient k of the square of a slot: each pair of terms once."""
     if k == 0:
         return J[a, 0] * J[a, 0]
-    total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k)
+    total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k) if k > 2 else 0.0
     if k % 2 == 0:
         total += J[a, k // 2] * J[a, k // 2]
     return total + 2.0 * J[a, 0] * J[a, k]
@@ -119,10 +119,11 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
 
 
 @kernel
-def run_tape(code, numbers, operations, order, flow, sign, values, J):
-    """Coefficients 0 to `order` of the slots that `operations`, a range (first, last + 1), write.
+def run_tape(code, numbers, operations, orders, flow, sign, values, J):
+    """Coefficients of the slots that `operations`, a range (first, last + 1), write, of the `orders` (lowest,
+    highest).
 
-    Column 0 of the states is given; ``flow[i]`` is the slot that holds the derivative of state i.  For the
+    Column 0 of the states is given, and those below the lowest order; ``flow[i]`` is the slot that holds the derivative of state i.  For the
     jets `sign` is -1 and `values` is `J`.  With +1, absolute values for numbers and states, and the jets
     themselves as `values`, the recurrences give a majorant of the jets, which times the machine epsilon
     bounds their rounding errors.
@@ -130,7 +131,12 @@ def run_tape(code, numbers, operations, order, flow, sign, values, J):
     ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
     inputs = code.inputs
     first, last = operations
-    for k in range(order + 1):
+    lowest, order = orders
+    for k in range(lowest, order + 1):
+        if k > 0:
+            share = 1.0 / k
+            for i in range(inputs):
+                J[i, k] = J[flow[i], k - 1] * share
         for i in range(first, last):
             kind = ops[i, 0]
             a = ops[i, 1]
@@ -160,10 +166,6 @@ def run_tape(code, numbers, operations, order, flow, sign, values, J):
                     divisor = abs(divisor)
                 total /= divisor
             J[out, k] = total
-        if k < order:
-            share = 1.0 / (k + 1)
-            for i in range(inputs):
-                J[i, k + 1] = J[flow[i], k] * share
 
 
 @inlined
@@ -189,15 +191,21 @@ def mode_jets(code, numbers, mode, order, z, J):
         return
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
-    run_tape(code, numbers, mode_operations(code, mode), order, code.flow[mode], -1.0, J, J)
+    run_tape(code, numbers, mode_operations(code, mode), (0, order), code.flow[mode], -1.0, J, J)
 
 
 @kernel
 def majorant(code, magnitudes, mode, order, z, jets, J):
     """Majorant of the `jets` at `z`; `magnitudes` are the absolute values of the tape's numbers."""
+    majorant_of_orders(code, magnitudes, mode, (0, order), z, jets, J)
+
+
+@kernel
+def majorant_of_orders(code, magnitudes, mode, orders, z, jets, J):
+    """As :func:`majorant`, of the `orders` (lowest, highest); the lower ones are in `J`."""
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
-    run_tape(code, magnitudes, mode_operations(code, mode), order, code.flow[mode], 1.0, jets, J)
+    run_tape(code, magnitudes, mode_operations(code, mode), orders, code.flow[mode], 1.0, jets, J)
 
 
 @kernel
@@ -241,7 +249,7 @@ def reset_values(code, numbers, reset, z, J):
     for i in range(z.shape[0]):
         J[i, 0] = z[i]
     operations = code.reset_ops[reset], code.reset_ops[reset + 1]
-    run_tape(code, numbers, operations, 0, code.reset_out[reset], -1.0, J, J)
+    run_tape(code, numbers, operations, (0, 0), code.reset_out[reset], -1.0, J, J)
 
 
 @kernel
@@ -251,7 +259,7 @@ def widen_by_reset(system, reset, z, sizes, jets, J):
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
     operations = code.reset_ops[reset], code.reset_ops[reset + 1]
-    run_tape(code, system.magnitudes, operations, 0, code.reset_out[reset], 1.0, jets, J)
+    run_tape(code, system.magnitudes, operations, (0, 0), code.reset_out[reset], 1.0, jets, J)
     for i in range(z.shape[0]):
         sizes[i] = max(sizes[i], J[code.reset_out[reset, i], 0])
 
@@ -342,7 +350,7 @@ def slot_gradients(code, numbers, mode, z, J, T):
     for i in range(inputs):
         J[i, 0] = z[i]
         T[i, i] = 1.0
-    run_tape(code, numbers, (first, last), 0, code.flow[mode], -1.0, J, J)
+    run_tape(code, numbers, (first, last), (0, 0), code.flow[mode], -1.0, J, J)
     for op in range(first, last):
         kind, a, b, out = code.ops[op, 0], code.ops[op, 1], code.ops[op, 2], inputs + op - first
         for i in range(inputs):

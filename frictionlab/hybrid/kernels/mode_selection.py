@@ -29,6 +29,7 @@ from frictionlab.hybrid.kernels.jets import (
     first_order_bounds,
     has_native_jets,
     majorant,
+    majorant_of_orders,
     mode_jets,
     reset_values,
     widen_by_reset,
@@ -128,8 +129,9 @@ def zeros_by_construction(code, scratch, f):
 
 
 @inlined
-def admissibility(system, mode, rounding, order, scratch):
-    """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to `order`.
+def admissibility(system, mode, rounding, orders, scratch):
+    """Whether a mode can be entered, judged by its Taylor coefficients in `scratch` up to the highest of
+    `orders`; below the lowest, the bounds of the coefficients are known.
 
     Its flow must have a value, its constraints must be met up to rounding, and the first non-zero coefficient
     of every guard must be positive; where a guard has none up to `order` the matter is undecided.  A guard
@@ -138,7 +140,10 @@ def admissibility(system, mode, rounding, order, scratch):
     has an impact too.  Writes how many leading coefficients of each guard are zero.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
-    majorant(code, system.magnitudes, mode, order, rounding.sizes, J, bounds)
+    lowest, order = orders
+    if code.quotients[mode]:  # the bounds of values, column 0, were made sharper since
+        lowest = 0
+    majorant_of_orders(code, system.magnitudes, mode, (lowest, order), rounding.sizes, J, bounds)
     if first_order_bounds(code, system.magnitudes, mode, J, bounds):
         return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
@@ -166,7 +171,7 @@ def try_mode(system, mode, z, rounding, order, scratch):
 
     Values alone refuse most modes, and a low order nearly always decides; native code has all orders at once.
     """
-    verdict, at_hand = UNDECIDED, -1
+    verdict, at_hand, examined = UNDECIDED, -1, -1
     code, J = system.code, scratch.jets
     for upto in (0, min(LOW_ORDER, order), order):
         if upto > at_hand:
@@ -174,7 +179,8 @@ def try_mode(system, mode, z, rounding, order, scratch):
             at_hand = order if full else upto
             mode_jets(code, system.numbers, mode, at_hand, z, J)
         if verdict == UNDECIDED:
-            verdict = admissibility(system, mode, rounding, upto, scratch)
+            verdict = admissibility(system, mode, rounding, (examined + 1, upto), scratch)
+            examined = upto
         if verdict < UNDECIDED:
             break
     return verdict
@@ -221,7 +227,7 @@ def enter_passed(system, passed, z, rounding, order, scratch):
     """Select a mode that is at another event, if there is one; leaves its jets in `scratch`."""
     if passed != NO_MODE:
         mode_jets(system.code, system.numbers, passed, order, z, scratch.jets)
-        admissibility(system, passed, rounding, order, scratch)
+        admissibility(system, passed, rounding, (0, order), scratch)
     return Selection(passed, NO_MODE)
 
 

@@ -115,7 +115,7 @@ def linearise(code, numbers, operations, flow, z, scratch):
         J[i, 0] = z[i]
         for d in range(z.shape[0]):
             T[i, 0, d] = 1.0 if i == d else 0.0
-    run_tape(code, numbers, operations, 2, flow, -1.0, J, J)
+    run_tape(code, numbers, operations, (0, 2), flow, -1.0, J, J)
     tangent_jets(code, numbers, operations, 0, flow, scratch)
 
 
@@ -139,7 +139,7 @@ def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
     operations, flow = mode_operations(code, mode), code.flow[mode]
     order, J, T = truncation.order, scratch.J, scratch.T
     copy_vector(z, J[: z.shape[0], 0])
-    run_tape(code, numbers, operations, order, flow, -1.0, J, J)
+    run_tape(code, numbers, operations, (0, order), flow, -1.0, J, J)
     for d in range(frame.shape[0]):
         copy_vector(frame[d], T[: z.shape[0], 0, d])
     tangent_jets(code, numbers, operations, order, flow, scratch)
