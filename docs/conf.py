@@ -80,7 +80,6 @@ ALONE = (
     "bibliography",
     "lecturer",
     "extending/index",
-    "architecture",
     "changelog",
 )
 html_sidebars = {page: [] for page in ALONE}  # nothing beside them in their section

@@ -192,7 +192,7 @@ TAIL = """\
 
 * A mode gets machine code of its own once it has been run for long: a tenth of a second in the
   background, once on a machine and for all tolerances. It gives what the interpreter gives to the last bit
-  ([architecture.md](architecture.md)).
+  ([machine code of modes](architecture/machine-code-of-modes.md)).
 * The whole loop of steps, roots, resets and mode choice is one kernel that allocates nothing and counts
   no references.
 * A scene without any nonlinearity goes on by one affine map, computed once: a step is a product with a

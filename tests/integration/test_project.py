@@ -56,16 +56,18 @@ def test_every_session_of_nox_is_run():
     assert "lowest" in by_workflow
 
 
-def test_what_contributors_are_sent_to_is_there():
-    rows = CONTRIBUTING.partition("## Where is what")[2].partition("\nTests:")[0].splitlines()
-    cells = [row.split("|")[1:-1] for row in rows if row.startswith("| ") and "?" in row]
-    assert len(cells) > 15
-    for question, where, which in cells:
-        first, *others = re.findall(r"`([\w/]+/)`", where)
-        folders = [ROOT / first, *((ROOT / first).parent / other for other in others)]
-        assert all(folder.is_dir() for folder in folders), question
-        for file in re.findall(r"`([\w/]+\.py)`", which):
-            assert any((folder / file).exists() for folder in [*folders, ROOT / "frictionlab"]), file
+def test_files_that_the_architecture_names_are_there():
+    """Each by its path from the package or the repository, or by its name beside one that has a path."""
+    pages = [ROOT / "docs" / "architecture.md", *ROOT.glob("docs/architecture/*.md")]
+    rows = [line for line in pages[0].read_text(encoding="utf-8").splitlines() if "? |" in line]
+    texts = [*rows, *(page.read_text(encoding="utf-8") for page in pages)]
+    assert len(rows) > 30
+    for text in texts:
+        names = re.findall(r"`([\w/.-]+(?:/|\.pyi?|\.js|\.json))`", text)
+        bases = [ROOT / "frictionlab", ROOT]
+        folders = [(base / name).parent for base in bases for name in names if "/" in name.rstrip("/")]
+        missing = [name for name in names if not any((one / name).exists() for one in [*bases, *folders])]
+        assert missing == [], text[:80]
 
 
 @pytest.mark.parametrize("page", [README, CONTRIBUTING], ids=["README", "CONTRIBUTING"])
