@@ -1,14 +1,15 @@
 """How exact a run is: the defect of its steps, and how far samples violate the conditions of their modes.
 
 Between two stored states a run is a polynomial in time, its dense output.  Put into the equations, it leaves
-a residual x' - f(x).  Where a method other than the series computed the next state, there is also a jump from
-the end of the polynomial to that state.  The residual times the length of the step, or the jump if it is
-larger, as a share of the motion's size, is what the step adds to the error: this defect compares with the
-tolerance.  Whether event functions are positive and constraints zero at the samples is checked by their
-values alone, independently of how events are located.
+a residual x' - f(x).  If a method other than the series computed the next state, there is also a jump from
+the end of the polynomial to that state.  A step adds to the error the residual times its length, or the jump
+if that is larger.  As a share of the motion's size this is its defect, which compares with the tolerance.
 
-Every run by series is checked when it is over: the defects of a few of its steps are measured, of which those
-above what the tolerance allows give a warning.
+Event functions must be positive at the samples and constraints zero.  This is checked by their values alone,
+independently of how events are located.
+
+Every run by series is checked when it is over.  The defects of a few of its steps are measured; those that
+the tolerance does not allow give a warning.
 """
 
 from __future__ import annotations
@@ -43,33 +44,31 @@ RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step without advance of time: its event cannot be told from an earlier one
 SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
 HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
-SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goes with the square of theirs
-SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
+SHORT_SHARE = 1 / 32  # of the longest stay; the error of replaced flights goes with the square of theirs
+SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within these limits:
 LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
 
 
 class StoredSteps(NamedTuple):
-    """Steps of a run: start and length, mode, states at the start, and at the end before an event; and sizes
-    of the states that errors are relative to, where those in the step are smaller."""
+    """Steps of a run, and the sizes to which their errors are relative."""
 
-    times: np.ndarray  # (steps, 2)
+    times: np.ndarray  # (steps, 2) start and length
     modes: np.ndarray  # (steps,)
-    states: np.ndarray  # (steps, states)
-    ends: np.ndarray  # (steps, states)
-    sizes: np.ndarray  # (steps, states)
+    states: np.ndarray  # (steps, states) at the start
+    ends: np.ndarray  # (steps, states) at the end, before an event
+    sizes: np.ndarray  # (steps, states) least sizes; larger states in the step take their place
 
 
 class DefectScratch(NamedTuple):
-    """Scratch arrays: series, values and their majorants; a state, the sums of its absolute terms; the
-    largest error of each state and its largest value in the step."""
+    """Scratch arrays."""
 
-    jets: np.ndarray
+    jets: np.ndarray  # series
     values: np.ndarray
-    bounds: np.ndarray
-    z: np.ndarray
-    sums: np.ndarray
-    errors: np.ndarray
-    sizes: np.ndarray
+    bounds: np.ndarray  # majorants of values
+    z: np.ndarray  # a state
+    sums: np.ndarray  # of its absolute terms
+    errors: np.ndarray  # the largest error of each state in the step
+    sizes: np.ndarray  # the largest value of each state in the step
 
 
 def defects(problem: Problem, raw: RunData, order: int) -> Mapping[str, float]:
@@ -102,8 +101,8 @@ def motion_defects(
 def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
     """Some steps of each mode, a bounded number.
 
-    Modes whose equations are polynomials of the states of a degree below `order` are left out: the last terms
-    of their series tell how long a step may be.
+    A mode may have equations that are polynomials of the states of a degree below `order`.  It is left out:
+    the last terms of its series tell how long a step may be.
     """
     modes = np.flatnonzero(problem.program.code.degrees >= order)
     steps = (np.flatnonzero(raw.step_modes == mode) for mode in modes)
@@ -122,7 +121,7 @@ def _sample_of_steps(raw: RunData, steps: np.ndarray) -> np.ndarray:
 
 
 def _spread(steps: np.ndarray, count: int) -> np.ndarray:
-    """As many of the steps, evenly spread."""
+    """So many of the steps, evenly spread."""
     return steps[np.unique(np.linspace(0, len(steps) - 1, count).astype(int))]
 
 
@@ -132,7 +131,7 @@ def largest_sound_defect(tol: float) -> float:
 
 
 def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
-    """A warning where a defect is too large for a run with the tolerance `tol`, else None."""
+    """A warning if a defect is too large for a run with the tolerance `tol`, else None."""
     bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
     if not bad:
         return None
@@ -144,8 +143,10 @@ def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
 
 
 def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
-    """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
-    as in a model whose unit of time is a week; else None."""
+    """A warning if flights below the `limit` of chatter (s) were replaced and no stay is much longer.
+
+    So it is in a model whose unit of time is a week.  None if there is nothing to warn of.
+    """
     if not np.isin(raw.event_codes[:, 1], limit_modes).any():
         return None
     longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
@@ -193,8 +194,10 @@ def measure_defects(system, order, steps, worst, scratch):
 
 @kernel
 def begin_step(system, order, mode, now, h, state, sizes, scratch):
-    """Compute the series of a step, set the errors to zero, and the sizes to those at its start, or to the
-    given ones where these are larger."""
+    """Compute the series of a step, and set its errors to zero.
+
+    The sizes are set to those at its start, or to the given ones where these are larger.
+    """
     step_series(system.code, system.numbers, mode, order, now, h, state, scratch.jets)
     for i in range(state.shape[0]):
         scratch.errors[i], scratch.sizes[i] = 0.0, max(sizes[i], abs(state[i]))

@@ -22,12 +22,12 @@ from frictionlab.tape.program import Code, Numbers
 Array = Any
 
 MOST_HALVINGS = 40
-MOST_PIECES = 4096  # in doubt at once; beyond, the guards of the pieces in doubt count as positive
-RESOLUTION = 0.1  # share of the largest rate by which rates between points may be unknown
-NOTHING = 1e-12  # share of a state's size that is not looked for
-HIDDEN = 1e-11  # share of a state's size that functions which change much on a piece may add unseen
-SCALE = 1.0  # of a function: by how much its argument may change on a piece
-RATIO = 2.0  # the same of powers, quotients and logarithms, by the ratio of the ends of the argument's range
+MOST_PIECES = 4096  # in doubt at once; with more, the guards on all of these count as positive
+RESOLUTION = 0.1  # share of the largest rate up to which rates between points may be unknown
+NOTHING = 1e-12  # share of a state's size: a smaller defect is not looked for
+HIDDEN = 1e-11  # share of a state's size: what functions that change much on a piece may add unseen
+SCALE = 1.0  # of a function: the most by which its argument may change on a piece
+RATIO = 2.0  # of powers, quotients and logarithms: the largest ratio of the argument's ends on a piece
 POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
 
 
@@ -85,7 +85,7 @@ class Interval(NamedTuple):
 
 
 def _known(low: Array, high: Array) -> Interval:
-    return Interval(np.fmax(low, -np.inf), np.fmin(high, np.inf))  # of no number and a number, the number
+    return Interval(np.fmax(low, -np.inf), np.fmin(high, np.inf))  # NaN becomes infinite
 
 
 def _increasing(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
@@ -203,10 +203,10 @@ class Tape:
         return rates
 
     def hidden(self, known: list[Interval]) -> list[Array]:
-        """How much of the values of all slots, in their ranges, values at points may not show.
+        """For each slot how much of its value may be hidden between points at which values are computed.
 
-        That is the whole range of a function whose argument changes by more than the function's own scale,
-        and what follows from it.  What is smooth against the range hides nothing.
+        A function hides its whole range if its argument changes by more than the function's own scale.  Other
+        operations pass on what their operands hide.  What is smooth on the piece hides nothing.
         """
         hidden: list[Array] = [0.0 * known[0].low] * self._inputs
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
@@ -231,7 +231,7 @@ class Tape:
         return hidden
 
     def values(self, states: Array, slots: Sequence[int] | None = None) -> Array:
-        """Values of slots, if not given guards and constraints, at states (N, states): (N, slots)."""
+        """Values (N, slots) at states (N, states), by default of guards and constraints."""
         known = self.ranges([Interval(z, z) for z in states.T])
         values = [0.5 * (known[i].low + known[i].high) for i in self._asked(slots)]
         return np.array(values).reshape(-1, len(states)).T
@@ -240,7 +240,7 @@ class Tape:
         return self.functions if slots is None else slots
 
     def magnitudes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
-        """Sums of the absolute terms of slots, as :meth:`values`."""
+        """Sums of the absolute terms (N, slots), as :meth:`values`."""
         values = [value.low for value in self.ranges([Interval(z, z) for z in states.T])]
         sums = list(np.abs(states.T))
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
@@ -270,7 +270,7 @@ class Tape:
 
 
 def _times(values: Interval, hidden: Array) -> Array:
-    """What is hidden in a product of values with what hides something."""
+    """What a product hides if one factor has these `values` and the other hides something."""
     return np.where(hidden > 0.0, np.maximum(np.abs(values.low), np.abs(values.high)) * hidden, 0.0)
 
 
@@ -331,19 +331,19 @@ def pieces_of(starts: Array, lengths: Array, order: int, states: Callable[[Array
 
 
 class Negative(NamedTuple):
-    """Points at which functions are below their bounds: times, numbers of the functions, values, and the
-    starts of the pieces, before which there is none."""
+    """Points at which functions are below their bounds."""
 
     times: Array
-    functions: Array
+    functions: Array  # their numbers
     values: Array
-    starts: Array
+    starts: Array  # of the pieces on which they are
 
 
 def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
     """Points at which guards are below `bounds` (functions,), or constraints farther from zero than that.
 
-    Before the first of them there is none, unless so many pieces are in doubt that some are left out.
+    The first point is on the first piece that has one, unless so many pieces are in doubt that some are left
+    out.
     """
     found, guards, until = [], len(tape.guards), np.inf
     with np.errstate(all="ignore"):
@@ -363,7 +363,7 @@ def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
 
 
 class Defect(NamedTuple):
-    """The largest |x' - f(x)| times the length of a piece, as a share of sizes: where, and of which state."""
+    """The largest |x' - f(x)| times the length of a piece, as a share of a state's size."""
 
     share: float
     time: float
@@ -371,10 +371,11 @@ class Defect(NamedTuple):
 
 
 def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
-    """The largest defect of pieces as motions of a mode, where also what is narrow against them is resolved.
+    """The largest defect of pieces as motions of a mode; layers that are narrow against a piece are resolved.
 
-    Pieces are halved until the rates on them are known, but for a share of the largest, from their values at
-    three points, and until no function that changes much on them, as the layer of a law, adds anything.
+    Pieces are halved until two things hold.  The rates at three points tell the rates on the whole piece, up
+    to a share of the largest.  No function that changes much on the piece, as the layer of a law, adds
+    anything.
     """
     worst, largest = Defect(0.0, np.nan, 0), np.zeros(len(sizes))
     with np.errstate(all="ignore"):
@@ -399,8 +400,10 @@ def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
 
 
 def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval, Array]:
-    """Rates (pieces, 3, states) at POINTS by the tape, and of the polynomials; of the former ranges (pieces,
-    states), and what is hidden between the points."""
+    """Rates (pieces, 3, states) at POINTS, by the tape and of the polynomials.
+
+    Also the ranges (pieces, states) of the rates by the tape, and what they hide between the points.
+    """
     basis, count = chebyshev_basis(pieces.coefficients.shape[1] - 1), len(pieces.starts)
     points, known = _known_slots(tape, pieces, tape.flow)
     flow, by_x = points.reshape(count, 3, -1), basis.slope @ pieces.coefficients
@@ -417,7 +420,7 @@ def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval, Array]:
 
 
 def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
-    """Values of the functions (pieces, 3, functions) at POINTS, and whether guards may be below elsewhere."""
+    """Values (pieces, 3, functions) at POINTS, and whether guards may be below their bounds in between."""
     basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
     functions, guards = tape.functions, len(tape.guards)
     points, known = _known_slots(tape, pieces, functions)

@@ -31,7 +31,7 @@ from frictionlab.validation import abbreviate, is_sequence
 
 @dataclass(frozen=True)
 class Problem:
-    """A program with its numbers, the initial state, the mode to start in (None: choose) and the end time.
+    """A program with its numbers, an initial state, an end time, and a mode to start in (None: choose one).
 
     Where modes are derived on demand, `derive` takes a combination of regimes and returns the program and its
     numbers with the mode of that combination added.  The modes already in the program keep their indices.
@@ -136,7 +136,7 @@ class RecordList:
     Attributes
     ----------
     copied : bool
-        Whether what is kept of the last record is a copy, so that the record can be filled again.
+        Whether the last record was copied, so that it can be filled again.
     """
 
     def __init__(self) -> None:
@@ -159,7 +159,7 @@ class RecordList:
         self.events += int(events)
 
     def fills_memory(self) -> bool:
-        """Whether memory would soon run out; to work with the run takes as much again as it holds."""
+        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
         if self._bytes < self._next_look:
             return False
         growth = min(self._bytes, BYTES_BETWEEN_LOOKS)
@@ -167,7 +167,7 @@ class RecordList:
         return free_memory() < self._bytes + 2 * growth
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
-        """All records joined, with the end of the run; they are given up, which takes less memory."""
+        """All records joined, with the end of the run.  The records are given up, which saves memory."""
         parts: list[list[Any]] = [[*each] for each in self._parts or [new_record(code, 0, 0, 0)]]
         self._parts.clear()
         joined = {}

@@ -1,8 +1,9 @@
 """Powers of a base that has become negative: there a law has no real value, and a run ends.
 
-A root, and any power whose exponent is no integer in the structure of the equations (1.5, or a parameter),
-has a real value for a base that is not negative.  The solver counts a base that rounding has made negative as
-zero; what is more negative than that, against its terms along the run, is seen here, at the steps of a run.
+A root has a real value only for a base that is not negative.  So has any power whose exponent is 1.5, a
+parameter, or anything else that is no integer in the structure of the equations.  The solver counts a base
+that rounding has made negative as zero.  A base that is more negative than that, beside its terms along the
+run, is seen here, at the steps of a run.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ STATES_AT_ONCE = 20_000  # at which bases are computed
 
 
 def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
-    """The run up to the first step at which a base is negative, with the status "not finite"; the run itself
-    where there is none."""
+    """The run up to the first step at which a base is negative, with the status "not finite".
+
+    If there is no such step, it is the run itself.
+    """
     code = problem.program.code
     if not code.powers.any():
         return raw
@@ -42,13 +45,13 @@ def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
 
 
 def undefined_start(automaton: HybridAutomaton, problem: Problem, mode: int) -> str:
-    """A message on a start in a mode at which a base is negative; empty where none is."""
+    """A message on a base that is negative at the start in a mode; empty if none is."""
     words = negative_base(automaton, problem, problem.x0[: problem.program.code.inputs], mode)
     return f"must be where the laws have real values, got {words}" if words else ""
 
 
 def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarray, mode: int) -> str:
-    """A message that names the first base that is negative at a state; empty where none is."""
+    """A message that names the first base that is negative at a state; empty if none is."""
     of = automaton.mode(problem.program.modes[mode])
     values = dict(zip(automaton.states, state.tolist())) | dict(automaton.parameters)
     for expression in (*of.flow, *(event.function for event in of.events), *of.constraints):
@@ -66,7 +69,7 @@ def negative_base(automaton: HybridAutomaton, problem: Problem, state: np.ndarra
 
 
 def _first_negative(problem: Problem, mode: int, raw: RunData, modes: np.ndarray) -> int | None:
-    """The first step in a mode at whose start a base is negative, one more at the end; None for none."""
+    """The first step in a mode at whose start a base is negative; after the last step the end counts."""
     code = problem.program.code
     tape, inside = Tape(code, problem.numbers, mode), np.flatnonzero(modes == mode)
     states = raw.step_states[inside[inside < len(raw.step_modes)], : code.inputs]  # integrals may follow

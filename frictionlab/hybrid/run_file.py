@@ -1,8 +1,8 @@
 """Runs on disk: one npz file of arrays, with a description as JSON among them.
 
-A file is written beside its place and then renamed, so that a full disk leaves what was there.  What an array
-says of itself is compared with what there is before it takes memory.  All that is read is checked by one
-schema before kernels see it, as kernels check no indices; errors name the path, the field and the rule.
+A file is written beside its place and then renamed, so that a full disk leaves what was there.  The header of
+an array is compared with the bytes that follow it before it takes memory.  One schema checks all that is read
+before kernels see it, as kernels check no indices.  Errors name the path, the field and the rule.
 """
 
 from __future__ import annotations

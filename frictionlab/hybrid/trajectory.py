@@ -145,8 +145,8 @@ class Trajectory(Drawable):
     def mode_names(self) -> tuple[str, ...]:
         """Names of the modes, indexed by the mode numbers in `raw`.
 
-        Of modes on demand: those that had been derived, in that order, or all where their program is kept for
-        later processes.  Otherwise all modes of the automaton.
+        Modes on demand: those that had been derived, in that order, or all if their program is kept for later
+        processes.  Other automata: all their modes.
         """
         return self.problem.program.modes
 
@@ -358,11 +358,12 @@ class Trajectory(Drawable):
 
     @cached_property
     def warning(self) -> str | None:
-        """A warning where steps by series are far less exact than the tolerance, or where flights that have
-        been replaced by their limit are not short beside the stays in modes, else None.
+        """What is wrong with the run, or None.
 
-        Also where the run ended as the base of a power became negative.  The steps measured are some of each
-        mode whose equations are no polynomials of a low degree, as a share of the motion's size.
+        There are three warnings.  Some steps by series are far less exact than the tolerance.  Flights were
+        replaced by their limit and are not short beside the stays in modes.  The run ended because the base
+        of a power became negative.  Defects are measured as a share of the motion's size, in some steps of
+        each mode whose equations are no polynomials of a low degree.
         """
         code = self.problem.program.code
         if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:

@@ -1,10 +1,19 @@
 """Stability of equilibria and of steady sliding: eigenvalues, and how they change with the parameters.
 
-All analyses work on an `EquilibriumProblem` (`equilibrium_problem`): equilibria and state matrices as
-functions of arrays of parameters, with the linear algebra on stacks of matrices that all of them use.
-`equilibrium_points` makes one from a model or an automaton, by the `Flow` of a mode (`flow`, with exact
-derivatives by the parameters); `eigenproblems` gives eigenvalues and root loci; `boundaries` finds where
-stability changes along one parameter or in a plane of two, and the vibration that begins there (Hopf points).
+All analyses work on an `EquilibriumProblem`: equilibria and state matrices as functions of arrays of
+parameters.
+
+``flow``
+    `Flow`: the rates of one mode with their exact derivatives by states and parameters.
+``equilibrium_problem``
+    `EquilibriumProblem`, and the linear algebra on stacks of matrices that all analyses use.
+``equilibrium_points``
+    All equilibria of a model or an automaton; from one of them an `EquilibriumProblem`.
+``eigenproblems``
+    Eigenvalues and root loci.
+``boundaries``
+    Where stability changes along one parameter or in a plane of two, and the vibration that begins there
+    (Hopf points).
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """Equilibria and state matrices as functions of the parameters, on which all stability analyses work.
 
-An :class:`EquilibriumProblem` with a state matrix and `solve` is enough for most analyses; those that take
-further derivatives ask it for the flow as expressions.  Also here: eigenvalues, vectors and growth rates of
-stacks of state matrices, and the checks of parameter names, values and bounds.
+State matrices and `solve` are enough for most analyses.  Those that take further derivatives ask for the
+`flow`.  Also here: eigenvalues, vectors and growth rates of stacks of state matrices, and the checks of
+parameter names, values and bounds.
 
 Without damping the squares of the eigenvalues are computed, so that growth rates are exact zeros until two
-modes coalesce.  A single growth rate counts as zero where the backward error of the eigenvalue problem could
-explain it (:func:`is_neutral`): computed eigenvalues of A are exact ones of A + E, where |E| is about
+modes coalesce.  A single growth rate counts as zero if the backward error of the eigenvalue problem could
+explain it (:func:`is_neutral`).  Computed eigenvalues of A are exact ones of A + E, where |E| is about
 m eps |A|.  Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
 """
 
@@ -71,7 +71,7 @@ def _stiffness(matrices: Array) -> Array:
 
 
 def growth_rates(spectra: ComplexArray) -> Array:
-    """Growth rates; those that are zero but for rounding are set a little below zero."""
+    """Growth rates; those that are zero up to rounding are set a little below zero."""
     bound = NEUTRAL_RTOL * np.abs(spectra).max(axis=-1, keepdims=True, initial=SMALLEST_EIGENVALUE)
     return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
 
@@ -84,10 +84,10 @@ def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:
 def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
     """Whether the real part of each eigenvalue (m,) of a real matrix (m, m) is nothing but rounding.
 
-    To first order a perturbation E moves an eigenvalue by |E| times its condition number.  Where two
-    coalesce, as at critical damping, that number is infinite and tells nothing.  So it is required as well
-    that some E of this size puts an eigenvalue on the imaginary axis at this frequency.  Both conditions are
-    evaluated for the balanced matrix.
+    To first order a perturbation E moves an eigenvalue by |E| times its condition number.  If two coalesce,
+    as at critical damping, that number is infinite and tells nothing.  So there is a second condition: some E
+    of this size puts an eigenvalue on the imaginary axis at this frequency.  Both are evaluated for the
+    balanced matrix.
     """
     scaled = balanced(matrix)
     error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(scaled, 2)

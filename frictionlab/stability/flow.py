@@ -105,7 +105,7 @@ class Flow:
 
     @cached_property
     def stepped(self) -> list[int]:
-        """The states on which steps depend, as of sign(x): functions that jump, which no derivative tells."""
+        """The states at which functions jump, as sign(x) does: no derivative tells of these steps."""
         return sorted(frozenset().union(*self.rates.step_dependences) & {*range(self.size)})
 
     @property

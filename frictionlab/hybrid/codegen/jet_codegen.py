@@ -2,8 +2,8 @@
 
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
-It does not store the rows of slots of which only the current coefficient is read; of the states' rates it
-stores at least the values.
+If only the current coefficient of a slot is read, its row is not stored.  The values of the states' rates are
+always stored.
 `LaneWriter` writes the same for several runs side by side: every value has one number for each run (lane).
 
 Functions and powers are computed by calls of their kernels, so that their code exists only once; a call takes
@@ -161,8 +161,10 @@ class JetWriter(Instructions):
         return [self.values[slot] for slot in self.function.flow]
 
     def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
-        """The next four columns; as they come in fours, it is known how many terms of each convolution are
-        left after groups of four."""
+        """The next four columns.
+
+        As they come in fours, it is known how many terms of each convolution are left after groups of four.
+        """
         build, first = self.build, self.build.shl(fours, self.whole(2))
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
@@ -235,7 +237,7 @@ class JetWriter(Instructions):
         return self._multiply_add(self._at(a, self.J), self.values[b], total)
 
     def _square(self, a: int, at: OrderInLoop) -> Any:
-        """Each pair once; groups of four leave two more pairs where `fours` is odd."""
+        """The sum over each pair once; groups of four leave two more pairs if `fours` is odd."""
         build, two = self.build, self._number(2.0)
         ahead, behind, parts = self._groups(a, a, at, build.ashr(at.fours, self.whole(1)))
         odd = build.icmp_signed("!=", build.and_(at.fours, self.whole(1)), self.whole(0))
@@ -279,7 +281,7 @@ class JetWriter(Instructions):
         return build.select(self._regular(base), total, self._limit(exponent))
 
     def _has_series(self, a: int, base: Any, at: OrderInLoop) -> Any:
-        """As :func:`jets.has_series`; of a base, the curvature is not known yet at k = 1."""
+        """As :func:`jets.has_series`; at k = 1 the curvature of the base is not known yet."""
         build = self.build
         rate, curvature = (self._abs(self._at(a, self._ahead(self.J, self.whole(m)))) for m in (1, 2))
         slow = build.fcmp_ordered(">", base, build.fmul(self.shortest, rate))

@@ -48,7 +48,7 @@ _ENGINES: list[Any] = []  # engines own the code, so they live as long as the pr
 
 
 class NativeCode:
-    """The native jets of a program's modes, of all orders up to MAX_ORDER.
+    """The native code of a program's modes: their jets of all orders up to MAX_ORDER, and their lane steps.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class NativeCode:
     tapes : dict of int to ModeTape
         By mode, what its jets are compiled from.
     requested : dict of int to Future
-        Compilations in the background, also those that are done: of jets by the mode, of steps of several
-        runs by ~mode.
+        Compilations in the background, also those that are done.  The key for jets is the mode, for steps of
+        several runs ~mode.
     """
 
     def __init__(self, program: Program, before: NativeCode | None = None) -> None:

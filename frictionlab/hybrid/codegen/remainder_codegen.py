@@ -76,8 +76,8 @@ class StepStructure(NamedTuple):
 
     guards: tuple[int, ...]  # their slots
     groups: tuple[int, ...]  # bounds of the coordinates, the velocities, the other states
-    degree: int  # of all functions, NOT_POLYNOMIAL where there are others than polynomials
-    polynomial_degree: int  # of those that are polynomials
+    degree: int  # the highest, NOT_POLYNOMIAL if there are functions that are no polynomials
+    polynomial_degree: int  # the highest among the polynomials
 
 
 class RangeBound(NamedTuple):
@@ -88,8 +88,10 @@ class RangeBound(NamedTuple):
 
 
 class RemainderWriter(RangeWriter):
-    """Writes the passes through the tape; `bounds` holds the bounds of the slots known so far, `series` the
-    ranges that their series give."""
+    """Writes the passes through the tape.
+
+    `bounds` holds the bounds of the slots so far, `series` the ranges that follow from their own series.
+    """
 
     bounds: dict[int, RangeBound]
     series: dict[int, Any]
@@ -99,7 +101,7 @@ class RemainderWriter(RangeWriter):
         self.guards, self.groups, self.degree, self.polynomial_degree = structure
 
     def _remainder_step(self, h: Any, fine: Any) -> tuple[Any, Any]:
-        """Longest step up to `h` with a bounded remainder, and whether it is `fine` and no rare case."""
+        """Longest step up to `h` with a bounded remainder; and where it is `fine` and no rare case."""
         build, zero = self.build, self._number(0.0)
         blind, hidden = self._blind(h)
         fine = build.and_(fine, build.not_(hidden))
@@ -128,7 +130,10 @@ class RemainderWriter(RangeWriter):
         return h, build.and_(fine, build.and_(usual, build.fcmp_ordered(">", h, zero)))
 
     def _blind(self, h: Any) -> tuple[Any, Any]:
-        """Where :func:`remainder.needs_remainder`; where also not :func:`remainder.polynomials_visible`."""
+        """The lanes that need a bound of the remainder, and those of them whose polynomials are not visible.
+
+        See :func:`remainder.needs_remainder` and :func:`remainder.polynomials_visible`.
+        """
         build = self.build
         at_end = build.fcmp_ordered("==", h, self._load(self.control, LEFT))
         blind = build.select(self._reaches_order(self.degree), self._all(), at_end)
@@ -146,7 +151,7 @@ class RemainderWriter(RangeWriter):
         return self.build.icmp_unsigned("!=", bits, bits.type(0))
 
     def _support(self, radius: Any) -> tuple[Any, Any]:
-        """As :func:`remainder.supported_step`, and whether nothing needed terms after its first three."""
+        """As :func:`remainder.supported_step`; and in which lanes the first three terms told all sizes."""
         build, ir, known = self.build, self.ir, self._all()
         self._bound_ranges(radius)
         log_radius = write_log2(ir, build, radius)
@@ -173,7 +178,7 @@ class RemainderWriter(RangeWriter):
         return self._where(bounded, longest, 0.0), known
 
     def _largest_rest(self, slots: tuple[int, ...]) -> Any:
-        """The largest remainder of some slots; None where none has one."""
+        """The largest remainder of some slots; None if no slot has one."""
         largest = None
         for slot in slots:
             rest = self.bounds[slot].rest
@@ -190,7 +195,7 @@ class RemainderWriter(RangeWriter):
         return self.build.fcmp_ordered(">", largest, self._number(0.0))
 
     def _guard_support(self, slot: int, room: Any) -> tuple[Any, Any]:
-        """As :func:`remainder.log2_function_support`, and whether the first three terms tell its size."""
+        """As :func:`remainder.log2_function_support`; and where the first three terms tell the size."""
         build, rest = self.build, self.bounds[slot].rest
         row = self._place(slot, self.J)
         sizes = [self._abs(self._load(row, m)) for m in range(3)]
@@ -213,7 +218,7 @@ class RemainderWriter(RangeWriter):
         return self._as_number(self.build.sub(self.order, self.whole(m)))
 
     def _bound_ranges(self, radius: Any) -> None:
-        """Bounds of the slots that rates and guards depend on where these are no polynomials."""
+        """Bounds of the slots on which those rates and guards depend that are no polynomials."""
         tape = self.function.tape
         ranges = tape.ranges((*self.function.flow, *self.guards))
         measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
@@ -228,7 +233,7 @@ class RemainderWriter(RangeWriter):
                 self.bounds[slot] = RangeBound(bound.reach, None) if polynomial[slot] else bound
 
     def _ranges(self, slots: Iterable[int], radius: Any) -> dict[int, Any]:
-        """How far the polynomials of slots go at the most, as :func:`jets.series_range`."""
+        """Bounds of how far the polynomials of slots go, as :func:`jets.series_range`."""
         return self._series(list(slots), radius, self._abs)
 
     def _changes(self, slots: Iterable[int], s: Any) -> dict[int, Any]:

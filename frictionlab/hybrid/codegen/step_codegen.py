@@ -40,11 +40,11 @@ def lane_step_module(function: ModeTape, structure: StepStructure, name: str) ->
     All arrays have the lanes as their last axis.  Row LEFT of `control` holds the longest step wanted.  The
     rows from CONTROL_ROWS on hold how many leading coefficients of each guard count as zero.
 
-    The code writes the length of the step into row LENGTH, and 1 or 0 into three others: SUITED, whether this
-    length suits the states; MEASURED, whether it suits the guards too and is that of a step without an event;
-    REGULAR, whether besides no guard comes to zero in it.  `z` is advanced in measured lanes.  After a
-    regular step no leading coefficients count as zero.  In lanes that are measured but not regular, all
-    coefficients of a guard that stays positive count as zero.
+    The code writes the length of the step into row LENGTH, and 1 or 0 into three others.  SUITED says whether
+    this length suits the states.  MEASURED says whether it suits the guards too, so that it is the length of
+    a step without an event.  REGULAR says whether besides no guard comes to zero in it.  `z` is advanced in
+    measured lanes.  After a regular step no leading coefficients count as zero.  In lanes that are measured
+    but not regular, all coefficients of a guard that stays positive count as zero.
     """
     from llvmlite import ir
 
@@ -84,7 +84,7 @@ class _StepWriter(RemainderWriter):
         build.ret_void()
 
     def _length(self) -> tuple[Any, Any]:
-        """Length of the step by the series of the states, and whether this is no rare case."""
+        """Length of the step by the series of the states; and in which lanes this is no rare case."""
         build, best = self.build, self._number(float("inf"))
         fine = self._number(0.0)
         fine = build.fcmp_ordered("==", fine, fine)

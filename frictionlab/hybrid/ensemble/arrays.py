@@ -1,4 +1,4 @@
-"""Many runs of one structure: the arrays of all of them, and of the lanes in which some step side by side.
+"""The arrays of many runs of one structure, and of the lanes in which some of them step side by side.
 
 `BatchRuns` has a row for each run; `Lanes` holds the runs that step together, with the lane as the last axis
 of its arrays.  The kernels are in :mod:`frictionlab.hybrid.ensemble.lanes`.

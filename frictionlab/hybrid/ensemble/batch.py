@@ -86,8 +86,10 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
 
 
 def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
-    """Advance each run alone: lanes gain nothing where a step is a product with the run's own matrix, or
-    where modes are derived as runs come to them."""
+    """Advance each run alone.
+
+    Lanes gain nothing if a step is a product with the run's own matrix, or if modes are derived on demand.
+    """
     runs = group.runs
     for i in which:
         now, end = runs.times[i, :2]

@@ -2,11 +2,11 @@
 
 Runs wait in a queue for each mode.  Up to LANE_COUNT of the longest queue are loaded into lanes; a step of
 all lanes is one call of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  A run that
-meets an event leaves its lane, which is given to the next run in the queue.  The kernels of single runs find
-the event in the jets of the lane and choose the next mode, by a low order of its series.  The full order is
-computed when the run is in a lane again; until then it is noted which leading coefficients count as zero
-after the event.  Rare kinds of steps are taken by the kernels of single runs.  Every run takes the steps that
-it would take alone, so its results depend on no other run.
+meets an event leaves its lane to the next run in the queue.  The kernels of single runs find the event in the
+jets of the lane, and choose the next mode by a low order of its series.  The full order is computed once the
+run is in a lane again.  Until then it is noted which leading coefficients count as zero after the event.
+Rare kinds of steps are taken by the kernels of single runs.  Every run takes the steps that it would take
+alone, so its results depend on no other run.
 """
 
 from __future__ import annotations
@@ -92,14 +92,14 @@ def enqueue(runs, i):
 
 @kernel
 def keep_zeros(runs, i, scratch):
-    """Store which leading coefficients count as zero in a run's next step; gives up its jets in `scratch`."""
+    """Store which leading coefficients count as zero in a run's next step; its jets in `scratch` are lost."""
     runs.counts[i, JETS_READY] = 0
     copy_vector(scratch.leading_zeros, runs.zeros[i])
 
 
 @kernel
 def advance_single(code, truncation, runs, i, most, record, scratch):
-    """Take up to `most` steps of one run, and more while its jets are at hand; then queue it, unless over."""
+    """Take up to `most` steps of one run, and more while its jets are at hand; queue it unless it is over."""
     system, run = system_of_run(code, runs, i), run_state_of(runs, i)
     mode_jets(code, system.numbers, runs.counts[i, MODE], truncation.order, run.state, scratch.jets)
     copy_vector(runs.zeros[i], scratch.leading_zeros)
@@ -225,7 +225,7 @@ def copy_needed_jets(lanes, lane, mode, order, scratch):
 
 @inlined
 def shorter_length(code, truncation, lanes, lane, mode, scratch):
-    """Length of a lane's step where only its guards make it shorter; 0 where it needs more than that."""
+    """Length of a lane's step if its guards alone make it shorter; 0 if more has to be looked at."""
     longest, left = lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
     if lanes.control[SUITED, lane] == 0.0 or code.powers[mode]:
         return 0.0
@@ -269,7 +269,7 @@ def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
 
 @kernel
 def change_mode(system, truncation, event, run, before, record, scratch):
-    """Handle an event, by a low order of the series; by the full order where that leaves a guard undecided.
+    """Handle an event by a low order of the series, or by the full order if that leaves a guard undecided.
 
     `before` is scratch.
     """
@@ -288,7 +288,7 @@ def change_mode(system, truncation, event, run, before, record, scratch):
 
 @inlined
 def is_undecided(code, mode, order, scratch):
-    """Whether for any guard of a mode all coefficients up to an order count as zero."""
+    """Whether a guard of a mode has coefficients that all count as zero up to an order."""
     for g in range(code.mode_guards[mode + 1] - code.mode_guards[mode]):
         if scratch.leading_zeros[g] > order:
             return True
@@ -307,8 +307,10 @@ def longest_queue(runs):
 
 @kernel
 def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
-    """Advance the runs in a mode until few are left, or another mode would fill more lanes; returns the
-    number of calls."""
+    """Advance the runs in a mode; returns the number of calls.
+
+    It ends when few runs are left, or when another mode would fill more lanes.
+    """
     calls = 0
     while calls < MAX_CALLS:
         taken = load_lanes(code, runs, lanes, mode)

@@ -1,10 +1,10 @@
-"""What is done at an event: it is recorded, the state is reset, the next mode entered; Zeno accumulations are
-closed.
+"""What is done at an event: it is recorded, the state is reset, the next mode is entered.
 
-A Zeno accumulation, infinitely many events in finite time, is closed by the reset that an event has for it.
-Where two stays in a row are shorter than the limit CHATTER, the automaton's limit mode is entered, if it has
-one that is admissible.  Otherwise the next mode is chosen as after other events, once rates are negligible:
-see `impacts`, also for impacts at one instant, which are no accumulation in time.
+Zeno accumulations, infinitely many events in finite time, are closed here.  An event has a reset for this.
+After two stays in a row that are shorter than the limit CHATTER, the automaton's limit mode is entered, if it
+has one that is admissible.  Otherwise `impacts` closes the accumulation once rates are negligible, and the
+next mode is chosen as after other events.  Impacts at one instant are no accumulation in time; `impacts` has
+them too.
 """
 
 from __future__ import annotations
@@ -53,8 +53,7 @@ MAX_IMPACTS = 100_000  # impacts at one instant after which it is
 
 @inlined
 def status_after_repeat(counts):
-    """Status of a run after an event or step that does not advance the clock: stalled after too many of
-    them."""
+    """Status of a run after an event or step that does not advance the clock: stalled after too many."""
     return STALLED if counts[REPEATED] > MAX_REPEATS or counts[IMPACTS] > MAX_IMPACTS else RUNNING
 
 
@@ -81,7 +80,7 @@ def is_chatter(code, guard, run):
 
 @kernel
 def select_limit_mode(system, guard, order, run, scratch):
-    """Reset, and select the limit mode, a :class:`Selection`; where none is admissible the state is kept."""
+    """Reset, and select the limit mode, a :class:`Selection`; if none is admissible the state is kept."""
     code, z, before = system.code, run.state, scratch.states
     copy_vector(z, before)
     apply_event_reset(system, guard, 1, z, scratch)
@@ -121,8 +120,8 @@ def reset_at_event(system, truncation, event, run, record, scratch):
 
 @inlined
 def reset_and_select_mode(system, queue, truncation, event, run, record, scratch):
-    """Reset the state after an event and enter the next mode; returns (:class:`Selection`, impacts), the
-    latter as :func:`reset_at_event`."""
+    """Reset the state after an event and select the next mode; returns a :class:`Selection`, and how many
+    impacts there were."""
     code, order, z, impacts = system.code, truncation.order, run.state, scratch.impacts
     if len(code.limits) and is_chatter(code, event.guard, run):
         selection = select_limit_mode(system, event.guard, order, run, scratch)
@@ -177,7 +176,7 @@ def record_events(count, mode, run, record, impacts):
 
 @inlined
 def count_at_instant(code, guard, run):
-    """Count the events, and apart the impacts, since the clock was advanced."""
+    """Count the events since the clock was advanced, impacts and others separately."""
     times, counts = run.times, run.counts
     if times[NOW] > times[ENTERED]:
         counts[REPEATED] = counts[IMPACTS] = 0
@@ -210,7 +209,7 @@ def handle_event(system, truncation, event, run, record, scratch):
 
 @kernel
 def handle_event_on_demand(system, queue, truncation, event, run, record, scratch):
-    """As :func:`handle_event`, where modes are derived on demand and chosen among combinations of regimes."""
+    """As :func:`handle_event`, for modes on demand, which are chosen among combinations of regimes."""
     return record_and_change_mode(system, queue, truncation, event, run, record, scratch)
 
 

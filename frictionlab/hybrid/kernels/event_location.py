@@ -86,8 +86,8 @@ def low_degree_to_bernstein(a, n, b):
 def to_bernstein(a, n, monomials, b):
     """Bernstein coefficients `b` on [0, 1] of sum a[k] x^k, of degree `n`; returns their degree.
 
-    It is that of the table `monomials`, unless this is 2 `n` or more; a higher degree than `n` adds no sign
-    changes.
+    This is the degree of the table `monomials`, unless that is 2 `n` or more.  A degree above `n` adds no
+    sign changes.
     """
     degree = monomials.shape[0] - 1
     if 2 * n <= degree:
@@ -247,7 +247,7 @@ def leading_order(c, bound, declared, order, share):
     """Number of the first Taylor coefficient that is not zero; `order + 1` where all are.
 
     The first `declared` coefficients are zero by construction.  Others count as zero below a `share` of their
-    bounds; it is COEFFICIENT_ROUNDING where rounding alone may be their cause.
+    bounds.  The share is COEFFICIENT_ROUNDING if only rounding is to count as zero.
     """
     for k in range(declared, order + 1):
         if abs(c[k]) > share * bound[k]:
@@ -369,8 +369,8 @@ def has_significant_tail(c, order, s):
 def refine_event_time(system, mode, guard, order, s, scratch):
     """Time of a guard's simple zero along the states' polynomials, near the zero `s` of its own polynomial.
 
-    The guard's own polynomial is truncated.  At its zero the guard itself may therefore be of the size of
-    the tolerance, of either sign, and so may be what vanishes with it, as the acceleration after stick where
+    The guard's own polynomial is truncated.  At its zero the guard itself may therefore be of the size of the
+    tolerance, and of either sign.  So may be what vanishes with it, such as the acceleration after stick if
     mu_s = mu_k.  Newton's method makes the guard zero up to rounding.
     """
     code, z, values, bounds = system.code, scratch.states, scratch.values, scratch.bounds

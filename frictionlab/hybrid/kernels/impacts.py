@@ -12,13 +12,13 @@ it changes by -L (1 - e) g / 2, summed over the impacts.
 
 The energies are compared without masses.  With the compliances G and the impulse L_i of impact i alone, its
 reset changes the rate of guard j by R_ji = G_ji L_i, and its jump has the energy L_i G_ii L_i / 2.  So
-(R_ii R_ji) / (R_jj R_ij) is the ratio of the energies of impacts i and j.  Where R_ij = 0 the order does not
+(R_ii R_ji) / (R_jj R_ij) is the ratio of the energies of impacts i and j.  If R_ij = 0 the order does not
 matter.
 
-The sequence may be infinite, as for a body between two others with e < 1.  Its limit is reached where closing
-rates are rounding errors of the velocities: then the resets that close an accumulation end it.  These also
-end an accumulation in time, where a contact's own acceleration brings it back, in flights shorter than a
-limit.  Other impacts within that time, across small gaps, are not touched.
+The sequence may be infinite, as for a body between two others with e < 1.  Its limit is reached when closing
+rates are rounding errors of the velocities.  Then the resets that close an accumulation end it.  They also
+end an accumulation in time, in which a contact's own acceleration brings it back in flights shorter than a
+limit.  Other impacts within that time, across small gaps, stay as they are.
 """
 
 from __future__ import annotations
@@ -94,16 +94,18 @@ def is_rounding(code, guard, scratch):
 
 @inlined
 def ends_short_flight(code, guard, run, scratch):
-    """Whether an impact has no greater closing rate than the guard's own acceleration gives in a flight as
-    short as the limit."""
+    """Whether the guard's own acceleration explains the closing rate, in a flight as short as the limit."""
     c = scratch.jets[code.function_slots[guard]]
     return -c[1] <= -FLIGHTS * c[2] * stay_limit(run)
 
 
 @kernel
 def write_closing(count, run, code, scratch):
-    """Write which impacts close an accumulation: what is left is a rounding error, or their rate and that of
-    the impact before are those of short flights."""
+    """Write which impacts close an accumulation.
+
+    The stay before them was short.  Besides, their rate is a rounding error, or it is that of a short flight
+    and so was the rate of the impact before.
+    """
     impacts, counts = scratch.impacts, run.counts
     short = is_short(run)
     again = counts[SHORT_DWELLS] > 0
@@ -167,7 +169,7 @@ def is_greater(rates, j, i):
 
 @kernel
 def choose_greatest(count, impacts):
-    """Leave out the impacts beside which a coupled one is greater; returns how many are left."""
+    """Leave out the impacts that are coupled with a greater one; returns how many are left."""
     rates, places, left = impacts.rates, impacts.places, 0
     for i in range(count):
         beaten = False
@@ -262,9 +264,9 @@ def apply_impacts(system, count, run, record, scratch):
 
 @kernel
 def close_accumulation(system, tol, run, scratch):
-    """Apply the reset that closes an accumulation, in turn with those of other contacts that then close.
+    """Apply the reset that closes an accumulation, in turn with those of other contacts that close then.
 
-    Each takes less than the one before; what is left is a rounding error.
+    Each changes the state by less than the one before.  In the end only rounding errors are left.
     """
     code, mode, J, impacts = system.code, run.counts[MODE], scratch.jets, scratch.impacts
     guards, count = impacts.guards, 1
@@ -296,7 +298,7 @@ def close_accumulation(system, tol, run, scratch):
 def spread_rounding(code, reset, run):
     """Note that the coordinates which an impact may move share one rounding error.
 
-    They do not jump: an impact only takes the rounding error of a distance between them from it.
+    They do not jump.  An impact only sets the distance between them to zero, which was a rounding error.
     """
     sizes, largest = run.sizes, 0.0
     if reset >= 0:
@@ -310,7 +312,7 @@ def spread_rounding(code, reset, run):
 
 @inlined
 def note_touching(code, run, scratch):
-    """Note which guards with impacts were zero by construction after the last event, if at this instant."""
+    """Note which guards with impacts are zero by construction after an earlier event at this instant."""
     mode, touching, count = run.counts[MODE], scratch.impacts.touching, 0
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if is_impact(code, g):
@@ -349,7 +351,7 @@ def impact(system, truncation, guard, run, record, scratch):
 
 @kernel
 def impacts_at_instant(system, truncation, guard, run, record, scratch):
-    """As :func:`impact`, where another impact is at this instant or just before it, or may be."""
+    """As :func:`impact`, if there may be another impact at this instant or just before it."""
     code, impacts, count = system.code, scratch.impacts, 1
     several = has_several_impacts(code, run.counts[MODE])
     impacts.guards[0] = guard

@@ -85,8 +85,8 @@ def function_coefficient(kind, a, slope, out, k, sign, values, J):
 def has_series(J, a, k, order):
     """Whether the Taylor coefficients up to `order` of a power of slot a are finite.
 
-    They grow by |a_1/a_0|, or by |a_2/a_0|^(1/2) where the base comes to zero tangentially, from one to the
-    next.  Coefficient `k` of the power is judged by those of its base up to k, which are known by then.
+    From one to the next they grow by |a_1/a_0|, or by |a_2/a_0|^(1/2) if the base comes to zero tangentially.
+    Coefficient `k` of the power is judged by those of its base up to k, which are known by then.
     """
     base, least = J[a, 0], exp2(LOG2_LEAST_RATIO / max(order, 1))
     if k > 1 and not base > least * least * abs(J[a, 2]):
@@ -211,11 +211,10 @@ def majorant_of_orders(code, magnitudes, mode, orders, z, jets, J):
 
 @kernel
 def first_order_bounds(code, magnitudes, mode, jets, J):
-    """Sharper bounds of values, in column 0 of the majorant `J`, of a mode that divides by functions of the
-    state; returns whether a divisor is zero up to rounding.
+    """Write sharper bounds of values into column 0 of the majorant; returns whether a divisor may be zero.
 
-    Where two factors are nearly zero, the product of their majorants is far more than what rounding does to
-    their product; a quotient shows it.
+    This is for modes that divide by functions of the state.  If two factors are nearly zero, the product of
+    their majorants is far more than what rounding does to their product.  A quotient shows this.
     """
     ops, inputs = code.ops, code.inputs
     first, last = mode_operations(code, mode)
@@ -255,7 +254,7 @@ def reset_values(code, numbers, reset, z, J):
 
 @kernel
 def widen_by_reset(system, reset, z, sizes, jets, J):
-    """Widen the `sizes` of the states by those of the terms that a reset adds up at `z`, by its `jets`."""
+    """Enlarge the `sizes` of the states to those of the terms that a reset adds up at `z`, by its `jets`."""
     code = system.code
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])

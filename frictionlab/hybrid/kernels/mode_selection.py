@@ -1,19 +1,19 @@
 """The next mode: resets, and the first mode that is admissible at a state.
 
-A mode can be entered where its flow has a value, its constraints hold and the first non-zero Taylor
-coefficient of each of its event functions is positive, so that it lasts.  A flow has none where it divides by
-zero: a crank at its dead centre does not move the piston, so that no force at the piston holds the crank.
+A mode can be entered if its flow has a value, its constraints hold, and it lasts: the first non-zero Taylor
+coefficient of each of its event functions is positive.  A flow has no value where it divides by zero.  A
+crank at its dead centre does not move the piston, so no force at the piston holds the crank.
 
-Where modes are combinations of regimes, they are far too many to list, and only some are derived.  The
-targets of the event are tried first.  As several contacts may change at one instant, other events may keep a
-combination from being entered: then the one with the changes of all these events is tried next, and later
-those with the change of one of them each.  Last come all combinations that the conditions of single regimes
-allow, in the automaton's order.  Where the combination to be tried is not derived the kernel ends, and is
-called again once it is.
+Modes may be combinations of regimes.  These are far too many to list, and only some are derived.  The targets
+of the event are tried first.  Several contacts may change at one instant, so other events may keep a
+combination from being entered.  Then the combination with the changes of all these events is tried next, and
+later those with the change of one of them.  Last come all combinations that the conditions of single regimes
+allow, in the automaton's order.  If the next combination is not derived, the kernel ends.  It is called again
+once that mode is there.
 
 To make all these changes at once is block pivoting, as for linear complementarity problems (Judice & Pires,
-Comput. Oper. Res. 21 (1994) 587-596): k equal contacts that begin to slip at one instant take one more try,
-not 2^k.
+Comput. Oper. Res. 21 (1994) 587-596).  So k equal contacts that begin to slip at one instant take one more
+try, not 2^k.
 """
 
 from __future__ import annotations
@@ -93,11 +93,12 @@ def apply_event_reset(system, guard, closing, z, scratch):
 
 @kernel
 def keep_held_at_zero(system, mode, reset, before, z, sizes, scratch):
-    """Count the constraints of the mode that ends as zero where a reset changed them by rounding only.
+    """Count the constraints of the mode that ends as zero if a reset changed them by rounding only.
 
-    A contact that comes to rest while another sticks is stopped by an impulse that may move the other by a
-    rounding error.  Where everything comes to rest at once this error is not small beside the state at that
-    instant, but beside that of the step before, `sizes`, and the terms that the reset adds up.
+    One contact may come to rest while another sticks.  The impulse that stops it may move the other by a
+    rounding error.  If everything comes to rest at once, this error is not small beside the state at that
+    instant.  It is small beside the state in the step before, `sizes`, and beside the terms that the reset
+    adds.
     """
     code, J, earlier, bounds = system.code, scratch.jets, scratch.values, scratch.bounds
     first, last = code.mode_constraints[mode], code.mode_constraints[mode + 1]
@@ -134,10 +135,11 @@ def admissibility(system, mode, rounding, orders, scratch):
     `orders`; below the lowest, the bounds of the coefficients are known.
 
     Its flow must have a value, its constraints must be met up to rounding, and the first non-zero coefficient
-    of every guard must be positive; where a guard has none up to `order` the matter is undecided.  A guard
-    that is zero and falls is at another event, unless it is zero by construction after the last event: then
-    the mode is refused.  But an impact may set a guard in motion that closed a contact at rest: the contact
-    has an impact too.  Writes how many leading coefficients of each guard are zero.
+    of every guard must be positive.  If a guard has none up to `order`, the matter is undecided.
+
+    A guard that is zero and falls is at another event.  If it is zero by construction after the last event,
+    the mode is refused instead.  There is one exception: an impact may close a contact that was at rest,
+    which then has an impact of its own.  Writes how many leading coefficients of each guard are zero.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     lowest, order = orders
@@ -169,7 +171,8 @@ def admissibility(system, mode, rounding, orders, scratch):
 def try_mode(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `scratch`.
 
-    Values alone refuse most modes, and a low order nearly always decides; native code has all orders at once.
+    Values alone refuse most modes, and a low order decides nearly all others.  Native code computes all
+    orders at once.
     """
     verdict, at_hand, examined = UNDECIDED, -1, -1
     code, J = system.code, scratch.jets
@@ -188,7 +191,7 @@ def try_mode(system, mode, z, rounding, order, scratch):
 
 @kernel
 def try_mode_by_values(system, mode, z, scratch):
-    """Whether the conditions of a mode hold at `z` by their values alone; those made zero by the event do."""
+    """Whether the conditions of a mode hold at `z` by their values; those that the event made zero do."""
     code, J = system.code, scratch.jets
     mode_jets(code, system.numbers, mode, 0, z, J)
     majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
@@ -208,9 +211,9 @@ def try_mode_by_values(system, mode, z, scratch):
 def select_mode(system, candidates, z, rounding, order, scratch):
     """First admissible mode of `candidates` at `z`, a :class:`Selection`; leaves its jets in `scratch`.
 
-    A guard that vanishes identically stays zero, so it does not end the mode.  Where several events fall on
-    one instant, there may be no admissible mode after the first of them; then the first mode that is at
-    another event is entered, and that event ends it at once.
+    A guard that vanishes identically stays zero, so it does not end the mode.  If several events fall on one
+    instant, there may be no admissible mode after the first of them.  Then the first mode that is at another
+    event is entered, and that event ends it at once.
     """
     passed = NO_MODE
     for mode in candidates:
@@ -307,11 +310,11 @@ def insert_candidate(queue, place, row, count):
 
 @kernel
 def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, order, scratch, count):
-    """Queue the targets of the events that keep the mode tried last from being entered: next the combination
-    with the changes of all, then at the end those of each; returns the new count.
+    """Queue the targets of the events that keep the mode tried last from being entered; the new count.
 
-    Where the event's own contact cannot be as tried, its next regime comes before them (the `own` first
-    combinations are the event's targets): another contact that sticks leaves stick only where it has to.
+    The combination with the changes of all these events comes next, those with the change of one come last.
+    The first `own` combinations are the targets of the event itself.  If its own contact cannot be as tried,
+    its next regime comes before all these: another contact leaves stick only if it has to.
     """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)

@@ -1,10 +1,12 @@
 """Steps in which powers count as constant, as their bases are zero or too near to it for a series.
 
-How long such a step may be follows from how far the powers may go in it: a power with a base that is zero and
-goes as far as d goes as far as d^p.  One pass through the tape says how far every slot goes, and how far from
-its polynomial, in which the powers are constant, but for their first rate where only the base's curvature is
-too large.  The value at the end of the step would not do: u^0.9
-exp(-u/v_s) has returned to zero there if the step is long.
+How long such a step may be depends on how far the powers may go in it.  If a base is zero and goes as far as
+d, its power goes as far as d^p.  One pass through the tape says how far every slot goes, and how far it goes
+from its polynomial.  In these polynomials the powers are constant.  They keep their first rate only if
+nothing but the curvature of the base is too large.
+
+The value at the end of the step would not tell: u^0.9 exp(-u/v_s) has returned to zero there if the step is
+long.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ ONSET_TRIES = 100
 
 @inlined
 def multiple(factor, bound):
-    """A multiple of a bound; zero where the bound is, whatever the factor."""
+    """A multiple of a bound; zero if the bound is zero, even if the factor is infinite."""
     return factor * bound if bound > 0.0 else 0.0
 
 
@@ -42,7 +44,7 @@ def bound_affine_onset(code, magnitudes, op, order, h, J, bounds):
 
 @inlined
 def range_of_power(exponent, base, d):
-    """How far a power goes where its base goes `d`, to zero or beyond if that is near."""
+    """How far a power goes if its base goes `d`.  The base may reach zero or go beyond it."""
     if d == 0.0:
         return 0.0
     return power(base + d, exponent) if exponent > 0.0 else power_range(exponent, base, d)
@@ -50,7 +52,7 @@ def range_of_power(exponent, base, d):
 
 @kernel
 def bound_operation_onset(system, op, out, order, h, J, bounds):
-    """The same for the other operations.
+    """As :func:`bound_affine_onset`, for the other operations.
 
     The argument of a function stays on a disc of radius d.  By Cauchy's estimate the slope there is at most
     the range on the disc of twice the radius, divided by d.
@@ -79,7 +81,7 @@ def bound_operation_onset(system, op, out, order, h, J, bounds):
 
 @kernel
 def bound_onset(system, mode, order, h, J, bounds):
-    """Write how far each slot goes in a step, and how far from its polynomial, as powers are not constant."""
+    """Write how far each slot goes in a step, and how far from its polynomial with constant powers."""
     code, first = system.code, system.code.mode_ops[mode]
     for i in range(code.inputs):
         bounds[i, REACH], bounds[i, REST] = series_range(J, i, order, h), 0.0
@@ -96,7 +98,7 @@ def bound_onset(system, mode, order, h, J, bounds):
 
 @inlined
 def share_of_size(error, size, h, instant):
-    """An error as a share of what is allowed; where nothing has a size, only an instant is."""
+    """An error as a share of the allowed `size`.  If that is zero, only an `instant` is allowed."""
     if error == 0.0 or (size == 0.0 and h <= instant):
         return 0.0
     return error / size if size > 0.0 else math.inf
@@ -104,7 +106,7 @@ def share_of_size(error, size, h, instant):
 
 @kernel
 def share_of_onset(code, truncation, mode, h, instant, J, bounds):
-    """Largest error in a step, as a share of what is allowed, where powers count as constant."""
+    """Largest error of a step in which powers count as constant, as a share of the allowed error."""
     share, tol = 0.0, truncation.tol
     for group in range(4):
         first = code.groups[group]
@@ -129,8 +131,8 @@ def share_of_onset(code, truncation, mode, h, instant, J, bounds):
 def onset_step(system, truncation, mode, h, run, scratch):
     """Longest step up to `h` in which powers whose base is nearly zero may count as constant.
 
-    What they leave out of the rates then changes no state by more than `tol` of its size, and of no guard or
-    section more than its tolerance.
+    This leaves out a part of the rates.  The part changes no state by more than `tol` of its size, and no
+    guard or section by more than its tolerance.
     """
     code, J, bounds = system.code, scratch.jets, scratch.bounds
     instant = CLOCK_RESOLUTION * run.times[END]

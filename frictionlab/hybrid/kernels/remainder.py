@@ -33,7 +33,7 @@ from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, S
 from frictionlab.tape.tape import Range
 
 WHEN_BLIND, OPERATION, BOTH, SERIES = map(int, (Range.WHEN_BLIND, Range.OPERATION, Range.BOTH, Range.SERIES))
-REACH, REST = 0, 1  # columns of the bounds: how far a slot goes on the disc, and how far from its polynomial
+REACH, REST = 0, 1  # columns of bounds: how far a slot goes on the disc, and how far from its polynomial
 FIRST_RADIUS = 3.0  # radius tried first, in steps: the one that most ordinary motions need
 RADIUS_FACTOR = 0.75  # ratio of each radius to the one before
 MIN_RADIUS_IN_STEPS = (
@@ -46,7 +46,7 @@ LOG2_RADIUS_MARGIN = 0.4594316186372973  # log2(MIN_RADIUS_IN_STEPS BOUND_EXCESS
 # Share of a step that is taken without looking for a longer one, which costs as much as it would save.
 SUFFICIENT_SHARE = 0.83
 RADIUS_TRIES = 200  # most radii tried: RADIUS_FACTOR to this power is 1e-25
-# Size, some 1e-271, that counts where all terms of a series are zero: so little is zero to all else.
+# The size of a series whose terms are all zero, some 1e-271: smaller than anything that matters.
 LOG2_LEAST_SIZE = -900.0
 
 
@@ -61,7 +61,7 @@ def power_range(exponent, base, d):
 
 @inlined
 def operation_range(code, numbers, op, out, order, d, e, J):
-    """How far the result of a quotient, power or function goes, where its operands go `d` and `e`.
+    """How far the result of a quotient, power or function goes if its operands go `d` and `e`.
 
     A power without a series counts as constant (:mod:`frictionlab.hybrid.kernels.power_onset`).
     """
@@ -80,9 +80,9 @@ def operation_range(code, numbers, op, out, order, d, e, J):
 def bound_product(J, a, b, out, d, e, known, bounds):
     """Bounds of a product a b = a_0 b_0 + a_0 (b - b_0) + b_0 (a - a_0) + (a - a_0)(b - b_0).
 
-    The operands go `d` and `e`.  The two terms in the middle leave out what the operands do, times a
-    constant; the last one may be left out entirely.  Where the remainder of the result is `known` from the
-    last terms of its series it counts as zero.
+    The operands go `d` and `e`.  The remainder of the two terms in the middle is that of an operand, times a
+    constant.  The remainder of the last term is at most the term itself.  If the last terms of the series
+    show the remainder of the result (`known`), it counts as zero here.
     """
     x, y = abs(J[a, 0]), abs(J[b, 0])
     bounds[out, REACH] = infinite_if_nan(x * e + y * d + d * e)
@@ -97,7 +97,7 @@ def infinite_if_nan(bound):
 
 @inlined
 def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
-    """Bounds of an affine combination of slots; for BOTH by its own series too, as terms may cancel."""
+    """Bounds of an affine combination of slots.  For BOTH its own series bounds it too: terms may cancel."""
     reach = rest = 0.0
     for j in range(code.ops[op, 1], code.ops[op, 2]):
         slot = code.term_slots[j]
@@ -114,7 +114,7 @@ def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
 def bound_ranges(system, mode, order, radius, visible, J, bounds):
     """Write how far each slot goes on the disc of a radius, and how far it goes from its polynomial.
 
-    `visible` says that the last terms show what polynomials leave out, which then counts as zero.
+    `visible` says that the last terms show the remainders of polynomials.  These count as zero then.
     """
     code = system.code
     least = OPERATION if visible else WHEN_BLIND
@@ -157,10 +157,10 @@ def log2_longest_step(room, power, size0, size1, size2):
 
 @kernel
 def log2_later_support(room, order, first, last, J):
-    """The same for slots [first, last) whose first three terms are zero, by the first term that is not.
+    """As :func:`log2_longest_step` for slots [first, last) whose first three terms are zero.
 
-    Where all are zero the slots may begin later than the series can show, as t^40 does.  Then the least size
-    counts, so that they are followed from where they begin.
+    The first term that is not zero gives the size.  If all are zero, a slot may begin later than the series
+    shows, as t^40 does.  Then the least size counts, so that the slot is followed from where it begins.
     """
     longest = log2_step_from_later_terms(room, order + 1, first, last, J)
     return longest if longest < math.inf else (room + LOG2_LEAST_SIZE) / (order + 1)
@@ -168,7 +168,7 @@ def log2_later_support(room, order, first, last, J):
 
 @kernel
 def log2_group_support(room, order, first, last, J):
-    """The same for the states [first, last); -inf where all their terms are zero."""
+    """As :func:`log2_longest_step` for the states [first, last); -inf if all their terms are zero."""
     size0 = largest_coefficient(J, first, last, 0)
     size1 = largest_coefficient(J, first, last, 1)
     size2 = largest_coefficient(J, first, last, 2)
@@ -180,9 +180,9 @@ def log2_group_support(room, order, first, last, J):
 
 @kernel
 def log2_zero_group_support(room, order, first, last, share, J, majorants):
-    """The same where all terms are zero, perhaps as they have cancelled.
+    """As :func:`log2_group_support` for states whose terms are all zero.
 
-    The states' size is a `share` of the majorants of the first three terms.
+    They may have cancelled.  So the states' size is a `share` of the majorants of the first three terms.
     """
     if share > 0.0:
         size0 = share * largest_coefficient(majorants, first, last, 0)
@@ -205,7 +205,7 @@ def are_zero(J, first, last, order):
 
 @inlined
 def has_zero_guard(code, order, mode, J):
-    """Whether all terms of a guard are zero that is not affine in the states."""
+    """Whether a guard that is not affine in the states has terms that are all zero."""
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         slot = code.function_slots[g]
         if J[slot, 0] == 0.0 and code.guard_degrees[g] > 1 and are_zero(J, slot, slot + 1, order):
@@ -217,8 +217,8 @@ def has_zero_guard(code, order, mode, J):
 def has_zero_series(code, order, mode, J):
     """Whether all terms of a guard, a section, an integral or a group of states are zero.
 
-    Then they do not show what the function does within the step, even if it is a polynomial of low degree:
-    x^9 where x begins as t^3.
+    Then the series does not show what the function does within the step.  Even a polynomial of low degree may
+    be hidden so: x^9, if x begins as t^3.
     """
     if code.degrees[mode] <= 1:
         return False
@@ -235,7 +235,7 @@ def has_zero_series(code, order, mode, J):
 
 @inlined
 def group_bounds(code, group):
-    """States [first, last) whose errors are relative to the largest of them; integrals stand each alone."""
+    """States [first, last) whose errors are relative to the largest of them; each integral is a group."""
     if group < 3:
         return code.groups[group], code.groups[group + 1]
     return code.groups[3] + group - 3, code.groups[3] + group - 2
@@ -243,10 +243,10 @@ def group_bounds(code, group):
 
 @inlined
 def supported_step(code, truncation, mode, radius, rounds, shortest, scratch):
-    """Longest step that the ranges on the disc of a radius support: no slot leaves out more than allowed.
+    """Longest step that the ranges on a disc support: the remainder of each slot is within its tolerance.
 
     Guards and sections ask for no less than the `shortest`.  `rounds` says whether their rounding errors
-    count, which the majorants in ``scratch.values`` give.
+    count; the majorants in ``scratch.values`` bound these.
     """
     J, bounds = scratch.jets, scratch.bounds
     order, log_radius = truncation.order, log2(radius)
@@ -284,7 +284,7 @@ def log2_function_support(slot, log_room, order, share, scratch):
     """Logarithm of the longest step that the range of a guard or section supports.
 
     Its size is at least a `share` of the majorants of its first three terms.  A function that is not finite
-    at the start asks for nothing.
+    at the start does not limit the step.
     """
     c, majorants, rest = scratch.jets[slot], scratch.values[slot], scratch.bounds[slot, REST]
     size0, size1, size2 = abs(c[0]), abs(c[1]), abs(c[2])
@@ -306,9 +306,10 @@ def log2_function_support(slot, log_room, order, share, scratch):
 def needs_remainder(code, order, mode, longest, left):
     """Whether the last two terms of the series may not tell how long a step may be.
 
-    They tell in polynomials of a degree below `order`; at a higher degree all terms may be zero.  Where the
-    states allow a step to the end of the run (the `longest` is all that is `left`), as they do if their own
-    last terms are zero, they tell only at degrees up to 1.
+    They tell for polynomials of a degree below `order`.  At a higher degree all terms may be zero.
+
+    If the last terms of the states are zero, the states allow a step to the end of the run: the `longest` is
+    all that is `left`.  Then the last terms tell for degrees up to 1 only.
     """
     degree = code.degrees[mode]
     return degree >= order or (degree > 1 and longest == left)
@@ -316,7 +317,7 @@ def needs_remainder(code, order, mode, longest, left):
 
 @inlined
 def polynomials_visible(code, order, mode, longest, left):
-    """Whether the last two terms tell what polynomials leave out."""
+    """Whether the last two terms show the remainders of polynomials."""
     return code.polynomial_degrees[mode] < order and longest < left
 
 
@@ -340,9 +341,9 @@ def longest_supported_step(system, truncation, mode, h, visible, rounds, shortes
 def remainder_step(system, truncation, mode, h, visible, hidden, run, scratch):
     """Longest step up to `h` whose remainder is bounded within the tolerances.
 
-    `visible` says that the last terms of polynomials show what these leave out.  Rounding errors of guards
-    and sections count where they may be the reason for a short step, as in `measured_function_step`, and
-    where a series is zero (`hidden`).
+    `visible` says that the last terms of polynomials show their remainders.  Rounding errors of guards and
+    sections count in two cases: if they may be the reason for a short step, as in `measured_function_step`,
+    and if a series is zero (`hidden`).
     """
     code, magnitudes, least = system.code, system.magnitudes, CLOCK_RESOLUTION * run.times[NOW]
     shorter = 0.0

@@ -79,15 +79,13 @@ class RunState(NamedTuple):
     """Where a run stands.
 
     ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limit below which a flight is taken
-    for part of chatter, and by how much the sum of the steps is beyond now.
-    ``counts`` (MODE to EVENT_MULTIPLICITY): mode, steps, events, section points, whether the last impact
-    ended a flight too short for the clock, flights in a row shorter than the limit of chatter, accumulations
-    closed, other events or steps without advance of time, impacts without it,
-    whether the jets are at hand, whether an accumulation ends the run, the number of the current cell of a
-    fixed time grid, guard and multiplicity of an event that has yet to be handled, or whose next mode has yet
-    to be derived.
-    ``sizes``: what the rounding errors of the state at the last event are relative to.
-    ``signs``: the last sign of each section's function.
+    for part of chatter, and by how much the sum of the steps is beyond now.  ``counts`` (MODE to
+    EVENT_MULTIPLICITY): mode; steps; events; section points; whether the last impact ended a flight too short
+    for the clock; flights in a row shorter than the limit of chatter; accumulations closed; other events or
+    steps, and impacts, since the clock was advanced; whether the jets are at hand; whether an accumulation
+    ends the run; the current cell of a fixed time grid; guard and multiplicity of an event that is yet to be
+    handled.  ``sizes``: what the rounding errors of the state at the last event are relative to.  ``signs``:
+    the last sign of each section's function.
     """
 
     state: np.ndarray

@@ -1,10 +1,10 @@
-"""How long a Taylor step may be, from the last two terms of the series; and steps in which a power has no
-Taylor series of full order, as its base is zero, or nearly so.
+"""How long a Taylor step may be, from the last two terms of the series; and steps near the zero of a base.
 
-The force penetration^1.5 of two spheres is such a power, at the onset and at the end of their contact.  Its
-coefficients grow like (rate/base)^k, or like (curvature/base)^(k/2) where the rate is next to zero too.  That
-is beyond the largest number where the base is small.  Then the series is cut at a lower order, which is
-enough: so near to zero the power hardly affects the motion.  At zero itself it counts as constant for a step.
+A power has no Taylor series of full order if its base is zero, or nearly so.  The force penetration^1.5 of
+two spheres is such a power, as their contact begins and ends.  Its coefficients grow like (rate/base)^k, or
+like (curvature/base)^(k/2) if the rate is nearly zero too.  For a small base that is beyond the largest
+number.  Then the series is cut at a lower order.  This is enough: so near to zero the power hardly affects
+the motion.  At zero itself it counts as constant for a step.
 """
 
 from __future__ import annotations
@@ -117,13 +117,13 @@ def whole_power(h, n):
 
 @inlined
 def share_of_rounding(tol):
-    """The share of a majorant whose tolerance, for functions, is the rounding error."""
+    """The share of a majorant that is the size of a function whose tolerance is its rounding error."""
     return MACHINE_EPSILON / (FUNCTION_TOL_FACTOR * tol)
 
 
 @inlined
 def size_of_rounding(tol, slot, h, majorants):
-    """The size whose tolerance is the rounding error of a function, by its first three terms."""
+    """The size of a function whose tolerance is its rounding error, by its first three terms."""
     terms = majorants[slot, 0] + h * (majorants[slot, 1] + h * majorants[slot, 2])
     return share_of_rounding(tol) * terms
 
@@ -132,8 +132,8 @@ def size_of_rounding(tol, slot, h, majorants):
 def series_step(J, slot, truncation, h, rounds, majorants):
     """Longest step up to `h` in which the last two terms of a function's series stay below its tolerance.
 
-    This is a share of all terms; where the function `rounds`, of the size at which the share is rounding
-    error.  A function that is not finite asks for no length, and with `rounds` for any.
+    The tolerance is a share of the sum of all terms.  If the function `rounds`, the size is at least the one
+    of :func:`size_of_rounding`.  If a function is not finite, the step is zero, but `h` if it `rounds`.
     """
     order, tol, longest = truncation.order, truncation.tol, h
     if not abs(J[slot, 0]) < math.inf:
@@ -161,7 +161,7 @@ def function_step(code, truncation, mode, h, rounds, J, majorants):
     """Longest step up to `h` in which the series of guards, sections and integrals are accurate too.
 
     The states' series do not show this: a guard x^5 needs a fifth of the step that x does.  `rounds` says
-    whether the rounding errors of these functions count, which the `majorants` of their series give.
+    whether the rounding errors of these functions count; the `majorants` of their series bound these.
     """
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         h = series_step(J, code.function_slots[g], truncation, h, rounds, majorants)
@@ -174,15 +174,15 @@ def function_step(code, truncation, mode, h, rounds, J, majorants):
 
 @inlined
 def is_cut_short(shorter, h):
-    """Whether functions ask for so much shorter a step than `h` that rounding errors may be their reason."""
+    """Whether a step is so much shorter than `h` that rounding errors of functions may be the reason."""
     return shorter < ROUNDING_SUSPECT_SHARE * h
 
 
 @inlined
 def measured_function_step(system, truncation, mode, h, run, scratch):
-    """:func:`function_step`, in which rounding errors count where they may be the reason for a short step.
+    """As :func:`function_step`; rounding errors count if they may be the reason for a short step.
 
-    A pole is passed by a step that the clock can just resolve, and so is one that the step starts at.
+    A pole is passed by a step that the clock can just resolve, even if the step starts at the pole.
     """
     code, J, majorants, least = system.code, scratch.jets, scratch.values, CLOCK_RESOLUTION * run.times[NOW]
     shorter = function_step(code, truncation, mode, h, False, J, majorants)
@@ -198,7 +198,7 @@ def measured_function_step(system, truncation, mode, h, run, scratch):
 
 @kernel
 def leaves_pole(system, order, mode, s, scratch):
-    """Whether a guard, section or integrand is not finite at the start of a step, but a time `s` later."""
+    """Whether a guard, section or integrand is not finite at the start of a step, and is a time `s` later."""
     code, J, values = system.code, scratch.jets, scratch.values
     states_at(J, order, s, scratch.states)
     mode_jets(code, system.numbers, mode, 0, scratch.states, values)
@@ -222,14 +222,14 @@ def becomes_finite(before, after, slot):
 
 # Share of the sum of a base's absolute terms: what is less negative may be rounding.
 BASE_ROUNDING_SHARE = 1e-6
-MISSED_EVENT_SHARE = 64.0  # times its rounding error that a function may be beyond zero at its event
+MISSED_EVENT_SHARE = 64.0  # rounding errors by which a function may be beyond zero at its event
 MIN_USEFUL_ORDER = 4  # a series of a lower order is not worth while
 LOG2_LARGEST_COEFFICIENT = 960.0  # near the 1e290 beyond which a power counts as without a series (jets)
 
 
 @kernel
 def lacks_series(code, order, mode, J):
-    """Whether the base of a power is zero, or too near to it."""
+    """Whether the base of a power is zero, or too near to it for a series."""
     first = code.mode_ops[mode]
     for i in range(first, code.mode_ops[mode + 1]):
         if code.ops[i, 0] == POWER and not has_series(J, code.ops[i, 1], order, order):
@@ -262,9 +262,9 @@ def usable_order(code, order, mode, J):
 
 @kernel
 def keep_rates_unless_convergent(J, states, order, h):
-    """End the states' series after the rates, unless its last term says that it converges within `h`.
+    """Make the states' terms after the rates zero, unless the last ones show that the series converges.
 
-    A negative power near its pole counts as a constant so large that later terms explode.
+    A negative power near its pole counts as a constant that is so large that later terms explode.
     """
     rate = largest_coefficient(J, 0, states, 1)
     if not largest_coefficient(J, 0, states, order) * whole_power(h, order - 1) <= rate:
@@ -273,11 +273,10 @@ def keep_rates_unless_convergent(J, states, order, h):
 
 @kernel
 def truncate_series_near_zero(code, numbers, mode, order, z, h, J):
-    """Jets for a step `h` where a base is nearly zero; returns the order of the series, 0 where powers count
-    as constant.
+    """Jets for a step `h` near the zero of a base; returns their order, 0 if powers count as constant.
 
-    On entry `J` holds the jets of the full order, in which powers without a series count as constant;
-    coefficients above a lower order are made zero.
+    On entry `J` holds the jets of the full order, in which powers without a series count as constant.  If a
+    lower order is used, the coefficients above it are made zero.
     """
     passes = h > time_to_zero_base(code, mode, J)  # the step goes beyond the zero of a base
     few = 1 if passes else usable_order(code, order, mode, J)
@@ -307,7 +306,7 @@ def time_to_zero_base(code, mode, J):
 
 @kernel
 def has_negative_base(system, mode, z, values, bounds):
-    """Whether the base of a power is negative at a state by more than rounding: there is no real value."""
+    """Whether the base of a power is negative at a state by more than rounding: it has no real value."""
     code, negative, first = system.code, False, system.code.mode_ops[mode]
     mode_jets(code, system.numbers, mode, 0, z, values)
     for i in range(first, code.mode_ops[mode + 1]):
@@ -326,9 +325,10 @@ def has_negative_base(system, mode, z, values, bounds):
 
 @kernel
 def unresolved_time(code, magnitudes, mode, z, J, bounds):
-    """Time in which no base within its rounding error moves by more than this; 0 without such a base.
+    """Time in which bases that are zero up to rounding stay so; 0 if there is no such base.
 
-    A base that is negative by as much as an event may be missed comes to zero first.
+    A base may be negative by as much as an event may be missed.  Then it is the time in which it reaches
+    zero.
     """
     majorant(code, magnitudes, mode, 0, z, J, bounds)
     longest = math.inf

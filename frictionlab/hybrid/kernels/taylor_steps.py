@@ -1,10 +1,9 @@
-"""The solver's loop, all in one kernel: step by Taylor polynomial, event, reset, next mode; and its dense
-output.
+"""The solver's loop in one kernel: step by Taylor polynomial, event, reset, next mode; and dense output.
 
-The loop runs until the end, an error, an event that it leaves to its caller, or a full record, after which it
-can be called again.  A step is stored as the state at its start.  Dense output computes the polynomial again
-from this state, which needs a twentieth of the memory and costs one jet per step evaluated.  Section events,
-zero crossings that change no mode, are recorded along a step.
+The loop runs until the end, an error, an event that it leaves to its caller, or a full record.  It can then
+be called again.  A step is stored as the state at its start.  Dense output computes the polynomial again from
+this state, which needs a twentieth of the memory and costs one jet per step evaluated.  Section events, zero
+crossings that change no mode, are recorded along a step.
 """
 
 from __future__ import annotations
@@ -109,9 +108,9 @@ def note_sign(code, section, sign, s, order, run, record, scratch):
 def record_section_events(system, order, mode, h, run, record, scratch):
     """Record every crossing in (0, h]: the section changes its sign from one open interval to another.
 
-    Values within rounding have no sign, so that to touch the surface, or to lie on it for a while, is no
-    crossing.  A crossing between two steps, by a jump, belongs to the later step.  Where a pole is near only
-    the value at the start has a sign.
+    Values within rounding have no sign.  So it is no crossing to touch the surface, or to lie on it for a
+    while.  If a jump between two steps crosses the surface, the crossing belongs to the later step.  Near a
+    pole only the value at the start has a sign.
     """
     code, J = system.code, scratch.jets
     bounded = False

@@ -55,7 +55,7 @@ MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
 class SpareArrays:
     """Arrays of runs that are over, for the next run of the same sizes.
 
-    That run need not allocate them, and the words by which kernels take them are stored.
+    That run need not allocate them.  The words by which kernels take them are known already.
     """
 
     def __init__(self) -> None:
@@ -100,8 +100,8 @@ _COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
 class ActiveRun:
     """A run in progress: its arrays, as the kernels take them.
 
-    `queue` is None where all modes are derived.  `event` is one at which a mode had to be derived first: it
-    is handled, and the next mode chosen, when the run goes on.
+    `queue` is None if all modes are derived.  `event` is one at which a mode has to be derived first.  It is
+    handled when the run goes on.
     """
 
     problem: Problem
@@ -295,7 +295,7 @@ class Method(ABC):
         return ActiveRun(problem, native, system._replace(code=native.code), cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
-        """A record to fill: the last one again where only copies of its parts were kept.
+        """A record to fill: the last one again if its content was copied.
 
         New ones would fragment the memory in a run that stops for every new mode.
         """

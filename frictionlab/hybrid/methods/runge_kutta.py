@@ -1,8 +1,8 @@
-"""Explicit Runge-Kutta methods by their tableau: the compiled loop of their steps, and what is done at the
-end of a step by methods that check the conditions of a mode only there.
+"""Explicit Runge-Kutta methods by their tableau, in a compiled loop of steps.
 
-At the end of a step they find the condition that fails, keep to the time grid, record steps and events, and
-choose the next mode.
+Methods of fixed steps check the conditions of a mode only at the end of a step.  What they do there is here
+too: they find the condition that fails, keep to the time grid, record steps and events, and choose the next
+mode.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def failed_guard(code, numbers, mode, z, J):
 
 @kernel
 def select_mode_by_values(system, queue, guard, z, scratch):
-    """First target whose conditions hold by their values alone; those made zero by the event do.
+    """First target whose conditions hold by their values; those that the event made zero do.
 
     So slip is entered after a re-contact, whatever the penetration rate.
     """
@@ -105,7 +105,7 @@ def change_mode(system, queue, event, run, record, scratch):
 
 @kernel
 def enter_next_mode(system, event, order, run, record, scratch):
-    """Handle an event; the next mode is chosen by series up to `order`, at 0 by the values of conditions."""
+    """Handle an event; the next mode is chosen by series up to `order`, or at 0 by values of conditions."""
     if order == BY_VALUES:
         return change_mode(system, None, event, run, record, scratch)
     return handle_event(system, exact(order), event, run, record, scratch)
@@ -113,7 +113,7 @@ def enter_next_mode(system, event, order, run, record, scratch):
 
 @kernel
 def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch):
-    """The same where modes are derived on demand and chosen among combinations of regimes."""
+    """As :func:`enter_next_mode`, for modes on demand, which are chosen among combinations of regimes."""
     if order == BY_VALUES:
         return change_mode(system, queue, event, run, record, scratch)
     return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)

@@ -167,8 +167,8 @@ class Guards:
         brentq: Any = optimize.brentq
         if function(end) >= 0.0:  # the dense output differs from the step's end by rounding
             return end
-        # After an event the guard may be zero at the start by construction, with any sign by rounding: find a
-        # time at which it is positive.
+        # After an event the guard may be zero at the start by construction, with any sign by rounding.  So a
+        # time is looked for at which it is positive.
         parts = start + (end - start) * 0.5 ** np.arange(1, 40)
         left = next((t for t in parts if function(t) > 0.0), end)
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))

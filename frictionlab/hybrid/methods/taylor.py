@@ -1,8 +1,8 @@
 """The Taylor method, and its short cut for scenes without any nonlinearity.
 
-The short cut is for one mode that nothing ends, with rates affine in the states: in every step of a fixed
-length the state changes by the same affine map.  It is computed once, from the Taylor series of the unit
-states, and a step is a product with a matrix.
+The short cut is for a mode that nothing ends and whose rates are affine in the states.  There the state
+changes by the same affine map in every step of one length.  The map is computed once, from the Taylor series
+of the unit states.  A step is then a product with a matrix.
 """
 
 from __future__ import annotations
@@ -195,10 +195,10 @@ class Taylor(Method):
         favours higher orders.
     chatter : float
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
-        (mode "chatter"); the error is proportional to its square.  0 computes every flight.  Without such a
-        limit flights are computed down to the resolution of time: where a contact's own acceleration ends
-        two in a row that the clock no longer tells apart, the Zeno accumulation of impacts is closed, and the
-        gap rate is set to zero.
+        (mode "chatter"); the error is proportional to its square.  0 computes every flight.  A model without
+        this limit mode has its flights computed down to the resolution of time.  When a contact's own
+        acceleration ends two in a row that the clock no longer tells apart, the Zeno accumulation of impacts
+        is closed: the gap rate is set to zero.
     accumulation : "close" or "raise"
         Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int

@@ -180,7 +180,7 @@ def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more
 
 
 def entry_time(run: Trajectory, i: int) -> float:
-    """When the mode that an event ends was entered; ends of a phase's period before do not count."""
+    """When the mode that an event ends was entered.  That a phase began anew since then does not count."""
     raw, problem = run.raw, run.problem
     for k in range(i - 1, -1, -1):
         guard, target = (int(one) for one in raw.event_codes[k, :2])
@@ -269,8 +269,10 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
 
 
 def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
-    """Orthonormalise after an event; a vector that it removes has a growth of -inf and is replaced by an
-    arbitrary one."""
+    """Orthonormalise after an event.
+
+    A vector that the event removes has a growth of -inf, and an arbitrary one takes its place.
+    """
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
     kept, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)

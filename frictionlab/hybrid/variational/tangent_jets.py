@@ -1,16 +1,19 @@
-"""Taylor series of the variational equation, a tape differentiated operation by operation, and saltation
-matrices: what an event does to a small perturbation of the motion.
+"""Taylor series of the variational equation, and saltation matrices.
+
+The tape is differentiated operation by operation.  A saltation matrix is what an event does to a small
+perturbation of the motion.
 
 An array T of tangent jets has T[slot, k, d], coefficient k of the slot's derivative in direction d: all
 directions side by side, so that they are computed together.
 
 A neighbouring motion reaches the guard g at another time, jumps there by the reset R, and flows on with f+
-instead of f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on g =
-0 matter: S is the same whatever R is elsewhere.  Tangent vectors keep the constraints of the mode left; those
-of the mode entered must hold for all these vectors after S.  An event that leaves mode, rates and tangent
-vectors as they are, as where a phase begins anew, is no event of the motion: S is the unit matrix, whatever
-else happens at that instant.  Source: Leine & Nijmeijer, Dynamics and Bifurcations of
-Non-Smooth Mechanical Systems, Springer 2004.
+instead of f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on
+g = 0 matter: S is the same whatever R is elsewhere.  Tangent vectors keep the constraints of the mode that
+ends.  After S they must all keep the constraints of the mode that begins.
+
+An event may leave mode, rates and tangent vectors as they are, as where a phase begins anew.  This is no
+event of the motion.  S is the unit matrix then, whatever else happens at that instant.  Source: Leine &
+Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, Springer 2004.
 """
 
 from __future__ import annotations
@@ -53,7 +56,7 @@ def add_convolution(sign, J, a, T, b, first, k, total):
 
 @kernel
 def power_tangent(exponent, a, out, k, J, T, total):
-    """Add coefficient k of a power's derivatives, from a u' = p u a'; nothing where it has no series."""
+    """Add coefficient k of a power's derivatives, from a u' = p u a'; nothing if the power has no series."""
     if J[a, 0] > 0.0 and (k == 0 or has_series(J, a, k, J.shape[1] - 1)):
         add_convolution(exponent, J, out, T, a, 0, k, total)
         add_convolution(-1.0, J, a, T, out, 1, k, total)
@@ -134,7 +137,7 @@ def carry_step(code, numbers, truncation, mode, longest, z, frame, scratch):
     """Propagate the state `z` and the rows of `frame`, tangent vectors, by one step in a mode.
 
     The step is as long as the series of the tangents allow: near an equilibrium the state's would allow any.
-    Returns its length, which is not positive, or NaN, where the series diverge.
+    Returns its length.  If the series diverge, this is not positive, or NaN.
     """
     operations, flow = mode_operations(code, mode), code.flow[mode]
     order, J, T = truncation.order, scratch.J, scratch.T
@@ -238,7 +241,7 @@ def admissible_tangents(fixed: np.ndarray) -> np.ndarray:
 def changes_nothing(program: Program, numbers: Numbers, guard: int, z: np.ndarray) -> bool:
     """Whether the event of a guard leaves mode, rates and tangent vectors as they are: a phase begins anew.
 
-    So it is where its reset moves states by constants on which no rate depends, and makes the guard positive.
+    Its reset then moves states by constants, no rate depends on these, and the guard is positive after it.
     """
     code, mode, reset = program.code, int(program.guard_modes[guard]), int(program.code.resets[guard, 0])
     if reset < 0:
@@ -297,8 +300,7 @@ def _check_grazing(guard: np.ndarray, dwell: float) -> None:
 def _other_guards_at_zero(
     program: Program, mode: int, guard: int, left: LinearisedTape, dwell: float
 ) -> list[int]:
-    """Other guards of the mode that reach zero at the same time; those that are identically zero do not
-    count."""
+    """Other guards of the mode that reach zero at the same time, without those that are zero all along."""
     code = program.code
     guards = np.arange(code.mode_guards[mode], code.mode_guards[mode + 1])
     jets = left.jets[code.function_slots[guards]]

@@ -99,7 +99,7 @@ class Eigenvalues(Drawable):
 
 
 def eigenvalues(model: Any) -> Eigenvalues:
-    """Eigenvalues at the sliding equilibrium, Eq. (19), from sympy's Jacobian of the sliding mode.
+    """Eigenvalues at the sliding equilibrium, Eq. (19), from the exact Jacobian of the sliding mode.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def jacobian(model: Any, state: Array) -> Array:
     Raises
     ------
     ValueError
-        If the belt rests and the model has stick, so that friction has no derivative; or if a law has no
+        If friction has no derivative, as the belt rests and the model has stick; or if a law has no
         derivative or no value at this state.
     """
     problem = equilibrium_problem(model)

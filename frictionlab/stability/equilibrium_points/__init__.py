@@ -1,8 +1,18 @@
 """Equilibria of models and automata.
 
-`equilibria` has the public functions, and makes the `EquilibriumProblem` on which the other packages of
-stability work, for many parameter values at once (`followed_equilibria`).  The equilibria of an automaton are
-zeros of the flow of each mode (`steady_modes`), found by Newton's method from many starts (`newton`),
-polished and told apart.  For models with one contact `static_equations` reduces the static equations to one
-equation in the penetration; where that is a polynomial, all its real roots are found (`real_roots`).
+An equilibrium is a zero of the flow of a mode.  For models with one contact there is a shorter way: one
+equation in the penetration.
+
+``equilibria``
+    `fl.equilibria`, `fl.equilibrium`; the `EquilibriumProblem` on which the other packages of stability work.
+``steady_modes``
+    The modes in which equilibria are searched for, as functions.
+``newton``
+    All zeros of a flow: Newton's method from boxes or from many starts; polished and told apart.
+``root_boxes``, ``intervals``
+    Boxes that hold all zeros, by bounds of the flow in each box; the arithmetic of these bounds.
+``static_equations``, ``real_roots``
+    The one equation in the penetration; all its real roots if it is a polynomial.
+``followed_equilibria``
+    The same equilibrium at many parameter values at once.
 """

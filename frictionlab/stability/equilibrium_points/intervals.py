@@ -1,9 +1,9 @@
 """Arithmetic of intervals, by which a function of numbers gives bounds of its values in a box.
 
-An :class:`Interval` takes the place of an array in the functions that sympy writes.  Results are rounded
-outwards, so that no value in the box is left out.  A function that is defined in a part of the box is bounded
-there; where it is defined nowhere its bounds are NaN, the empty interval.  R. E. Moore, R. B. Kearfott,
-M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
+An :class:`Interval` takes the place of an array in formulas (:mod:`frictionlab.tape.formulas`).  Results are
+rounded outwards, so that no value in the box is left out.  If a function is defined in a part of the box, it
+is bounded there.  If it is defined nowhere, its bounds are NaN, the empty interval.  R. E. Moore, R. B.
+Kearfott, M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
 """
 
 from __future__ import annotations
