@@ -467,7 +467,8 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
 def _balance(run: Trajectory) -> Balance:
     check_run(run)
     if not isinstance(run.source, MechanicalModel):
-        of = type(run.automaton if run.source is None else run.source).__name__
+        source = run.automaton if run.source is None else run.source
+        of = (HybridAutomaton if isinstance(source, HybridAutomaton) else type(source)).__name__
         raise ValueError(
             f"run must be of a model that states its energies, got one of a {of}, which has no masses nor "
             "springs: simulate a MechanicalModel"

@@ -28,9 +28,9 @@ from frictionlab.hybrid.solve import (
 )
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
+from frictionlab.models.automaton_of_model import automaton_from_structure_data
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of, require_model
-from frictionlab.models.symbols import automaton_from_structure_data
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.tape.packing import program_of, program_of_modes

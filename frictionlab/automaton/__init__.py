@@ -11,8 +11,7 @@ turns into numbers.
     `Combinations`: many sums of a few expressions, as numbers times these, for finite elements.  Also
     products multiplied out, unless that gets too long.
 ``hybrid_automaton``
-    `HybridAutomaton`: the modes over one state space, with the values of the parameters; derived at once, or
-    when they are needed.
+    `HybridAutomaton`: the modes over one state space, with the values of the parameters.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Hybrid automata: modes over one state space and their parameters, derived at once or when needed."""
+"""Hybrid automata: modes over one state space, and the values of their parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import Any
 
 from frictionlab.validation import (
     abbreviate,
@@ -16,32 +16,7 @@ from frictionlab.validation import (
     unknown_parameter,
 )
 
-from .mode import Mode, ModesOnDemand, Symbol, check_elements, names_of_regimes
-
-
-class Late(NamedTuple):
-    """What is known of an automaton whose modes are not derived yet.
-
-    Parameters
-    ----------
-    known : mapping
-        Names of its "states", "modes" and "outputs", and how many "coordinates" it has; the names of the
-        "regimes" of each part where modes are derived on demand, else None.
-    values : mapping of str to float
-        The parameters.
-    derive : callable
-        Derives the automaton for given values of the parameters.
-    kept : object
-        What has been derived of its structure and is kept in files.
-    """
-
-    known: Mapping[str, Any]
-    values: Mapping[str, float]
-    derive: Callable[[Mapping[str, float]], HybridAutomaton]
-    kept: Any
-
-
-LATE_FIELDS = "states", "modes", "parameters"
+from .mode import Mode, ModesOnDemand, Symbol, check_elements
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,7 +54,6 @@ class HybridAutomaton:
     modes: tuple[Mode, ...] | ModesOnDemand
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
-    _late: ClassVar[Late | None] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
@@ -98,52 +72,33 @@ class HybridAutomaton:
             cure="count the coordinates, which come first in states",
         )
 
-    def __getattr__(self, name: str) -> Any:  # for the fields that are derived late
-        if self._late is None or name not in LATE_FIELDS:
-            raise AttributeError(f"a HybridAutomaton has no attribute {name!r}")
-        derived = self._late.derive(self._late.values)
-        for each in LATE_FIELDS:
-            object.__setattr__(self, each, getattr(derived, each))
-        return getattr(derived, name)
-
-    def __reduce__(self) -> Any:  # a copy is derived completely: where it is used nothing may be kept
-        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates)
-
     def derived(self) -> HybridAutomaton:
-        """The automaton with all symbols and modes derived."""
-        return HybridAutomaton(self.states, self.modes, self.parameters, self.coordinates)
+        """The automaton as plain data, with all symbols and modes derived."""
+        return self
 
-    def kept(self) -> Any:
-        """What has been derived of its structure and is kept in files; None where nothing is kept."""
-        return None if self._late is None else self._late.kept
+    @property
+    def derivations(self) -> Any:
+        """What is cached on disk of the structure that it was derived from; None where nothing is."""
+        return None
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states."""
-        if self._late is not None:
-            return tuple(self._late.known["states"])
         return tuple(state.name for state in self.states)
 
     @property
     def values(self) -> dict[str, float]:
         """The parameters by name."""
-        if self._late is not None:
-            return dict(self._late.values)
         return {symbol.name: value for symbol, value in self.parameters.items()}
 
     @property
     def on_demand(self) -> bool:
         """Whether modes are derived as a run comes to them."""
-        if self._late is not None:
-            return self._late.known["regimes"] is not None
         return isinstance(self.modes, ModesOnDemand)
 
     @property
     def names(self) -> Sequence[str]:
         """Names of the modes, in order."""
-        if self._late is not None:
-            regimes, names = self._late.known["regimes"], self._late.known["modes"]
-            return tuple(names) if regimes is None else names_of_regimes(regimes, names)
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
         return tuple(mode.name for mode in self.modes)
@@ -151,8 +106,6 @@ class HybridAutomaton:
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
-        if self._late is not None:
-            return tuple(self._late.known["outputs"])
         derived = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
         any_mode = derived or self.modes
         return tuple(any_mode[0].outputs) if any_mode else ()
@@ -186,10 +139,11 @@ class HybridAutomaton:
                 check_number(
                     f"the parameter {name}", values[name], cure=f"give it one, such as replace({name}=1.0)"
                 )
-        if self._late is not None:
-            return late_automaton(self._late._replace(values=known | values))
+        return self._with_values(values)
+
+    def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
-        changed = {symbols[name]: value for name, value in values.items()}
+        changed = {symbols[name]: value for name, value in changes.items()}
         return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
@@ -197,11 +151,3 @@ class HybridAutomaton:
 
     def _modes_in_words(self) -> str:
         return repr(self.names) if self.on_demand else ", ".join(self.names)
-
-
-def late_automaton(late: Late) -> HybridAutomaton:
-    """An automaton whose names and numbers are known; symbols and modes are derived when they are needed."""
-    made = object.__new__(HybridAutomaton)
-    object.__setattr__(made, "_late", late)
-    object.__setattr__(made, "coordinates", late.known["coordinates"])
-    return made

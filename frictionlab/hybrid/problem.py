@@ -311,7 +311,7 @@ def _output_formulas(automaton: HybridAutomaton, mode: str, name: str) -> Formul
     def derive() -> Formulas:
         return _derived_output(automaton.mode(mode), name, automaton.states, tuple(automaton.parameters))
 
-    return kept_formulas(automaton.kept(), f"{name} in {mode}", derive)
+    return kept_formulas(automaton.derivations, f"{name} in {mode}", derive)
 
 
 @lru_cache(maxsize=1024)

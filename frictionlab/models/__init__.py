@@ -4,10 +4,10 @@
 off (`composition`), copies with changes and JSON data for files (`serialisation`).  It also checks that
 arguments are models or automata.
 
-`symbols` derives a model once for its structure, on a copy whose parameters are sympy symbols.  It then puts
-the numbers back, which gives the `HybridAutomaton` that the solver runs.  It also has derivatives of long
-sums.  What has been derived of a model of the library is kept in a file for later processes
-(`serialisation`).
+`automaton_of_model` derives a model once for its structure, on a copy whose parameters are sympy symbols
+(`symbols`, which also has derivatives of long sums).  It then puts the numbers back, which gives the
+`HybridAutomaton` that the solver runs.  What has been derived of a model of the library is cached on disk for
+later processes (`serialisation`); its automaton needs no sympy for what runs ask of it.
 
 `mechanical` derives automata from energies and contacts, `library` holds the nine models, and `mechanism` has
 the parts of their pictures.  `equations` holds the equations of a mode, printed as text or LaTeX, and derives

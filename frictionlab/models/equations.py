@@ -11,8 +11,9 @@ from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
 from frictionlab.automaton.mode import check_mode_name
+from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.symbols import automaton_of_structure, structure_of_component
+from frictionlab.models.serialisation import structure_of_component
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model

@@ -240,7 +240,7 @@ class Model(Component):
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton; models that differ only in parameter values share its `modes` object."""
-        from .symbols import automaton_of_model
+        from .automaton_of_model import automaton_of_model
 
         return automaton_of_model(self)
 
@@ -314,10 +314,11 @@ def require_model(
 def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     of_model = isinstance(model, Model)
-    known = list(model.parameters) if of_model else [each.name for each in automaton_of(model).parameters]
+    known = list(model.parameters if of_model else automaton_of(model).values)
     if not isinstance(name, str) or name not in known:
         hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
-        raise unknown_parameter(type(model).__name__, name, known, hint)
+        kind = type(model) if of_model else HybridAutomaton
+        raise unknown_parameter(kind.__name__, name, known, hint)
 
 
 def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:

@@ -1,8 +1,7 @@
-"""Symbols, copies of models whose parameters are symbols, and the automata that are derived from these.
+"""Symbols, copies of models whose parameters are symbols, and what laws are at values of these.
 
-A model is derived once for its *structure*: the classes of its components and those of their fields that are
-no parameters.  The symbolic copy runs no checks of values, as symbols have none.  Methods of its laws that
-cannot take symbols raise an error that says so.  `automaton_of_model` puts the numbers back.
+The symbolic copy of a model runs no checks of values, as symbols have none.  Methods of its laws that cannot
+take symbols raise an error that says so.
 
 Sympy's `diff` tries every symbol on every term, n^2 times for a chain of n springs.  `gradient` takes the
 derivatives of a term only by the symbols that it contains.  They are the same expressions.
@@ -10,37 +9,26 @@ derivatives of a term only by the symbols that it contains.  They are the same e
 
 from __future__ import annotations
 
-import logging
 import math
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from contextlib import suppress
-from functools import cache, lru_cache, partial, wraps
+from functools import cache, wraps
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.expressions import multiply_out, unsorted_product
-from frictionlab.automaton.hybrid_automaton import Late, late_automaton
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
-from frictionlab.validation import abbreviate
 
-from .serialisation import Structure, derivations_of, loaded_class, structure_of_component, value_from_data
+from .serialisation import Structure, derivations_of, structure_of_component
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
 
 LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
-LOGGER = logging.getLogger(__name__)
-# Up to so many modes of a model with several contacts are all derived and kept; where there are more, each is
-# derived when a run first tries to enter it.
-MOST_KEPT_MODES = 27
-# Errors that deriving may raise where a structure, read from a file, is that of no model.
-NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
 Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
@@ -168,109 +156,6 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:
     """Symbols of the coordinates, then of their velocities."""
     return tuple(symbol(name) for name in (*coordinates, *(name + "'" for name in coordinates)))
-
-
-@lru_cache(maxsize=256)
-def automaton_of_structure(key: Structure) -> HybridAutomaton:
-    """The automaton of a structure, without values of the model's parameters."""
-    begin = time.perf_counter()
-    model = symbolic_copy(key)
-    derived = model.derive()
-    seconds = time.perf_counter() - begin
-    LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
-    return derived
-
-
-def automaton_of_model(model: Model) -> HybridAutomaton:
-    """The automaton of a model; models of one structure share their `modes` object.
-
-    Raises
-    ------
-    ValueError
-        Where a law has no real value at the values of the parameters.
-    """
-    key, parameters = structure_of_component(model), model.parameters
-    check_laws(key, parameters)
-    derivations = derivations_of(key, tuple(parameters))
-    known = derivations.get("automaton")
-    if known is None:
-        derived = automaton_of_structure(key)
-        modes: Any = derived.modes
-        if not derivations.keeps or (derived.on_demand and modes.names.more_than(MOST_KEPT_MODES)):
-            numbers = {symbol(name): value for name, value in parameters.items()}
-            numbers |= dict(derived.parameters)
-            return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
-        known = _outline(derived)
-        derivations.keep("automaton", known)
-    values = {**parameters, **known["parameters"]}
-    return late_automaton(Late(known, values, partial(_automaton_with_values, key), derivations))
-
-
-def _automaton_with_values(key: Structure, values: Mapping[str, float]) -> HybridAutomaton:
-    derived = automaton_of_structure(key)
-    numbers = {symbol(name): value for name, value in values.items()}
-    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
-
-
-def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
-    """The automaton of a structure, with these values of its parameters.
-
-    Parameters
-    ----------
-    data : mapping
-        The structure, from `structure_to_data`.
-    kind : type
-        The base class that the model must have.
-    parameters : mapping of str to float
-
-    Raises
-    ------
-    ValueError
-        If the data is malformed, a class in it is not loaded, or a parameter is missing.
-    """
-    try:
-        key = _structure_from_data(data, kind)
-        automaton = automaton_of_structure(key)
-    except NO_STRUCTURE as error:
-        raise ValueError(f"the model of its automaton cannot be made, {error}") from error
-    needed = dict.fromkeys((*key.parameters, *automaton.values))
-    if missing := [name for name in needed if name not in parameters]:
-        raise ValueError(f"it lacks the parameters {', '.join(missing)}")
-    numbers = {symbol(name): value for name, value in parameters.items()}
-    return HybridAutomaton(automaton.states, automaton.modes, numbers, automaton.coordinates)
-
-
-def _structure_from_data(data: Any, base: type) -> Structure:
-    if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
-        raise ValueError(
-            f"a {base.__name__} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
-        )
-    cls, values = loaded_class(data.get("class"), base), data["structure"]
-    names, roles = structure_of(cls), getattr(cls, "roles", {})
-    if sorted(values) != sorted(names):
-        raise ValueError(f"a {cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
-    return Structure(
-        cls,
-        tuple(
-            _structure_from_data(values[name], roles[name])
-            if name in roles
-            else value_from_data(values[name])
-            for name in names
-        ),
-    )
-
-
-def _outline(derived: HybridAutomaton) -> dict[str, Any]:
-    """What a :class:`Late` automaton knows before it is derived."""
-    modes: Any = derived.modes
-    return {
-        "states": derived.state_names,
-        "modes": tuple(derived.names),
-        "regimes": [[regime.name for regime in part] for part in modes.parts] if derived.on_demand else None,
-        "outputs": derived.outputs,
-        "parameters": derived.values,
-        "coordinates": derived.coordinates,
-    }
 
 
 def derivatives(expression: Any, symbols: Set[Any]) -> Derivatives:

@@ -70,7 +70,7 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    kept, on_demand = automaton.kept(), automaton.on_demand
+    kept, on_demand = automaton.derivations, automaton.on_demand
     grows = on_demand and not complete
     if kept is not None and grows == on_demand and not sections and not quadratures:
         with _ONE_AT_A_TIME:

@@ -12,7 +12,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.interruption import PROGRESS_VARIABLE, Progress, progress_bar, tell
-from frictionlab.models.symbols import automaton_of_structure
+from frictionlab.models.automaton_of_model import automaton_of_structure
 
 
 def is_shown():

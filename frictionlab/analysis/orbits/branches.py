@@ -226,7 +226,7 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
     function = next(event.function for event in left.events if event.name == guard)
     without = replace(left, events=tuple(event for event in left.events if event.name != guard))
     modes = tuple(without if other.name == mode else other for other in automaton.modes)
-    free = replace(automaton, modes=modes)
+    free = replace(automaton.derived(), modes=modes)
     least = formulas_of([*automaton.states, *automaton.parameters], [function]).along_run
     resting = point._replace(tangent=np.zeros_like(point.tangent))  # so that only the value is moved
     numbers, at = tuple(automaton.parameters.values()), [resting]

@@ -33,6 +33,7 @@ from frictionlab.analysis.quantities.quantities import (
 from frictionlab.analysis.simulate import named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import steady_state
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
@@ -141,7 +142,7 @@ def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
     displacements = [x - e for x, e in zip(chosen, rest)]
     square = sum((d**2 for d in displacements), sympy.S.Zero)
     named = {e: float(value) for e, value in zip(rest, point)}
-    automaton = type(run.automaton)(
+    automaton = HybridAutomaton(
         run.automaton.states, run.automaton.modes, {**run.automaton.parameters, **named}, len(chosen)
     )
     asked = {"square": square} | {f"displacement {i}": d for i, d in enumerate(displacements)}

@@ -51,7 +51,7 @@ def with_equilibrium_parameters(automaton: HybridAutomaton, point: Array) -> Hyb
     As numbers in the integrand they would need a new program for every value of a parameter.
     """
     resting = {_equilibrium_symbol(x): float(e) for x, e in zip(automaton.states, point)}
-    return replace(automaton, parameters={**automaton.parameters, **resting})
+    return replace(automaton.derived(), parameters={**automaton.parameters, **resting})
 
 
 def squared_distance(automaton: HybridAutomaton) -> dict[str, Any]:

@@ -15,8 +15,9 @@ import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
+from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.serialisation import Structure, structure_of_component, structure_to_data
-from frictionlab.models.symbols import automaton_of_structure, expand_products
+from frictionlab.models.symbols import expand_products
 
 from .contact_regimes import (
     CHATTER_TIME,

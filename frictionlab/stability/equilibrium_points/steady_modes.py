@@ -100,7 +100,7 @@ def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMo
 
     For a model (`sliding`) those without constraints.
     """
-    kept = automaton.kept()
+    kept = automaton.derivations
     if sliding and kept is not None:
         return _kept_modes(automaton, kept)
     return (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
@@ -151,7 +151,7 @@ class ModeEquilibria(NamedTuple):
 
 def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> ModeEquilibria:
     """The equilibria of the first mode that has any inside its guards."""
-    structure = automaton.kept() if sliding else None
+    structure = automaton.derivations if sliding else None
     if structure is None:
         structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
     return _first_mode_equilibria(Question(structure, parameter_values(automaton), sliding, automaton))

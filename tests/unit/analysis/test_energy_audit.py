@@ -51,7 +51,7 @@ def with_powers(automaton):
         rubbed = -out["friction_force"] * out["relative_velocity"]
         return replace(mode, outputs={**out, "belt drive": drive, "friction": rubbed})
 
-    return replace(automaton, modes=tuple(map(also, automaton.modes)))
+    return replace(automaton.derived(), modes=tuple(map(also, automaton.modes)))
 
 
 @pytest.mark.parametrize("name", ["A", "B", "D", "bilateral"])

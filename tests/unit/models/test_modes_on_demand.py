@@ -17,8 +17,9 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.mechanical.mechanics import Friction, Stop
-from frictionlab.models.symbols import automaton_of_structure, structure_of_component
+from frictionlab.models.serialisation import structure_of_component
 
 pytestmark = pytest.mark.plain_python
 

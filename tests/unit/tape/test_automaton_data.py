@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.models.symbols import automaton_from_structure_data
+from frictionlab.models.automaton_of_model import automaton_from_structure_data
 from frictionlab.tape import automaton_data
 from frictionlab.tape.automaton_data import automaton_from_data, automaton_to_data, storable_automaton
 from frictionlab.tape.packing import program_of

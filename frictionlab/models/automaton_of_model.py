@@ -1,0 +1,257 @@
+"""The automaton of a model: derived once for its structure, then with the values of the model's parameters.
+
+The structure of a model is the classes of its components and those of their fields that are no parameters.
+It is derived on a copy of the model whose parameters are symbols.  For models of the library the cache on
+disk has what runs ask for, so that their automata need no sympy (`CachedAutomaton`).
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Mapping, Sequence
+from functools import cache, cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Symbol, names_of_regimes
+from frictionlab.components.component import structure_of
+from frictionlab.validation import abbreviate
+
+from .serialisation import (
+    Derivations,
+    Structure,
+    derivations_of,
+    loaded_class,
+    structure_of_component,
+    value_from_data,
+)
+from .symbols import check_laws, symbol, symbolic_copy
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
+
+LOGGER = logging.getLogger(__name__)
+# Up to so many modes of a model with several contacts are all derived and cached; where there are more, each
+# is derived when a run first tries to enter it.
+MOST_CACHED_MODES = 27
+# Errors that deriving may raise where a structure, read from a file, is that of no model.
+NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
+
+
+class Outline(NamedTuple):
+    """What is known of the automaton of a structure without deriving it.
+
+    Parameters
+    ----------
+    states, outputs : tuple of str
+    names : tuple of str, or ModeNames where modes are derived on demand
+        Names of the modes.
+    parameters : mapping of str to float
+        The parameters that a derivation adds to those of the model.
+    coordinates : int
+    """
+
+    states: tuple[str, ...]
+    names: Sequence[str]
+    outputs: tuple[str, ...]
+    parameters: Mapping[str, float]
+    coordinates: int
+
+
+class CachedAutomaton(HybridAutomaton):
+    """The automaton of a structure that is in the cache on disk.
+
+    Its names and numbers need no sympy.  States, modes and parameters as symbols are derived when they are
+    first asked for.
+    """
+
+    def __init__(
+        self, key: Structure, outline: Outline, values: Mapping[str, float], derivations: Derivations
+    ) -> None:
+        self._key, self._outline, self._values, self._derivations = key, outline, values, derivations
+
+    def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
+        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates)
+
+    @cached_property
+    def _derived(self) -> HybridAutomaton:
+        return _with_numbers(automaton_of_structure(self._key), _numbers(self._values))
+
+    def derived(self) -> HybridAutomaton:
+        """The automaton as plain data, with all symbols and modes derived."""
+        return self._derived
+
+    @property
+    def states(self) -> tuple[Symbol, ...]:
+        """Coordinates first, then their velocities, then other states."""
+        return self._derived.states
+
+    @property
+    def modes(self) -> tuple[Mode, ...] | ModesOnDemand:
+        """The modes, in the order in which they are tried."""
+        return self._derived.modes
+
+    @property
+    def parameters(self) -> Mapping[Symbol, float]:
+        """Symbol -> value of every parameter."""
+        return self._derived.parameters
+
+    @property
+    def coordinates(self) -> int:
+        """How many of the states are coordinates."""
+        return self._outline.coordinates
+
+    @property
+    def derivations(self) -> Derivations:
+        """What is cached on disk of its structure."""
+        return self._derivations
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self._outline.states
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters by name."""
+        return dict(self._values)
+
+    @property
+    def on_demand(self) -> bool:
+        """Whether modes are derived as a run comes to them."""
+        return isinstance(self._outline.names, ModeNames)
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the modes, in order."""
+        return self._outline.names
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs."""
+        return self._outline.outputs
+
+    def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
+        return CachedAutomaton(self._key, self._outline, {**self._values, **changes}, self._derivations)
+
+
+@lru_cache(maxsize=256)
+def automaton_of_structure(key: Structure) -> HybridAutomaton:
+    """The automaton of a structure, without values of the model's parameters."""
+    begin = time.perf_counter()
+    model = symbolic_copy(key)
+    derived = model.derive()
+    seconds = time.perf_counter() - begin
+    LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
+    return derived
+
+
+def automaton_of_model(model: Model) -> HybridAutomaton:
+    """The automaton of a model; models of one structure share their `modes` object.
+
+    Raises
+    ------
+    ValueError
+        Where a law has no real value at the values of the parameters.
+    """
+    key, values = structure_of_component(model), model.parameters
+    check_laws(key, values)
+    derivations = derivations_of(key, tuple(values))
+    outline = _outline(key, derivations)
+    if outline is None:
+        derived = automaton_of_structure(key)
+        return _with_numbers(derived, _numbers(values) | dict(derived.parameters))
+    return CachedAutomaton(key, outline, {**values, **outline.parameters}, derivations)
+
+
+def _with_numbers(derived: HybridAutomaton, numbers: Mapping[Symbol, float]) -> HybridAutomaton:
+    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+
+
+def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
+    return {symbol(name): value for name, value in values.items()}
+
+
+@cache
+def _outline(key: Structure, derivations: Derivations) -> Outline | None:
+    """The outline of an automaton in the cache; None where it is not cached."""
+    about = derivations.get("automaton")
+    if about is None:
+        derived = automaton_of_structure(key)
+        if not derivations.keeps or _has_many_modes(derived):
+            return None
+        about = _outline_data(derived)
+        derivations.keep("automaton", about)
+    names, regimes = about["modes"], about["regimes"]
+    return Outline(
+        tuple(about["states"]),
+        tuple(names) if regimes is None else names_of_regimes(regimes, names),
+        tuple(about["outputs"]),
+        about["parameters"],
+        about["coordinates"],
+    )
+
+
+def _has_many_modes(derived: HybridAutomaton) -> bool:
+    modes = derived.modes
+    return isinstance(modes, ModesOnDemand) and modes.names.more_than(MOST_CACHED_MODES)
+
+
+def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
+    modes: Any = derived.modes
+    return {
+        "states": derived.state_names,
+        "modes": tuple(derived.names),
+        "regimes": [[regime.name for regime in part] for part in modes.parts] if derived.on_demand else None,
+        "outputs": derived.outputs,
+        "parameters": derived.values,
+        "coordinates": derived.coordinates,
+    }
+
+
+def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:
+    """The automaton of a structure, with these values of its parameters.
+
+    Parameters
+    ----------
+    data : mapping
+        The structure, from `structure_to_data`.
+    kind : type
+        The base class that the model must have.
+    parameters : mapping of str to float
+
+    Raises
+    ------
+    ValueError
+        If the data is malformed, a class in it is not loaded, or a parameter is missing.
+    """
+    try:
+        key = _structure_from_data(data, kind)
+        automaton = automaton_of_structure(key)
+    except NO_STRUCTURE as error:
+        raise ValueError(f"the model of its automaton cannot be made, {error}") from error
+    needed = dict.fromkeys((*key.parameters, *automaton.values))
+    if missing := [name for name in needed if name not in parameters]:
+        raise ValueError(f"it lacks the parameters {', '.join(missing)}")
+    return _with_numbers(automaton, _numbers(parameters))
+
+
+def _structure_from_data(data: Any, base: type) -> Structure:
+    if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
+        raise ValueError(
+            f"a {base.__name__} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
+        )
+    cls, values = loaded_class(data.get("class"), base), data["structure"]
+    names, roles = structure_of(cls), getattr(cls, "roles", {})
+    if sorted(values) != sorted(names):
+        raise ValueError(f"a {cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
+    return Structure(
+        cls,
+        tuple(
+            _structure_from_data(values[name], roles[name])
+            if name in roles
+            else value_from_data(values[name])
+            for name in names
+        ),
+    )
