@@ -96,9 +96,8 @@ class ExternalMethod(Method):
     def degree(self) -> int:
         return 20
 
-    @property
-    def chatter_limit(self) -> float:
-        return Scipy().chatter
+    def chatter_limit(self, automaton: HybridAutomaton) -> float:
+        return Scipy().chatter_limit(automaton)
 
     @property
     def steps(self) -> int:
@@ -123,10 +122,8 @@ class ExternalMethod(Method):
     @cached_property
     def values(self) -> tuple[tuple[Any, float], ...]:
         """The parameters and their values; the dwell time `chatter` is the method's, as in `solve`."""
-        numbers = self.automaton.parameters.items()
-        return tuple(
-            (symbol, self.chatter_limit if symbol.name == "chatter" else number) for symbol, number in numbers
-        )
+        numbers, limit = self.automaton.parameters.items(), self.chatter_limit(self.automaton)
+        return tuple((symbol, limit if symbol.name == "chatter" else number) for symbol, number in numbers)
 
     @cached_property
     def modes(self) -> list[CompiledMode]:

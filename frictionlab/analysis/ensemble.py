@@ -12,13 +12,14 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.compilation.decorators import needs_compilation
+from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import undefined_start
-from frictionlab.hybrid.solve import method_of, problem_of, with_chatter_limit
+from frictionlab.hybrid.solve import method_of, problem_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.tape.arguments import check_automaton
@@ -107,7 +108,10 @@ def ensemble(
         if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
             raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
-    names, modes = tuple(map(str, first.states)), problem_for_batch(first, problems[0].x0).program.modes
+    names, modes = (
+        tuple(map(str, first.states)),
+        problem_for_batch(first, problems[0].x0, 0.0, chosen).program.modes,
+    )
     result = replace(ends, names=names, mode_names=modes)
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
@@ -116,7 +120,7 @@ def ensemble(
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
-    problem = problem_for_batch(with_chatter_limit(automaton, method.chatter_limit), states[0])
+    problem = problem_for_batch(automaton, states[0], 0.0, method)
     return new_batch([replace(problem, x0=state) for state in states], method)
 
 
@@ -144,20 +148,18 @@ def _problems(models: Sequence[ModelOrAutomaton], x0: Any, t_end: float, method:
     for i, model in enumerate(models):
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
-    limit = method.chatter_limit
     starts = [initial_state_of(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
-    made = {
-        key: problem_for_batch(with_chatter_limit(one, limit), starts[first[key]], t_end)
-        for key, one in automata.items()
-    }
+    made = {key: problem_for_batch(one, starts[first[key]], t_end, method) for key, one in automata.items()}
     return [replace(made[id(model)], x0=start) for model, start in zip(models, starts)]
 
 
-def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float = 0.0) -> Problem:
+def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float, method: Taylor) -> Problem:
     """The problem with all modes, which lanes need; where these are too many, with those that runs enter."""
+    limit = method.chatter_limit(automaton)
+    automaton = with_chatter_limit(automaton, limit)
     if isinstance(automaton.names, ModeNames) and automaton.names.more_than(MOST_MODES_IN_LANES):
-        return problem_of(automaton, x0, t_end)
-    return Problem(*program_of(automaton), x0, t_end)
+        return replace(problem_of(automaton, x0, t_end), chatter=limit)
+    return Problem(*program_of(automaton), x0, t_end, chatter=limit)
 
 
 def _check_model(model: ModelOrAutomaton, i: int) -> HybridAutomaton:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.run_file import (
@@ -23,7 +24,6 @@ from frictionlab.hybrid.solve import (
     run_automaton,
     state_from_mapping,
     state_from_x0,
-    with_chatter_limit,
     with_warning,
 )
 from frictionlab.hybrid.trajectory import Trajectory

@@ -44,8 +44,7 @@ RESIDUAL_ROUNDING = 8 * MACHINE_EPSILON
 UNKNOWN_END = np.nan  # end of a step without advance of time: its event cannot be told from an earlier one
 SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are hundreds of times smaller
 HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
-SHORT_SHARE = 1 / 32  # of the longest stay; the error of replaced flights goes with the square of theirs
-SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within these limits:
+SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
 LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
 
 
@@ -139,23 +138,6 @@ def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
     return (
         f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
         f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
-    )
-
-
-def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
-    """A warning if flights below the `limit` of chatter (s) were replaced and no stay is much longer.
-
-    So it is in a model whose unit of time is a week.  None if there is nothing to warn of.
-    """
-    if not np.isin(raw.event_codes[:, 1], limit_modes).any():
-        return None
-    longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
-    if limit <= SHORT_SHARE * longest:
-        return None
-    return (
-        f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "
-        f"longest stay in a mode, {longest:.3g} s: give the method a limit that is, such as "
-        f"chatter={SHORT_SHARE * SHORT_SHARE * longest:.1g}"
     )
 
 

@@ -33,6 +33,8 @@ from frictionlab.validation import abbreviate, is_sequence
 class Problem:
     """A program with its numbers, an initial state, an end time, and a mode to start in (None: choose one).
 
+    Two flights in a row shorter than `chatter` (s) are replaced by the limit mode, if there is one.
+
     Where modes are derived on demand, `derive` takes a combination of regimes and returns the program and its
     numbers with the mode of that combination added.  The modes already in the program keep their indices.
     """
@@ -43,6 +45,7 @@ class Problem:
     t_end: float
     mode: int | None = None
     derive: Callable[[tuple[int, ...]], tuple[Program, Numbers]] | None = None
+    chatter: float = 0.0
 
     def with_mode(self, combination: np.ndarray) -> Problem:
         """The problem with the mode of one more combination."""

@@ -6,7 +6,7 @@ import logging
 import time
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, TypedDict, Unpack
 
@@ -15,6 +15,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import check_mode_name
 from frictionlab.compilation.decorators import needs_compilation
+from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.scipy_methods import INTEGRATORS, Scipy
@@ -196,7 +197,8 @@ def run_automaton(
         raise ValueError(
             f"sections and quadratures need method='taylor', got {abbreviate(method)}: change the method"
         )
-    automaton = with_chatter_limit(automaton, method.chatter_limit)
+    chatter = method.chatter_limit(automaton)
+    automaton = with_chatter_limit(automaton, chatter)
     # Such a run numbers modes as they are derived, a kept program in the automaton's order.
     if any(asked) and automaton.on_demand:
         automaton = automaton.derived()
@@ -204,6 +206,7 @@ def run_automaton(
         check_mode_name(options.mode, automaton.names)
     with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
     problem = problem_of(automaton, with_integrals, float(t_end), options.mode, asked)
+    problem = replace(problem, chatter=chatter)
     begin = time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
         raw = bar.call(method.integrate, problem)
@@ -230,11 +233,6 @@ def run_automaton(
     if bar.stopped:
         raise interruption(f"the run was stopped at {run.raw.t:g} of {t_end:g} s", run)
     return run
-
-
-def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
-    """The automaton with its parameter `chatter`, if it has one, set to a method's dwell time `limit` (s)."""
-    return automaton.replace(chatter=limit) if "chatter" in automaton.values else automaton
 
 
 def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:

@@ -18,13 +18,13 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.accuracy import (
-    chatter_warning,
     condition_violation,
     defect_warning,
     defects,
     motion_defects,
     sampled_steps,
 )
+from frictionlab.hybrid.chatter_limit import chatter_warning
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps

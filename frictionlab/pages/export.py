@@ -24,7 +24,7 @@ from frictionlab.compilation.manifest import WEB, changed_sources, read_manifest
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
-from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model, require_model
 from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
@@ -156,7 +156,7 @@ def method_data() -> dict[str, Any]:
         "order": method.degree,
         "tol": method.tol,
         "rounding": COEFFICIENT_ROUNDING,
-        "chatter": method.chatter_limit,
+        "chatter_share": CHATTER_SHARE,
         "elementary": [function.__name__ for function in ELEMENTARY.values()],
         "least_ratio": LOG2_LEAST_RATIO,
         "exp2": EXP2_COEFFICIENTS,
@@ -234,7 +234,7 @@ def _structures(derived: dict[str, dict[str, Any]]) -> str:
 
 
 def _structure(data: dict[str, Any]) -> str:
-    of_functions = ("numbers", "release", "outputs", "sliding", "rules")
+    of_functions = ("numbers", "rate", "release", "outputs", "sliding", "rules")
     plain = {name: value for name, value in data.items() if name not in of_functions}
     named, functions = data["outputs"]["names"], ", ".join(data["outputs"]["functions"])
     outputs = f"{{names: {_json(named)}, functions: [{functions}]}}"
@@ -242,8 +242,8 @@ def _structure(data: dict[str, Any]) -> str:
     sliding = ", ".join(f"{{{mode}}}" for mode in modes)
     rules = f"{{numbers: {data['rules']['numbers']}, words: {_json(data['rules']['words'])}}}"
     texts = (
-        f"numbers: {data['numbers']}, release: {data['release']}, outputs: {outputs}, sliding: [{sliding}], "
-        f"rules: {rules}"
+        f"numbers: {data['numbers']}, rate: {data['rate']}, release: {data['release']}, outputs: {outputs}, "
+        f"sliding: [{sliding}], rules: {rules}"
     )
     return f"{{...{_json(plain)}, {texts}}}"
 

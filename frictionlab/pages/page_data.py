@@ -18,10 +18,10 @@ import sympy as sp
 from frictionlab.analysis.simulate import model_initial_state
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components.component import Parameter
+from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
 from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
-from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import structure_of_component, symbolic_copy
@@ -52,7 +52,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         Where the model has more than 64 modes.
     """
     method = Taylor()
-    automaton = with_chatter_limit(model.automaton(), method.chatter_limit).derived()
+    automaton = model.automaton().derived()
     count = len(automaton.modes)
     if count > MAX_MODES:
         raise ValueError(
@@ -74,6 +74,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
         "numbers": javascript_of_formulas(program.formulas, [len(parameters)]),
+        "rate": _rate_of_limit_mode(automaton),
         "release": javascript_function([parameters], _release(model, automaton)),
         "arrays": run_arrays(program, method),
         "outputs": _outputs(modes, automaton, parameters),
@@ -83,6 +84,13 @@ def structure_data(model: Model) -> dict[str, Any]:
         "rules": rule_data(model, parameters),
         "near": _known_equilibrium(model, automaton),
     }
+
+
+def _rate_of_limit_mode(automaton: HybridAutomaton) -> str:
+    """What the limit of chatter follows from, as a JavaScript function of parameters; null without one."""
+    if CHATTER not in automaton.values:
+        return "null"
+    return javascript_of_formulas(formulas_of_rate(automaton), [len(automaton.parameters)])
 
 
 def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
@@ -102,7 +110,7 @@ def _colours(program: Program) -> list[str]:
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     """The arrays and numbers that the kernels take for a run, each with its name there."""
     code, n = program.code, program.code.inputs
-    run = new_run_state(np.zeros(n), 0, 1.0, method.chatter_limit, method.raises)
+    run = new_run_state(np.zeros(n), 0, 1.0, 0.0, method.raises)
     leaves: list[tuple[str, Any]] = []
     _collect("code", code, leaves)
     _collect("run", run._replace(signs=np.zeros(code.sections.shape[1], dtype=np.int64)), leaves)

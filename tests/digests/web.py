@@ -18,9 +18,9 @@ from unittest.mock import patch
 import numpy as np
 
 import frictionlab as fl
+from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.hybrid.problem import Status
-from frictionlab.hybrid.solve import with_chatter_limit
 from frictionlab.pages import export, page_data
 from frictionlab.pages.export import solver_data
 from frictionlab.pages.javascript import javascript_of_formulas
@@ -52,10 +52,11 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
     """A run as node is given it; its initial state and parameters are those of the native run."""
     model, method = case.model, case.method
     found = model.automaton() if isinstance(model, fl.Model) else model
-    automaton = with_chatter_limit(found, method.chatter_limit).derived()
+    automaton = with_chatter_limit(found, method.chatter_limit(found)).derived()
     program, _ = program_of(automaton)
     scene = {
         "states": [symbol.name for symbol in automaton.states],
+        "parameters": [symbol.name for symbol in automaton.parameters],
         "modes": list(program.modes),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),

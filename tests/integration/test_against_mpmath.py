@@ -25,8 +25,8 @@ ASKED = 1e-11
 STRETCHES = {"A": (2, "0.12"), "B": (2, "0.12"), "D": (180, "0.11")}  # row where a flight begins, end (s)
 
 
-def run_of(scene, **options):
-    run = fl.simulate(MODELS[scene], 1.0, method=fl.Taylor(tol=1e-15, **options), progress=False)
+def run_of(scene, chatter=1e-7):
+    run = fl.simulate(MODELS[scene], 1.0, method=fl.Taylor(tol=1e-15, chatter=chatter), progress=False)
     assert run.status is fl.Status.FINISHED
     return run
 

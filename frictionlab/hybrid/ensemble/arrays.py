@@ -49,7 +49,7 @@ def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
         program,
         method,
         native_code(program),
-        _new_runs(program, numbers, states, method),
+        _new_runs(program, numbers, states, method, [problem.chatter for problem in problems]),
         _new_lanes(program, numbers, method),
         new_record(code, 1, 1 + most_impacts(code), 0),
         new_scratch(program.slots, code, order),
@@ -66,14 +66,16 @@ def select_runs(group: Batch, which: np.ndarray) -> Batch:
     return replace(group, runs=group.runs._replace(**rows, queue=queue), alone=alone)
 
 
-def _new_runs(program: Program, numbers: Numbers, states: np.ndarray, method: Taylor) -> BatchRuns:
+def _new_runs(
+    program: Program, numbers: Numbers, states: np.ndarray, method: Taylor, limits: Sequence[float]
+) -> BatchRuns:
     count, modes = len(states), len(program.modes)
     counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
     counts[:, run_state.JETS_READY], counts[:, run_state.STOPS_AT_ZENO] = 1, method.raises
     return BatchRuns(
         states=states.copy(),
         sizes=np.abs(states),
-        times=np.tile(run_state.initial_times(0.0, method.chatter_limit), (count, 1)),
+        times=np.array([run_state.initial_times(0.0, limit) for limit in limits]),
         counts=counts,
         signs=np.zeros(0, dtype=np.int64),
         constants=numbers.constants,

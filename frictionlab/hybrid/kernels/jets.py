@@ -122,12 +122,10 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
 def run_tape(code, numbers, operations, orders, flow, sign, values, J):
     """Compute Taylor coefficients, of the `orders` (lowest, highest), of the slots that `operations` write.
 
-    `operations` is a range (first, last + 1).  Column 0 of the states is given, and so are all columns below
-    the lowest order.  ``flow[i]`` is the slot that holds the derivative of state i.
-
-    For the jets `sign` is -1 and `values` is `J`.  With the sign +1, absolute values for numbers and states,
-    and the jets themselves as `values`, the recurrences give a majorant of the jets.  Times the machine
-    epsilon it bounds their rounding errors.
+    Column 0 of the states is given, and so are the columns below the lowest order.  ``flow[i]`` is the slot
+    that holds the derivative of state i.  For the jets `sign` is -1 and `values` is `J`.  With +1, absolute
+    values for numbers and states, and the jets themselves as `values`, the recurrences give a majorant of the
+    jets, which times the machine epsilon bounds their rounding errors.
     """
     ops, slots, constants, terms = code.ops, code.term_slots, numbers.constants, numbers.terms
     inputs = code.inputs

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code, passed_again
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
@@ -189,8 +190,7 @@ class Method(ABC):
     max_steps: int = field(default=3_000_000, kw_only=True)
     max_events: int = field(default=1_000_000, kw_only=True)
 
-    @property
-    def chatter_limit(self) -> float:
+    def chatter_limit(self, automaton: HybridAutomaton) -> float:
         """Time (s) below which two flights in a row are replaced by the limit mode of chatter, if any."""
         return 0.0
 
@@ -265,7 +265,7 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, self.chatter_limit, self.raises)
+        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
         run = self._prepare(problem, cursor)
         mode, missing = initial_mode(run, self.degree)

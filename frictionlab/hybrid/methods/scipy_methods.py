@@ -7,14 +7,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.loaded_kernels import prepared_call
+from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.validation import check_choice, check_field
 
+IMPLICIT_CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
+CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
 
@@ -36,8 +40,9 @@ class Scipy(Method):
     max_step : float or None
         Longest step in seconds, None for no limit.  With half of the shortest stay in a mode no event is
         missed.
-    chatter : float
-        As that of :class:`Taylor`, in seconds: the flights that the tolerances resolve are longer.
+    chatter : float or None
+        As that of :class:`Taylor`; None takes a share of 2e-4: the flights that the tolerances resolve are
+        longer.
     max_steps, max_events : int
         A run that reaches one ends with a status and keeps what it has.
     """
@@ -50,7 +55,7 @@ class Scipy(Method):
     rtol: float = 1e-10
     atol: float = 1e-13
     max_step: float | None = None
-    chatter: float = 1e-6
+    chatter: float | None = None
 
     def __post_init__(self) -> None:
         check_choice("integrator", self.integrator, INTEGRATORS)
@@ -58,12 +63,12 @@ class Scipy(Method):
         check_field(self, "atol", least=0.0, cure="1e-13 is the default")
         if self.max_step is not None:
             check_field(self, "max_step", above=0.0, cure="leave it out for no limit")
-        check_field(self, "chatter", least=0.0, cure="1e-6 s is the default")
+        if self.chatter is not None:
+            check_field(self, "chatter", least=0.0, cure="leave it out for a share of the motion's time")
         self.check_caps()
 
-    @property
-    def chatter_limit(self) -> float:
-        return self.chatter
+    def chatter_limit(self, automaton: HybridAutomaton) -> float:
+        return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter
 
     @property
     def degree(self) -> int:

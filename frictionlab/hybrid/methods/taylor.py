@@ -15,7 +15,9 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.decorators import inlined, kernel
+from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.event_location import GuardZero
@@ -37,6 +39,7 @@ from frictionlab.tape.functions import AFFINE
 from frictionlab.tape.program import Numbers, Program
 from frictionlab.validation import check_choice, check_field
 
+CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
@@ -193,12 +196,13 @@ class Taylor(Method):
         Order of the series; None takes ceil(1 - 0.7 ln(tol)), 26 at 1e-15.  Where products dominate the
         cost, 0.5 instead of 0.7 would be cheapest (Jorba & Zou 2005); these models are mostly affine, which
         favours higher orders.
-    chatter : float
+    chatter : float or None
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
-        (mode "chatter"); the error is proportional to its square.  0 computes every flight.  A model without
-        this limit mode has its flights computed down to the resolution of time.  When a contact's own
-        acceleration ends two in a row that the clock no longer tells apart, the Zeno accumulation of impacts
-        is closed: the gap rate is set to zero.
+        (mode "chatter"); the error is proportional to its square.  None takes 2e-5 of the time in which the
+        limit's own motion changes (:mod:`~frictionlab.hybrid.chatter_limit`), 1e-7 s for the paper's model.
+        0 computes every flight.  A model without this limit mode has its flights computed down to the
+        resolution of time.  When a contact's own acceleration ends two in a row that the clock no longer
+        tells apart, the Zeno accumulation of impacts is closed: the gap rate is set to zero.
     accumulation : "close" or "raise"
         Whether to go on after chatter or a Zeno accumulation, counted in ``run.stats``, or end the run there.
     max_steps, max_events : int
@@ -221,14 +225,15 @@ class Taylor(Method):
 
     tol: float = 1e-15
     order: int | None = None
-    chatter: float = 1e-7
+    chatter: float | None = None
     accumulation: Literal["close", "raise"] = "close"
 
     def __post_init__(self) -> None:
         check_field(self, "tol", above=0.0, below=0.1, cure="take 1e-15 for full accuracy")
         if self.order is not None:
             check_field(self, "order", integer=True, least=4, most=MAX_ORDER, cure="20 is a good order")
-        check_field(self, "chatter", least=0.0, cure="1e-7 s is the default")
+        if self.chatter is not None:
+            check_field(self, "chatter", least=0.0, cure="leave it out for a share of the motion's time")
         check_choice("accumulation", self.accumulation, ("close", "raise"))
         self.check_caps()
 
@@ -236,9 +241,8 @@ class Taylor(Method):
     def degree(self) -> int:
         return self.order or order_of_tolerance(self.tol)
 
-    @property
-    def chatter_limit(self) -> float:
-        return self.chatter
+    def chatter_limit(self, automaton: HybridAutomaton) -> float:
+        return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter
 
     @property
     def raises(self) -> bool:

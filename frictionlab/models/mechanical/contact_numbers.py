@@ -6,6 +6,7 @@ needs a belt that moves, by which friction has its direction.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -76,9 +77,25 @@ def _expressions(key: Structure) -> list[list[Any]]:
     return rows
 
 
+@cache
+def _only_slide(key: Structure) -> tuple[bool, ...]:
+    """Whether each contact has slip in one direction as its only regime."""
+
+    def only_slide() -> list[bool]:
+        from .equations_of_motion import system_of
+
+        contacts = system_of(key).mechanics.contacts
+        return [isinstance(one, Friction) and tuple(one.modes) == ("slip",) for one in contacts]
+
+    return tuple(derivations_of(key, key.parameters).value("contacts that only slide", only_slide))
+
+
 def check_contacts(model: MechanicalModel) -> None:
-    """Raise ValueError where a given normal force pulls."""
-    counts, _ = _formulas(structure_of_component(model))
+    """Raise ValueError where a given normal force pulls, and where what only slides rubs a belt at rest."""
+    key = structure_of_component(model)
+    counts, _ = _formulas(key)
+    if any(_only_slide(key)):
+        check_sliding(model, _only_slide(key))
     if max(counts, default=0) <= 1:  # no normal force is given
         return
     for i, one in enumerate(numbers_of_contacts(model), 1):
@@ -89,10 +106,11 @@ def check_contacts(model: MechanicalModel) -> None:
             )
 
 
-def check_sliding(model: MechanicalModel) -> None:
-    """Raise ValueError where a contact would have no direction if it could only slide."""
-    for i, one in enumerate(numbers_of_contacts(model), 1):
-        if one is not None and one.speed == 0:
+def check_sliding(model: MechanicalModel, which: Sequence[bool] | None = None) -> None:
+    """Raise ValueError where a contact, or one of some, would have no direction if it could only slide."""
+    contacts = numbers_of_contacts(model)
+    for i, (one, slides) in enumerate(zip(contacts, which or [True] * len(contacts), strict=True), 1):
+        if slides and one is not None and one.speed == 0:
             raise ValueError(
                 f"contact {i} of {type(model).__name__} must rub a belt that moves where it only slides, got "
                 "one at rest, which gives friction no direction: give the belt a speed, or keep stick, as "

@@ -130,7 +130,7 @@ class Solver {
   }
 
   begin(values, state, end) { // set numbers, state and clock of a new run; whether its first mode was found
-    const { structure, arrays } = this, { chatter } = SCENE.method;
+    const { structure, arrays } = this, chatter = values[structure.parameters.indexOf("chatter")] ?? 0;
     const all = structure.numbers(values), constants = all.slice(0, structure.constants), terms = all.slice(structure.constants);
     if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
     for (const [part, list] of [["constants", constants], ["terms", terms]]) {

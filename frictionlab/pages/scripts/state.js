@@ -9,7 +9,14 @@ function resetSettings() {
 const structureNow = () => STRUCTURES[SCENE.switches.map(({ name }) => name).filter((name) => settings.off.includes(name)).join(",")];
 
 function parametersOf(structure) { // in the order of the automaton's parameters
-  return structure.parameters.map((name) => settings.values[name] ?? structure.fixed[name]);
+  const values = structure.parameters.map((name) => settings.values[name] ?? structure.fixed[name]);
+  const chatter = structure.parameters.indexOf("chatter");
+  if (structure.rate) values[chatter] = chatterLimit(structure.rate(values)[0]);
+  return values;
+}
+
+function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them
+  return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
 }
 
 function linkText() {

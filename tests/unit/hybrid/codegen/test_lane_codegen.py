@@ -57,7 +57,7 @@ def with_step(automaton):
 
 def alone(program, numbers, code, method, state):
     """Length and end of a run's step, and the length that its last terms suggest."""
-    cursor = new_run_state(state, 0, 1e3, method.chatter_limit, False)
+    cursor = new_run_state(state, 0, 1e3, 0.0, False)
     cursor.counts[:] = 0  # jets are not at hand
     record, work = new_record(program.code, 1, 2, 0), new_scratch(program.slots, program.code, method.degree)
     truncation = Truncation(method.degree, method.tol)

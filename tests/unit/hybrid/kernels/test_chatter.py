@@ -151,7 +151,7 @@ def test_an_accumulation_can_end_the_run():
 def test_an_independent_integrator_sees_the_same_chatter(name):
     """scipy's methods share equations and resets, and neither the series nor the root finding."""
     exact = fl.simulate(MATERIAL, 1.0, method=fl.Taylor(chatter=1e-6), progress=False)
-    other = fl.simulate(MATERIAL, 1.0, method=name, progress=False)
+    other = fl.simulate(MATERIAL, 1.0, method=fl.Scipy(name, chatter=1e-6), progress=False)
     assert other.events.target.tolist() == exact.events.target.tolist()
     assert np.abs(other.events.t - exact.events.t).max() < 1e-6
     assert np.abs(other.final_state - exact.final_state).max() < 1e-7

@@ -1,0 +1,90 @@
+"""The limit of chatter: how short two flights in a row must be for the limit mode to take their place.
+
+A method states it as a share of the time in which the limit mode's own motion changes, so that it has no
+unit and depends on no run.  With J the Jacobian of the limit mode's rates where all states are zero, the
+reciprocal of this time is
+
+    sum of |J_ii|  +  sqrt(sum of |J_ij J_ji| over i < j)  +  |rate of the phase|,
+
+the dampings, the square root of the squared frequencies, and the frequency of a load.  None of the terms
+depends on the units of the states.  It is not less than the magnitude of the fastest eigenvalue of an
+undamped motion.  A motion without such a time, as that of a body in free fall, has no limit: every flight is
+computed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.hybrid.problem import RunData
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+
+SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goes with the square of theirs
+CHATTER = "chatter"  # the parameter of an automaton that the solver sets to the limit, s
+
+
+def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
+    """The automaton with its parameter `chatter`, if it has one, set to a `limit` in seconds."""
+    return automaton.replace(chatter=limit) if CHATTER in automaton.values else automaton
+
+
+def chatter_limit(automaton: HybridAutomaton, share: float) -> float:
+    """The limit (s) that is a `share` of the time of the limit mode's motion; 0.0 where there is none."""
+    if not _has_limit_mode(automaton):
+        return 0.0
+    rate = float(formulas_of_rate(automaton).numbers(*automaton.values.values())[0])
+    return share / rate if 0.0 < rate < math.inf else 0.0
+
+
+def _has_limit_mode(automaton: HybridAutomaton) -> bool:
+    if automaton.kept() is not None or automaton.on_demand:  # nothing is derived for the question
+        return CHATTER in automaton.values
+    return any(mode.limit for mode in automaton.modes)
+
+
+def formulas_of_rate(automaton: HybridAutomaton) -> Formulas:
+    """The rate (1/s) at which the motion of the limit modes changes, of the automaton's parameters."""
+
+    def derive() -> Formulas:
+        rates = [rate_of_change(mode, automaton.states) for mode in automaton.modes if mode.limit]
+        return formulas_of([*automaton.parameters], [sp.Add(*rates)])
+
+    return kept_formulas(automaton.kept(), "rate of the limit mode", derive)
+
+
+def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
+    """The expression above for one mode; without a value where its rates have no derivatives at zero."""
+    reals = [sp.Dummy(state.name, real=True) for state in states]  # where |x| has a derivative
+    index, at_zero = {x: i for i, x in enumerate(reals)}, dict.fromkeys(reals, 0)
+    flow = [sp.sympify(rate).xreplace(dict(zip(states, reals, strict=True))) for rate in mode.flow]
+    jacobian = {
+        (i, index[x]): rate.diff(x).subs(at_zero)
+        for i, rate in enumerate(flow)
+        for x in rate.free_symbols & index.keys()
+    }
+    diagonal = [abs(entry) for (i, j), entry in jacobian.items() if i == j]
+    pairs = [
+        abs(entry * jacobian[j, i]) for (i, j), entry in jacobian.items() if i < j and (j, i) in jacobian
+    ]
+    phases = [abs(flow[i].subs(at_zero)) for i, state in enumerate(states) if state.name == "phase"]
+    return sp.Add(*diagonal, *phases) + sp.sqrt(sp.Add(*pairs))
+
+
+def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
+    """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
+    as in a model whose unit of time is a week; else None."""
+    if not len(limit_modes) or not (raw.event_codes[:, 1, None] == limit_modes).any():
+        return None
+    longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
+    if limit <= SHORT_SHARE * longest:
+        return None
+    return (
+        f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "
+        f"longest stay in a mode, {longest:.3g} s: give the method a limit that is, such as "
+        f"chatter={SHORT_SHARE * SHORT_SHARE * longest:.1g}"
+    )
