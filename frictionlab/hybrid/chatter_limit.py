@@ -42,7 +42,7 @@ def chatter_limit(automaton: HybridAutomaton, share: float) -> float:
 
 
 def _has_limit_mode(automaton: HybridAutomaton) -> bool:
-    if automaton.kept() is not None or automaton.on_demand:  # nothing is derived for the question
+    if automaton.derivations is not None or automaton.on_demand:  # nothing is derived for the question
         return CHATTER in automaton.values
     return any(mode.limit for mode in automaton.modes)
 
@@ -54,7 +54,7 @@ def formulas_of_rate(automaton: HybridAutomaton) -> Formulas:
         rates = [rate_of_change(mode, automaton.states) for mode in automaton.modes if mode.limit]
         return formulas_of([*automaton.parameters], [sp.Add(*rates)])
 
-    return kept_formulas(automaton.kept(), "rate of the limit mode", derive)
+    return kept_formulas(automaton.derivations, "rate of the limit mode", derive)
 
 
 def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
