@@ -162,7 +162,7 @@ def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
 
 
 def _slopes_of_product(flow: Flow) -> Entries:
-    """The derivatives of A r by all states and parameters; r is given behind these."""
+    """The derivatives of A r by all states and parameters; the components of r are further inputs."""
     places, formulas = flow.rates.along(range(flow.size)).jacobian(range(flow.rates.tape.inputs))
     return Entries((flow.size, flow.rates.tape.inputs), places, formulas)
 

@@ -1,7 +1,13 @@
 """Where stability changes, and what begins there.
 
-Along one parameter: `sign_changes` brackets the changes of sign of the sorted growth rates,
-`stability_changes` solves for them and names them.  `first_losses` does so on thousands of lines.  In
-a plane of two: `stability_map` evaluates a grid, finds the curves between its points and follows them.
-`hopf` computes the normal form at a flutter point.
+``sign_changes``
+    Brackets of the changes of sign of the sorted growth rates along one parameter.
+``stability_changes``
+    `fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: solve for these changes and name them.
+``first_losses``
+    The first change on each of thousands of lines.
+``stability_map``
+    `fl.stability_map`: a grid in a plane of two parameters, and the curves between its points.
+``hopf``
+    `fl.hopf`: the normal form at a flutter point, which says what vibration begins there.
 """

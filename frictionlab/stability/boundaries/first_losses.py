@@ -1,11 +1,11 @@
 """First losses of stability on thousands of lines: some are scanned, the others solved from predictions.
 
 A scan takes some 250 spectra for a line, as it looks for every change, however narrow its window.  If the
-first change on all scanned lines is a loss by flutter, they predict the losses on the others.  These are
-searched only up to a little beyond the prediction, and in long intervals at first, which are halved, as in
-any scan, where growth rates come near zero or eigenvalues near each other.  A line on which this does not
-find exactly one such loss, or does not resolve all intervals, is scanned in full.  So the result is that of
-full scans, in less time.
+first change on all scanned lines is a loss by flutter, these lines predict the losses on the others.  The
+others are searched only up to a little beyond the prediction, in intervals that are long at first.  As in any
+scan, an interval is halved if growth rates come near zero or eigenvalues near each other.  If this does not
+find exactly one loss on a line, or does not resolve all intervals, the line is scanned in full.  So the
+result is that of full scans, in a fifth of the spectra.
 """
 
 from __future__ import annotations
@@ -26,12 +26,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PILOTS = 48  # lines that are scanned
 MIN_LINES = 4 * PILOTS  # with fewer lines all are scanned: there is little to save
-ERROR_FACTOR = (
-    3.0  # times the prediction's error on scanned lines: so far beyond the prediction a search goes
-)
-MIN_WIDTH = 1e-6  # of the bounds: least of that distance
+ERROR_FACTOR = 3.0  # errors of the prediction on scanned lines: how far beyond it a search goes
+MIN_WIDTH = 1e-6  # share of the bounds: the least of this distance
 ROOT_STEPS = 60
-SIDE_RTOL = 1e-7  # share of the bounds: so far on either side of the root growth is checked
+SIDE_RTOL = 1e-7  # share of the bounds: how far from the root, on either side, growth is checked
 ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger at a root has jumped
 
 
@@ -45,7 +43,7 @@ class FirstLosses(NamedTuple):
 def first_losses(
     problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
 ) -> FirstLosses:
-    """The first loss on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
+    """The first loss on each of L lines: `parameter` varies along a line, `fixed` (L,) from line to line."""
     count = max((len(column) for column in fixed.values()), default=1)
     found = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
     left = np.arange(count)
@@ -68,7 +66,7 @@ def _scan(
     lines: Indices,
     found: FirstLosses,
 ) -> bool:
-    """Scan some lines; gives whether the first change on each is a loss by flutter."""
+    """Scan some lines; returns whether the first change on each is a loss by flutter."""
     some = {name: column[lines] for name, column in fixed.items()}
     alike = True
     for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
@@ -87,7 +85,7 @@ def _solve(
     lines: tuple[Indices, Indices],
     found: FirstLosses,
 ) -> Any:
-    """Solve lines by the predictions of those scanned before; gives which of them are solved."""
+    """Solve lines by the predictions of those scanned before; returns which of them are solved."""
     pilots, others = lines
     guess, error = _predict(fixed, pilots, others, found.values[pilots])
     width = np.maximum(ERROR_FACTOR * error, MIN_WIDTH * (bounds[1] - bounds[0]))
@@ -114,7 +112,7 @@ def _solve(
 
 
 def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:
-    """The eigenvalue on the imaginary axis at each root; NaN where none passes it there, or one jumps."""
+    """The eigenvalue on the imaginary axis at each root; NaN if none passes the axis there, or one jumps."""
     at: Any = spectra(lines, roots)
     before, after = (spectra(lines, roots + shift) for shift in (-side, side))
     largest = np.abs(at).max(axis=1)

@@ -18,20 +18,19 @@ Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
 COARSE_POINTS, COARSE_HALVINGS = 5, 18  # for lines on which few changes are expected
-# Most intervals, over those of the first grid: modes with one eigenvalue throughout are close everywhere.
+# Most intervals, over those of the first grid: two modes may share one eigenvalue everywhere.
 MAX_INTERVAL_FACTOR = 8
 NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less counts as unmoved
 EQUAL_EIGENVALUE_RTOL = 1e-11  # share of the largest eigenvalue: two that are nearer are one
 
 
 class Intervals(NamedTuple):
-    """Intervals of lines: index of the line, ends, and the spectra there, sorted by descending growth
-    rate."""
+    """Intervals of lines."""
 
-    line: NDArray[np.intp]
-    low: Array
+    line: NDArray[np.intp]  # index of the line
+    low: Array  # its ends
     high: Array
-    at_low: ComplexArray
+    at_low: ComplexArray  # the spectra there, the largest growth rate first
     at_high: ComplexArray
 
     # items of a tuple are its fields; here they are the intervals, as in an array
@@ -41,12 +40,12 @@ class Intervals(NamedTuple):
 
 
 class Brackets(NamedTuple):
-    """Intervals in which one growth rate changes its sign: line, ends, and its index among the sorted."""
+    """Intervals in which one growth rate changes its sign."""
 
-    line: NDArray[np.intp]
-    low: Array
+    line: NDArray[np.intp]  # index of the line
+    low: Array  # its ends
     high: Array
-    rank: NDArray[np.intp]
+    rank: NDArray[np.intp]  # the growth rate's index among the sorted
 
 
 def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
@@ -66,8 +65,9 @@ def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Bracket
 def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
     """As :func:`bracket_sign_changes` with fewer spectra, and on which lines (L,) these are all changes.
 
-    The first intervals are long.  One in which growth rates come near zero, or two eigenvalues near each
-    other, may hide a change and is halved, up to a limit; a line on which one is left is not resolved.
+    The first intervals are long.  If growth rates come near zero in one, or two eigenvalues near each other,
+    it may hide a change.  It is halved, up to a limit.  A line on which such an interval is left is not
+    resolved.
     """
     pieces = _grid(evaluate, low, high, COARSE_POINTS)
     found, left = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
@@ -79,7 +79,7 @@ def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[
 def _refined(
     evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
 ) -> tuple[list[Brackets], Intervals]:
-    """Halve intervals until each is clear or has a single change; the changes, and the intervals left."""
+    """Halve intervals until each has no change or a single one; the changes, and the intervals left over."""
     found: list[Brackets] = []
     for _ in range(halvings):
         middle = 0.5 * (pieces.low + pieces.high)
@@ -108,8 +108,7 @@ def _grid(evaluate: Evaluate, low: Array, high: Array, count: int) -> Intervals:
 
 
 def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
-    """Whether no growth rate changes sign in an interval, and whether exactly one (or that of one pair)
-    does."""
+    """Whether no growth rate changes sign in an interval; whether exactly one does, or that of one pair."""
     a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
     unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
     absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
@@ -137,9 +136,9 @@ def _one_mode(passes: Flags, at_low: ComplexArray, at_high: ComplexArray) -> Fla
 
 
 def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
-    """Whether two eigenvalues come so close that they may coalesce unseen, and with growth rates near zero.
+    """Whether two eigenvalues may coalesce unseen while growth rates are near zero.
 
-    Modes that couple weakly are unstable in a window as narrow as their coupling is weak.
+    The weaker two modes couple, the narrower is the window in which they are unstable.
     """
     ends = (pieces.at_low, pieces.at_high)
     moved = np.maximum(*(_distance(at_middle, end).min(axis=2) for end in ends))
@@ -183,7 +182,7 @@ def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, chosen: Fl
 
 
 def _join_neighbours(pieces: Intervals) -> Intervals:
-    """Join neighbouring intervals: changes in intervals too narrow to be resolved count as simultaneous."""
+    """Join neighbouring intervals: changes that are too close to be resolved count as simultaneous."""
     if not pieces.line.size:
         return pieces
     order = np.lexsort((pieces.low, pieces.line))

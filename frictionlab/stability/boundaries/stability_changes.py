@@ -32,17 +32,17 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 # Shares of the largest eigenvalue: a growth rate that is larger at a root, or just inside it, has jumped.
 FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = 1e-6, 1e-4
-OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: where decay is looked for outside it
+OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: how far outside it decay is looked for
 INSIDE_SHARE = 1e-9  # of a bracket: how far "just inside" is
 MIN_INSIDE_RTOL = 1e-12  # of the root: the least that this may be
 DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
-# Shares of the way from a regain to a loss at which the mode grows, by more than rounding, where its growth
-# rate only touches zero.
+# Shares of the way from a regain to a loss.  If the mode grows there by more than rounding, its growth rate
+# only touches zero.
 TOUCH_SHARES = (0.25, 0.75)
 TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
-# Share of a root, or of the bounds: an equilibrium that does not exist so far beyond a root ends there.
-# Where two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
+# Share of a root, or of the bounds.  If an equilibrium does not exist so far beyond a root, it ends there.
+# When two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
 END_RTOL = 1e-8
 
 
@@ -86,9 +86,10 @@ def stability_changes(
     """Every change of stability of one equilibrium as a parameter grows.
 
     It is followed from the model's own value of the parameter, as far as it exists.  If it ends and no other
-    takes over, that is no change of stability: :class:`FoldValue` tells where it ends.  The range is scanned,
-    more finely where growth rates come near zero or two eigenvalues near each other, down to some 1e-9 of
-    it; each change is then solved for to rounding.
+    takes over, that is no change of stability: :class:`FoldValue` tells where it ends.
+
+    The range is scanned.  The scan is finer where growth rates come near zero or two eigenvalues near each
+    other, down to some 1e-9 of the range.  Each change is then solved for to rounding.
 
     Parameters
     ----------
@@ -329,7 +330,7 @@ def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> 
 
 
 def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]) -> Any:
-    """Whether an equilibrium exists on both sides of each root: where it ends, stability does not change."""
+    """Whether an equilibrium exists on both sides of each root; if not, stability does not change there."""
     if not found.line.size:
         return np.zeros(0, dtype=bool)
     step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
@@ -338,10 +339,10 @@ def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: 
 
 
 def _only_touches(evaluate: Evaluate, found: Brackets, roots: Array) -> Any:
-    """Which changes are a regain and a loss between which the mode grows all the same.
+    """Which changes are no changes: a regain and a loss, and the mode grows in between.
 
-    A growth rate that comes down to zero and rises again, as (p - a)^2, is too small to be told from zero
-    within some 1e-5 on either side of a, but it does not become negative: stability does not change.
+    A growth rate may come down to zero and rise again, as (p - a)^2 does.  Within some 1e-5 on either side of
+    a it is too small to be told from zero, but it does not become negative.  So stability does not change.
     """
     touches = np.zeros(len(roots), dtype=bool)
     if len(roots) < 2:
@@ -371,9 +372,9 @@ def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
 def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
     """One end of the search for each root, and the growth rate that is solved for.
 
-    The end is a point where the mode decays, and the rate is zero.  It may lie outside the bracket, as near a
-    root the growth rate is as good as zero.  Without damping no mode decays: then the end is `still`, and the
-    rate is the one that tells growth from none.
+    In general the mode decays at this end, and the growth rate that is solved for is zero.  The end may lie
+    outside the bracket, since the growth rate is as good as zero near a root.  Without damping no mode
+    decays.  Then the end is `still`, and the growth rate is the least that counts as growth.
     """
     start, shift = still.copy(), np.full(still.shape, np.nan)
     for at in outside:
@@ -417,7 +418,7 @@ def _describe_changes(
 
 
 def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
-    """Whether a growth rate is not small at a root or next to it: it jumps there, as the equilibrium ends."""
+    """Whether a growth rate is not small at a root: it jumps there, because the equilibrium ends."""
     return ~(np.abs(critical.real) <= max_growth * size)
 
 

@@ -1,10 +1,10 @@
 """A state near an equilibrium, from which the least stable mode shows whether it grows: ``x0="near"``.
 
-Its coordinates are one percent off.  Where that leaves a growing mode at rest, as in a plane of symmetry, or
-where all of them are zero, the least stable mode itself is displaced by one percent of its own size.  That is
-the size s at which the linear motion x_e + s Re(exp(i a) r), over all angles a, first meets an event or is no
-longer linear: the part of the rates that is not linear, along the left vector l, becomes half of |lambda| s.
-So no length of a unit of its own comes in.
+Its coordinates are one percent off.  That may leave a growing mode at rest, as in a plane of symmetry, or all
+coordinates may be zero.  Then the least stable mode itself is displaced, by one percent of its own size.
+This is the size s at which the linear motion x_e + s Re(exp(i a) r), over all angles a, first meets an event
+or is no longer linear.  It counts as linear while the part of the rates that is not, along the left vector l,
+is less than half of |lambda| s.  So no length enters that depends on a unit.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from frictionlab.stability.flow import NullVectors, null_vectors
 
 Array = NDArray[np.float64]
 DISPLACEMENT = 0.01  # share by which coordinates, or the mode, are displaced
-NEAR_EQUILIBRIUM_FACTOR = 1.01  # the same for coordinates; 1 + 0.01 rounds to it
+NEAR_EQUILIBRIUM_FACTOR = 1.01  # of coordinates; 1 + DISPLACEMENT rounds to it
 SEEN_SHARE = 1e-9  # of the terms of a sum that cancel: what is smaller is rounding
 NEGLIGIBLE_SHARE = 1e-6  # of the mode's displacement: one that is so much smaller leaves the mode at rest
 NONLINEAR_SHARE = 0.5  # of the linear rates: with more the motion is no longer linear
@@ -65,7 +65,7 @@ def displaced_equilibrium(model: Any) -> Array:
 
 
 def _least_stable_mode(matrix: Array) -> Mode:
-    """The mode that grows fastest; of those that neither grow nor decay that of the highest frequency."""
+    """The mode that grows fastest; if none grows or decays, the one of the highest frequency."""
     values: Any = np.linalg.eigvals(matrix).astype(complex)
     values.real[is_neutral(matrix, values)] = 0.0
     value = complex(values[np.lexsort((np.abs(values.imag), values.real))[-1]])
@@ -75,7 +75,7 @@ def _least_stable_mode(matrix: Array) -> Mode:
 
 
 def _is_excited(mode: Mode, shift: Array, size: float) -> bool:
-    """Whether a displacement (m,) has a part along the mode, beside the size at which this is not linear."""
+    """Whether a displacement (m,) has a part along the mode that counts beside the mode's `size`."""
     left = mode.vectors.left
     part = abs(left @ shift)
     if part <= SEEN_SHARE * float(np.abs(left) @ np.abs(shift)):
@@ -86,8 +86,8 @@ def _is_excited(mode: Mode, shift: Array, size: float) -> bool:
 def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array, mode: Mode) -> float:
     """The size (in units of the mode's vector) up to which its motion is linear and meets no event.
 
-    Infinite where it always is.  At sizes that rounding hides the motion does not seem linear either, so it
-    is the end of the widest range of sizes at which it does.
+    It is infinite if the motion is linear at all sizes.  Rounding makes very small motions look as if they
+    were not linear.  So the end of the widest range of sizes with a linear motion is taken.
     """
     way = (np.exp(1j * ANGLES)[:, None] * mode.vectors.right).real
     way = way[np.abs(way).max(axis=1) > NONLINEAR_SHARE]  # those of a real mode may vanish

@@ -2,10 +2,9 @@
 and coalescence.
 
 Neighbouring points of the path are compared by the products of left vectors at one with right vectors at the
-other.  If their matrices are equal these products form the unit matrix, however close the eigenvalues are.
-So they tell modes apart where the usual modal assurance criterion (right vectors with right vectors) finds
-two alike.  Where they are not clear the step is halved, so that the result does not depend on the values
-asked for.
+other.  If their matrices are equal, these products form the unit matrix, however close the eigenvalues are.
+So they can tell two modes apart that the usual modal assurance criterion (right vectors with right vectors)
+finds alike.  If they do not, the step is halved.  So the result does not depend on the values asked for.
 """
 
 from __future__ import annotations
@@ -48,9 +47,9 @@ NO_EIGENVALUE = complex(np.nan, np.nan)
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """One eigenvalue of every mode at N points of a path: of a conjugate pair the one with Im > 0.
+    """One eigenvalue of every mode at N points of a path.
 
-    Of an overdamped mode's two real eigenvalues it is the less stable one.
+    Of a conjugate pair it is the one with Im > 0, of an overdamped mode's two real ones the less stable one.
 
     Parameters
     ----------
@@ -105,8 +104,8 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
 def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
     """Indices (N, k) of one eigenvalue of each mode, by ascending frequency.
 
-    Those with Im > 0 are taken, then every other real one, from the largest on.  The two real ones into which
-    a pair splits are neighbours: one of them is taken, and the other columns stay the same.
+    Those with Im > 0 are taken, then every second real one, from the largest on.  A pair that becomes two
+    real eigenvalues gives two neighbours.  One of them is taken, so all other columns stay the same.
     """
     kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
     order = np.lexsort((-values.real, kind), axis=-1)
@@ -138,8 +137,10 @@ def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
 
 
 def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
-    """Take vectors from nearby where modes have equal eigenvalues, as at a crossing: there the vectors are
-    not unique."""
+    """If modes have equal eigenvalues, as at a crossing, take vectors from nearby.
+
+    At the point itself the vectors are not unique.
+    """
     step = np.diff(path.at, prepend=path.at[1:2])
     (alike,) = np.nonzero(_equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
     if not alike.size:
@@ -163,10 +164,10 @@ def _equal_eigenvalues(values: ComplexMatrices) -> NDArray[np.bool_]:
 def _match_modes(
     a: Modes, b: Modes, sample: Callable[[Array], Modes], least: float, left: list[int]
 ) -> NDArray[np.intp]:
-    """For each mode of `a` the index of the same mode of `b`, (N, k); the same index where one has no modes.
+    """For each mode of `a` the index of the same mode of `b`, (N, k); without modes the same index.
 
-    Unclear steps are halved, down to the width `least` and while there are points `left` to spend: modes with
-    equal eigenvalues throughout are unclear everywhere.
+    Unclear steps are halved, down to the width `least`, and while there are points `left` to spend.  Two
+    modes with one eigenvalue throughout would be unclear everywhere.
     """
     known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
     if not known.all():
@@ -212,8 +213,8 @@ def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
     """Whether columns of `a` and `b` are clearly the same modes, and whether no two met in between."""
     either = _equal_eigenvalues(a.values) & _equal_eigenvalues(b.values)  # the order of these does not matter
     likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
-    # A mode unlike all others that has hardly moved is accepted: the vectors of a rigid body's motion tell
-    # nothing.
+    # A mode that is unlike all others is accepted if it has hardly moved: the vectors of a rigid body's
+    # motion tell nothing.
     still = np.abs(a.values - b.values) < UNMOVED_SHARE * np.minimum(
         _distance_to_next(a.values), _distance_to_next(b.values)
     )
@@ -223,9 +224,9 @@ def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
 
 
 def _may_have_met(a: Modes, b: Modes) -> Any:
-    """Which modes (N, k, k) may have come near each other between `a` and `b`, coupled so that it matters.
+    """Which modes (N, k, k) may have met between `a` and `b`, with a coupling that matters.
 
-    The vectors of two modes with eigenvalues d apart and a coupling c mix by c/d; so d and the mixing give c.
+    If two eigenvalues are d apart and the coupling is c, the vectors mix by c/d.  So d and the mixing give c.
     """
     start, end = (v[:, :, None] - v[:, None, :] for v in (a.values, b.values))
     way = np.maximum(np.abs(end - start), TINY_DISTANCE)
@@ -244,7 +245,7 @@ def _may_have_met(a: Modes, b: Modes) -> Any:
 def _match_eigenvalues(a: ComplexMatrices, b: ComplexMatrices) -> NDArray[np.intp]:
     """For each eigenvalue of `a` the index of its match in `b`, by their distances; each index is used once.
 
-    Where four distances are equal, as at a coalescence, the higher frequency goes with the larger growth.
+    If four distances are equal, as at a coalescence, the higher frequency goes with the larger growth.
     """
     apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
     return linear_sum_assignment(apart**2 + RANK_WEIGHT * rank**2)[1]

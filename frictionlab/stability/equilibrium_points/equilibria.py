@@ -89,9 +89,10 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
 
 
 def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[EquilibriumProblem]:
-    """Problems of equilibria inside the guards of a mode at some values in the range, followed from there.
+    """Problems of all equilibria that are inside the guards of a mode at some values in the range.
 
-    For models solved by the penetration (`by_penetration`), only that with the smallest penetration.
+    Each is followed from there.  Of models that are solved by the penetration (`by_penetration`) it is only
+    the one with the smallest penetration.
 
     Raises
     ------
@@ -213,20 +214,19 @@ def equilibria(model: Any) -> Equilibria:
     The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
     with F_N < 0 is an equilibrium of a bilateral contact only.  Friction has the sign of the belt's speed.
 
-    No solution is missed where the equation for the penetration is a polynomial.  It is one with all laws of
-    the package but HertzContact and PressureDependent.  For those, and for laws of your
-    own that give no polynomial, the penetration is searched as states are of models without `statics`, see
-    `model`.
+    If the equation for the penetration is a polynomial, no solution is missed.  It is one with all laws of
+    the package but HertzContact and PressureDependent.  For those, and for laws of your own that give no
+    polynomial, the penetration is searched for in boxes, as states are (see `model`).
 
     Parameters
     ----------
     model : Model or HybridAutomaton
-        Where the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
+        If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
         first mode that has any, by their distance from the origin.  A model's modes with constraints, such as
-        stick, are left out.  States that enter linearly are eliminated.  Where at most four remain, boxes of
-        their values are bisected by bounds of the equations until each holds one equilibrium or none; a
-        threefold one counts once.  Where that does not come to an end, Newton's method starts from all
-        decades of size.
+        stick, are left out.  States that enter linearly are eliminated.  If at most four remain, boxes of
+        their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
+        threefold one counts once.  If that does not come to an end, Newton's method starts from all decades
+        of size.
 
     Returns
     -------

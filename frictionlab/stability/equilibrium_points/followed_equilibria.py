@@ -1,11 +1,10 @@
 """Equilibria for many parameter values at once.
 
-Of an automaton one equilibrium is followed by Newton's method.  Of a model in steady sliding it is the one
-with F_N > 0 and the smallest penetration.
-
-With polynomial laws the penetration is a root of a polynomial, found by eigenvalues and polished by Newton's
-method on the original equation.  With other laws bounds of the equation and of its slope tell where roots
-are, for all values of the parameters at once (`root_boxes`).
+An automaton's equilibrium is followed by Newton's method.  Of a model in steady sliding it is the equilibrium
+with F_N > 0 and the smallest penetration.  With polynomial laws this penetration is a root of a polynomial.
+It is found by eigenvalues, and polished by Newton's method on the original equation.  With other laws bounds
+of the equation and of its slope tell where roots are, for all values of the parameters at once
+(`root_boxes`).
 """
 
 from __future__ import annotations
@@ -148,8 +147,10 @@ def least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Ar
 
 
 def excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
-    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d, of degree 9 at
-    most for Eq. (2); None where a law is no polynomial."""
+    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d.
+
+    With Eq. (2) its degree is at most 9.  None if a law is no polynomial.
+    """
     try:
         excess = statics.excess(UNKNOWN, values)
     except (TypeError, ValueError, AttributeError):  # sqrt, a fractional power, exp or a comparison in a law
@@ -197,7 +198,7 @@ def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
 
 
 def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) -> Array:
-    """Positive roots (k, N) of an equation that is no polynomial, NaN where there are fewer than k."""
+    """Positive roots (k, N) of an equation that is no polynomial; NaN fills columns with fewer than k."""
     # Of most laws one box ends at the penetration without contact force, and holds the only root.
     free = np.abs(np.broadcast_to(statics.excess(0.0, values), (count,)))
     free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
@@ -212,12 +213,12 @@ def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) ->
         alone = [v if np.ndim(v) == 0 else float(np.broadcast_to(v, (count,))[i]) for v in values]
         points = find_zeros(statics.equation, alone).points[0]
         roots = np.vstack([roots, _columns(points, np.full(len(points), i), count)])
-    # Without preload zero is a root, but for rounding, at which there is no contact.
+    # Without preload zero is a root, up to rounding: there is no contact.
     return np.where(no_contact(statics, values, roots), np.nan, roots)
 
 
 def no_contact(statics: Statics, values: Sequence[Any], roots: Array) -> Any:
-    """Which roots are that at zero, but for rounding of the equation."""
+    """Which roots are zero up to rounding of the equation, so that there is no contact."""
     zero = interval(statics.excess(interval(np.zeros(())), values)).contains_zero()
     around = interval(statics.excess(interval(roots), values))
     return zero & (
@@ -226,7 +227,7 @@ def no_contact(statics: Statics, values: Sequence[Any], roots: Array) -> Any:
 
 
 def _enclosed_roots(statics: Statics, values: Sequence[Any], low: Array, high: Array) -> Array:
-    """The one root in each interval, by Newton's method; halves of the interval where that leads out."""
+    """The one root in each interval, by Newton's method, or by halving if a step leads out."""
     rises = statics.excess(high, values) > 0
     x = (low + high) / 2
     for _ in range(MOST_HALVINGS):

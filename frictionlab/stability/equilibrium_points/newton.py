@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
 MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
 REFERENCES_TRIED = 8  # points at which J_0 may be taken
-# Share of a state: candidates so close are one.  Two zeros nearer to each other than the root of the machine
-# epsilon cannot be told apart: at each the Jacobian is so small that rounding moves it by more than that.
+# Share of a state: candidates so close are one.  Two zeros that are nearer to each other than the root of the
+# machine epsilon cannot be told apart: rounding moves each by more than that.
 SAME_CANDIDATE_RTOL = 1e-9
 
 
@@ -108,11 +108,11 @@ LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
 TINY = np.finfo(float).tiny  # for the size of a state that is zero
 SCALE_ROUNDING = 1e-14  # of a state's usual size: what is smaller is rounding
 MAX_POLISH_STEPS = 64
-POLISH_CONTRACTION = 0.9  # a step that shrinks less than to this share of the last is rounding alone
+POLISH_CONTRACTION = 0.9  # if a step is longer than this share of the last, it is rounding alone
 NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
 NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
 ORIGIN_DISTANCE = 1e4  # times rounding of the usual size: how far they are from a zero at the origin
-POLE_DISTANCE, POLE_FACTOR = 1e-5, 16.0  # share of a state; a rate so many times as large as there
+POLE_DISTANCE, POLE_FACTOR = 1e-5, 16.0  # share of a state; near a pole rates are so many times those there
 # Relative change of the Jacobian beyond which a change of the flow is more than linear and rounding.
 NONLINEARITY_RTOL = 1e-3
 SAME_ZERO_FACTOR = 16.0  # times the uncertainty of both: zeros so close are one
@@ -137,10 +137,10 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def solve_matrices(matrices: Array, right: Array) -> Any:
-    """Solutions (N, m, k), of least length where a matrix is singular, as at a fold.
+    """Solutions (N, m, k), of least length if a matrix is singular, as at a fold.
 
-    Only the solver itself can tell which are singular, and of a stack it says no more than that one is.  So a
-    stack is halved until the singular matrices are found.
+    numpy tells only whether some matrix of a stack is singular.  So a stack is halved until the singular
+    matrices are found.
     """
     try:
         return np.linalg.solve(matrices, right)
@@ -155,9 +155,9 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
     """Those of the points (m, N) that Newton's method turns into zeros, and the uncertainty of each.
 
-    The uncertainty is the effect of the flow's rounding on a zero, plus the last step: at a double zero,
-    where steps are halved each time, that is the distance to it.  A zero so far out that rounding determines
-    its place is too uncertain and left out.  `scale` (m, 1) is the scale of states that are zero.
+    The uncertainty is the effect of the flow's rounding on a zero, plus the last step.  At a double zero
+    steps are halved each time, so the last step is the distance to it.  A zero may be so far out that
+    rounding determines its place.  It is left out.  `scale` (m, 1) is the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
     noise, moved, terms = _rounding_noise(flow, x, values, scale)
@@ -173,7 +173,7 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
 
 
 def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:
-    """Where a rate is much larger than all around: near a pole Newton's steps are short too."""
+    """Where a rate is much larger than all around: near a pole Newton's steps are short as well."""
     random, most = np.random.default_rng(0), np.zeros_like(x)
     for _ in range(NOISE_SAMPLES):
         way = random.uniform(-1, 1, size=(len(x), 1)) * POLE_DISTANCE * np.abs(x)
@@ -233,8 +233,7 @@ def _times(matrices: Array, x: Array) -> Array:
 def distinct_zeros(x: Array, unknown: Array) -> Array:
     """Zeros (m, K), each once, by their distance from the origin; those within their uncertainty are one.
 
-    Of two at the same distance but for rounding, as symmetric ones, that with the larger first state comes
-    first.
+    Symmetric zeros have the same distance up to rounding.  The one with the larger first state comes first.
     """
     kept: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
@@ -265,10 +264,10 @@ class Zeros(NamedTuple):
 def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
     """The zeros of a flow.
 
-    Where bounds of the flow tell in which boxes zeros may lie (`root_boxes`), Newton's method starts there.
-    Else it starts from all decades, as it leads to a zero from within some factor of it.  Where several
+    If bounds of the flow tell in which boxes zeros may lie (`root_boxes`), Newton's method starts there.
+    Otherwise it starts from all decades, as it leads to a zero from within some factor of it.  If several
     coordinates have several zeros each, few starts are near each combination.  So the search starts again
-    from the zeros found, until it finds no more.
+    from the zeros that it has, until it finds no more.
     """
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
         boxes = root_boxes(flow, values)
@@ -316,8 +315,7 @@ def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale
 
 
 def _credible(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
-    """The points whose surroundings, as wide as rounding of the states, may hold a zero: not where a sine
-    of a large number takes any value."""
+    """The points that may be zeros by bounds of the flow around them, as wide as rounding of the states."""
     room = SAME_CANDIDATE_RTOL * (np.abs(x) + scale)
     try:
         rows = flow.bounds([Interval(*ends) for ends in zip(x - room, x + room, strict=True)], values)
@@ -339,12 +337,11 @@ def _zeros_from(
 
 
 def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
-    """Starting points (m, 2 START_COUNT) for zeros that are hard to find from afar, made of the zeros found;
-    none without these.
+    """Starting points (m, 2 START_COUNT), made of known zeros, for zeros that are hard to find from afar.
 
-    Half of them have each coordinate near that of a zero chosen at random.  At the others all rates but one
-    are zero, to first order: Newton's method looks for other zeros of that one rate, and the others stay
-    zero.
+    In half of them each coordinate is near that of a zero chosen at random.  At the others all rates but one
+    are zero to first order.  So Newton's method looks for other zeros of that one rate, and the others stay
+    zero.  Without known zeros there are none.
     """
     rows, count = found.shape
     if not count:
@@ -416,8 +413,8 @@ def _replace_unknown(sizes: Array) -> Array:
 def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
     """Newton's method for each column, until all have converged.
 
-    That is when steps are less than rounding, or short and no longer shrinking: in a large system the
-    elimination rounds by more than a state does.
+    Steps are then less than rounding.  In a large system the elimination rounds by more than that; there
+    short steps that no longer shrink are enough.
     """
     before = np.inf
     for _ in range(CORRECTOR_STEPS):

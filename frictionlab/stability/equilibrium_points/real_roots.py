@@ -1,5 +1,4 @@
-"""Real roots: of polynomials, none missed and none invented, and of scalar functions by their changes of
-sign.
+"""Real roots of polynomials, none missed and none invented; a root of a function between changes of sign.
 
 Between two neighbouring real roots of its derivative a polynomial is monotonic, so it has a root there
 exactly if its signs at the two ends differ.  The derivative's roots come from the same rule, down to the

@@ -1,14 +1,16 @@
 """Boxes that hold all zeros of a flow: bisection of the whole space by bounds of the flow in each box.
 
-The rows that are linear with numbers as coefficients, such as q' = v, give some states by the others, and so
-do sums of rows in which all that is nonlinear cancels.  Of the states that are left those that enter linearly
-are eliminated.  So k equations remain in those k states that enter nonlinearly, one for each coordinate with
-a spring or law of its own.  Boxes are bisected in decades, from 1e-30 to 1e30, whatever the units.  A box is
-left out where the bounds of an equation do not hold zero.  Krawczyk's operator says that a box holds one zero
-only, or none.  R. Krawczyk, Computing 4 (1969) 187-201.
+First states are eliminated.  Linear rows, such as q' = v, give some states by the others.  So do sums of rows
+in which all that is nonlinear cancels.  Of the remaining states those that enter linearly are eliminated too.
+So k equations are left in the k states that enter nonlinearly, one for each coordinate with a spring or law
+of its own.
 
-What the search says is proved up to the rounding of this elimination.  Where the budget of boxes is used up,
-or a function has no bounds, it says that it does not know.
+Then boxes are bisected in decades, from 1e-30 to 1e30, whatever the units.  A box is left out if the bounds
+of an equation in it do not hold zero.  Krawczyk's operator says that a box holds one zero only, or none.  R.
+Krawczyk, Computing 4 (1969) 187-201.
+
+What the search says is proved up to the rounding of the elimination.  If the budget of boxes is used up, or a
+function has no bounds, it says that it does not know.
 """
 
 from __future__ import annotations
@@ -29,17 +31,20 @@ LARGEST, SMALLEST = 1e30, 1e-30  # sizes of states that are searched; smaller on
 MOST_UNKNOWNS = 4  # with more the boxes that come near to zeros are too many
 MOST_BOXES = 12_000  # divided by the number of unknowns
 FINEST = 2.0**-30  # share of a state below which boxes are not bisected
-ROUNDED = 1e-5  # the same where the equations are zero but for rounding in the middle of a box
+ROUNDED = 1e-5  # the same if the equations are zero up to rounding in the middle of the box
 CONTRACTIONS, SHRINKING = 32, 0.9  # of a box that holds one zero, as long as it shrinks to this share
 ROUNDING_FACTOR = 16.0  # times the bounds at a point: in a box no wider than that all is rounding
-SAMPLES = 24  # states at which is seen what of the rows is nonlinear
-EDGE = 0.1  # share of a box by which it is enlarged where one zero is to be shown in it
+SAMPLES = 24  # states that show what is nonlinear in the rows
+EDGE = 0.1  # share of a box by which it is enlarged to show that it holds one zero
 TOUCHING = 64  # clusters that a box is compared with
 PIVOT_RTOL = 1e-10  # share of a row or a column: what is smaller is rounding
 
 
 class Elimination(NamedTuple):
-    """The states x = origin + basis u of those that linear rows leave, and what linear ones among u leave.
+    """How states are eliminated.
+
+    Linear rows leave the unknowns u; the states are x = origin + basis u.  Of these unknowns those that enter
+    linearly are eliminated too.
 
     Parameters
     ----------
@@ -116,7 +121,8 @@ def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
 
 
 def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
-    """None where linear rows contradict each other: there is no zero; a reason where nothing is known."""
+    """The elimination; None if linear rows contradict each other, so that there is no zero; a text that says
+    why nothing is known."""
     m, origin = flow.size, np.zeros(flow.size)
     entries = _entries(flow, [Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
     constant = {place: _constant(entry) for place, entry in entries.items()}
@@ -193,7 +199,7 @@ def _entries(flow: Flow, x: Sequence[Any], values: Sequence[float]) -> dict[tupl
 
 
 def _constant(entry: Any) -> float | None:
-    """The number that an entry is; None where it is not the same everywhere."""
+    """The number that an entry is; None if it is not the same everywhere."""
     if not isinstance(entry, Interval):
         return float(np.ravel(entry)[0])
     low, high = float(np.min(entry.low)), float(np.max(entry.high))
@@ -257,7 +263,7 @@ def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
 
 
 def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Sums (k, r) of r rows in which these columns (r, c) cancel, and which rows they are freed of."""
+    """Sums (k, r) of r rows in which these columns (r, c) cancel, and which rows were used as pivots."""
     r, c = columns.shape
     rows = np.abs(columns).max(axis=1, initial=0.0)
     scale = np.where(rows > 0, rows, 1.0)
@@ -305,7 +311,7 @@ class ReducedFlow:
         return self.by.unknowns
 
     def of(self, owners: NDArray[np.intp]) -> ReducedFlow:
-        """With the values of the parameters that are arrays taken for each box: those of its owner."""
+        """The flow for boxes of these owners: each box has its owner's value of a parameter that is an array."""
         if all(np.ndim(value) == 0 for value in self.values):
             return self
         values = [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in self.values]
@@ -388,7 +394,7 @@ def _joined(parts: Sequence[Boxes]) -> Boxes:
 
 
 class Isolation(NamedTuple):
-    """What bisection gives: boxes that hold one zero each, narrow ones that may, and those it did not reach.
+    """What bisection gives: boxes with one zero each, narrow ones that may hold zeros, and undecided ones.
 
     Parameters
     ----------
@@ -476,11 +482,12 @@ def _intervals(ends: Array) -> list[Interval]:
 
 
 def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Bounds (2, k, N) of where zeros in boxes (2, k, N) lie: one that is within its box holds exactly one.
+    """Bounds (2, k, N) of the zeros in boxes (2, k, N), and which boxes may hold zeros.
 
-    NaN where derivatives are not known, or singular in the middle.  Also which boxes may hold zeros by the
-    values in their middles and the derivatives: terms that cancel in these widen no bounds.  Of one equation
-    they are those of the interval Newton method, which needs no more than a slope of one sign.
+    If the bounds are within the box, it holds exactly one zero.  They are NaN if derivatives are not known,
+    or singular in the middle.  Which boxes may hold zeros follows from values in the middle and derivatives:
+    terms that cancel do not widen these bounds.  For one equation the bounds are those of the interval Newton
+    method, which needs no more than a slope of one sign.
     """
     k, count = boxes.shape[1:]
     middle = boxes.mean(axis=0)
@@ -545,8 +552,11 @@ def _contracted(reduced: ReducedFlow, boxes: Array) -> Array:
 
 
 def _finest(reduced: ReducedFlow, low: Array, high: Array) -> Any:
-    """Widths (N,) of boxes that are not worth bisecting: larger where the equations are zero but for rounding
-    in the middle, and any where they are that in the whole box."""
+    """Widths (N,) of boxes that are not worth bisecting.
+
+    They are larger if the equations are zero up to rounding in the middle.  If they are so in the whole box,
+    no width is worth it.
+    """
     finest = np.full(low.shape[1], FINEST)
     zero = _vanishes(reduced.rates([Interval(c, c) for c in (low + high) / 2]), len(finest))
     if zero.any():
@@ -560,7 +570,7 @@ def _vanishes(rows: list[Interval], count: int) -> NDArray[np.bool_]:
 
 
 def _is_rounding(reduced: ReducedFlow, low: Array, high: Array) -> NDArray[np.bool_]:
-    """Whether the equations are zero but for rounding in whole boxes."""
+    """Whether the equations are zero up to rounding in whole boxes."""
     whole = reduced.rates([Interval(*ends) for ends in zip(low, high, strict=True)])
     *_, means = _mean_values(reduced, np.stack([low, high]))
     widths = [np.fmin(a.high - a.low, b.high - b.low) for a, b in zip(whole, means, strict=True)]

@@ -25,18 +25,19 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
 Array = NDArray[np.float64]
-# A stiffness matrix scaled to a unit diagonal counts as singular where an eigenvalue is smaller than this.
+# A stiffness matrix scaled to a unit diagonal counts as singular if an eigenvalue is smaller than this.
 SINGULAR_EIGENVALUE = 1e-13
 # N: parts of smaller forces may be subnormal numbers, which lose digits.
 SMALLEST_FORCE = float(np.finfo(float).tiny / np.finfo(float).eps)
 LAST_DIGITS = 16.0  # of a penetration: what rounding may make of it
-# Share of the largest force: where the last digit of a penetration does more, its forces are not known.
+# Share of the largest force: if the last digit of a penetration changes forces by more, they are not known.
 MOST_LAST_DIGIT = 0.1
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 
 
 class Statics(NamedTuple):
-    """Functions of the penetration, then all parameters; of numbers, arrays or, for some, polynomials.
+    """Functions of the penetration, then of all parameters.  Inputs are numbers or arrays; laws that are
+    polynomials also take polynomials.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ class Statics(NamedTuple):
     equation: Flow
 
     def excess(self, penetration: Any, values: Sequence[Any]) -> Any:
-        """The left side of the scalar equation; of a polynomial another one, where the laws are some."""
+        """The left side of the scalar equation; with polynomial laws it takes a polynomial and gives one."""
         return self.equation.bounds([penetration], values)[0]
 
     def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
@@ -211,7 +212,7 @@ def _static_formulas(equations: SlidingEquations, held_by_contact: bool) -> Stat
 def _by_horner(excess: Any, normal: Any, friction: Any, ratio: Any, penetration: Any) -> Any:
     """The scalar equation times its denominator, by Horner's rule.
 
-    So bounds of it are narrow, and have a sign where forces are beyond floats.  F_T is `ratio` times F_N.
+    So its bounds are narrow, and have a sign even if forces are beyond floats.  F_T is `ratio` times F_N.
     """
     above, below = sympy.fraction(sympy.together(excess))
     unit = sympy.Poly(below, normal, friction).coeff_monomial(1) or sympy.S.One
@@ -303,8 +304,8 @@ def is_static(
 ) -> tuple[Array, Any]:
     """The residual of :func:`static_residual`, and where it is small enough.
 
-    That is below the tolerance, or below what the last digits of the penetration do where a law is steep.
-    Where these do too much the equations cannot be solved in double precision.
+    Small enough is below the tolerance.  If a law is steep, it is below what the last digits of the
+    penetration do.  If these do too much, the equations cannot be solved in double precision.
     """
     residual = static_residual(statics, q, values)
     with np.errstate(all="ignore"):
@@ -335,9 +336,9 @@ def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> 
 def statics_groups(
     equations: SlidingEquations, values: Sequence[Any], count: int
 ) -> Iterator[tuple[Statics, Any]]:
-    """The statics that apply, each with those of `count` parameter values at which it does, as booleans.
+    """The statics that apply at some of `count` parameter values, each with booleans that say at which.
 
-    Where a coordinate is not held none applies.
+    If a coordinate is not held at a value, none applies there.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """The modes in which equilibria are searched for: the flow of each, its conditions and its outputs.
 
 All are functions of the states and the parameters.  For models of the library they are kept in files, so that
-sympy is not needed to find their equilibria again.  In a model only the modes without constraints are
-searched, as in stick every position within the friction cone is an equilibrium; in an automaton all are.
+sympy is not needed to find their equilibria again.  In an automaton all modes are searched.  In a model only
+those without constraints are: in stick every position within the friction cone is an equilibrium.
 """
 
 from __future__ import annotations
@@ -135,12 +135,12 @@ class ModeEquilibria(NamedTuple):
     Parameters
     ----------
     mode : SteadyMode
-        The first mode with equilibria inside its guards; the last that was searched if no mode has any.
+        The first mode with equilibria inside its guards; if no mode has any, the last one searched.
     points : array (m, K)
     complete : bool
-        Whether this mode, and those searched before, have no others.
+        Whether it is known that this mode, and those searched before, have no others.
     why : str
-        Where that is not known, in which mode and why.
+        If that is not known, in which mode and why.
     """
 
     mode: SteadyMode
