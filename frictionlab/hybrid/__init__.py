@@ -1,8 +1,7 @@
 """The solver: it runs any hybrid automaton and knows nothing of friction.
 
-:mod:`frictionlab.tape` makes an automaton a `Program`, the arrays of all its tapes, guards, resets and
-sections, and `Numbers`, the values of its parameters.  From there data pass in this order, and each part
-imports only from those before it:
+:mod:`frictionlab.tape` makes a `Program` of an automaton, the arrays of all its tapes, guards, resets and
+sections, and `Numbers`, its coefficients at values of the parameters.  From there data pass in this order:
 
 ``kernels``
     What is computed with these arrays: Taylor series (jets), the length of a step, the location of events,
@@ -15,13 +14,18 @@ imports only from those before it:
     its events and its named outputs.
 ``methods``
     `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
-``trajectory``, ``run_file``, ``accuracy``
+``trajectory``, ``run_file``
     `Trajectory`, the result of a run with samples, events, dense output; the file of a run, and the check of
-    arrays read from it; the defect of its steps and the violation of its modes' conditions.
+    arrays read from it.
+``accuracy``, ``guard_bounds``, ``real_powers``
+    Checks of a run: the defect of its steps and the violation of its modes' conditions; where guards are
+    negative, by intervals; whether the base of a power became negative.
 ``ensemble``
     Many runs of one structure side by side.
 ``variational``
     How a run depends on its initial state: tangent flow, saltation matrices, growth of perturbations.
 ``solve``
     `fl.solve`, which checks the arguments and passes an automaton through all of this; methods by name.
+``free_memory``
+    The memory that a run can still take.
 """

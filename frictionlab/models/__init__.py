@@ -1,18 +1,27 @@
 """Models: compositions of parameters and components, from which hybrid automata are derived.
 
-`model` has the base of all models, with one namespace of parameters and nonlinearities that can be switched
-off (`composition`), copies with changes and JSON data for files (`serialisation`).  It also checks that
-arguments are models or automata.
-
-`automaton_of_model` derives a model once for its structure, on a copy whose parameters are sympy symbols
-(`symbols`, which also has derivatives of long sums).  It then puts the numbers back, which gives the
-`HybridAutomaton` that the solver runs.  What has been derived of a model of the library is cached on disk for
-later processes (`serialisation`); its automaton needs no sympy for what runs ask of it.
-
-`mechanical` derives automata from energies and contacts, `library` holds the nine models, and `mechanism` has
-the parts of their pictures.  `equations` holds the equations of a mode, printed as text or LaTeX, and derives
-them from an automaton's flow; `lagrange_equations` writes those of mechanical models with their contact
-forces, and those of an impact, as the paper does.
+``model``
+    `Model`, the base of all: one namespace of parameters, copies with changes, an automaton.
+``composition``
+    Parameters of a model and its components; nonlinearities that can be switched off.
+``symbols``
+    Copies of models whose parameters are sympy symbols, from which automata are derived; derivatives of long
+    sums.
+``automaton_of_model``
+    Derives a model once for its structure, and puts the numbers back: the `HybridAutomaton` that the solver
+    runs.
+``serialisation``
+    Models as JSON data for files; what has been derived of the library's models, cached on disk for later
+    processes, which need no sympy for what runs ask of it.
+``mechanical``
+    From energies and contacts to an automaton.
+``library``
+    The models of the package.
+``mechanism``
+    The parts of a model's picture, as data.
+``equations``, ``lagrange_equations``
+    The equations of a mode as text or LaTeX, from an automaton's flow; for mechanical models with their
+    contact forces, and those of an impact, as the paper writes them.
 """
 
 from __future__ import annotations

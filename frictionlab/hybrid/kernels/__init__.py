@@ -6,25 +6,28 @@ In the order of their imports:
     Quick logarithms, sums in vectors, calls of machine code.
 ``jets``
     Taylor coefficients of a mode's slots at a state, and majorants of their rounding errors.
-``step_length``
-    How long a step may be, from the last terms of the series; steps where the base of a power is nearly zero.
-``remainder``
-    A bound of what the series leaves out, by ranges on a complex disc.
+``event_location``
+    The first zero of a mode's guards within a step; all roots of a polynomial on an interval.
 ``run_state``
     The arrays that a run carries along: where it stands, its clock, scratch arrays, the record of steps and
     events.
-``event_location``
-    The first zero of a mode's guards within a step; all roots of a polynomial on an interval.
+``step_length``
+    How long a step may be, from the last terms of the series; steps near the zero of a base.
+``remainder``
+    A bound of what the series leaves out, by ranges on a complex disc.
+``power_onset``
+    Steps in which powers count as constant, as their bases are zero.
 ``mode_selection``
-    Resets, and the first admissible mode at a state, among listed modes or combinations of regimes, whose
-    modes are derived on demand.
+    Resets, and the first admissible mode at a state, among listed modes or among combinations of regimes,
+    whose modes are derived on demand.
+``impacts``
+    Impacts at one instant: which comes first, which act together, and which closes a Zeno accumulation.
 ``event_handling``
-    What is done at an event: record, reset, next mode, Zeno points.
+    What is done at an event: record, reset, next mode.
 ``taylor_steps``
     One step, its section events, the loop of steps, and the dense output from the steps that were stored.
 
-A step goes through ``jets`` at the state, ``step_length`` (with ``remainder`` where the last terms of the
-series do not tell),
-``event_location`` within it, section events, the state at its end; if there is an event,
-``event_handling``, which resets the state and asks ``mode_selection`` for the next mode.
+A step computes the ``jets`` at the state.  ``step_length`` gives its length, with ``remainder`` if the last
+terms of the series do not tell.  ``event_location`` looks for an event in it.  Then the state moves to the
+end.  If there is an event, ``event_handling`` resets the state and asks ``mode_selection`` for the next mode.
 """

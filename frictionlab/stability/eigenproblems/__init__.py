@@ -1,5 +1,6 @@
 """Eigenvalues of linearised models.
 
-`eigenvalues` linearises one model at its equilibrium; `root_locus` does so along a path of a parameter, and
-keeps each mode in one column through crossings, veerings and coalescence.
+`eigenvalues` linearises one model at its equilibrium.  `root_locus` does so along a path of a parameter, and
+keeps each mode in one column through crossings, veerings and coalescence.  `displaced_equilibrium` gives a
+state near an equilibrium, from which runs start (``x0="near"``).
 """

@@ -311,7 +311,7 @@ class ReducedFlow:
         return self.by.unknowns
 
     def of(self, owners: NDArray[np.intp]) -> ReducedFlow:
-        """The flow for boxes of these owners: each box has its owner's value of a parameter that is an array."""
+        """The flow for boxes of these owners: of each parameter a box has its owner's value."""
         if all(np.ndim(value) == 0 for value in self.values):
             return self
         values = [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in self.values]
