@@ -14,6 +14,8 @@ sections, and `Numbers`, its coefficients at values of the parameters.  From the
     its events and its named outputs.
 ``methods``
     `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
+``chatter_limit``
+    How short flights must be for the limit of chatter to take their place.
 ``trajectory``, ``run_file``
     `Trajectory`, the result of a run with samples, events, dense output; the file of a run, and the check of
     arrays read from it.
