@@ -5,6 +5,7 @@ as the README's second command makes.  What follows ``--`` goes to the command:
 `nox --no-venv -s tests -- tests/unit/stability -k hopf`.
 """
 
+import json
 import re
 import shlex
 import shutil
@@ -31,8 +32,10 @@ NOT_PYTHON = (  # in the wheel
     *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/panels/panel_image.js"),
     *("widgets/layout.css", "widgets/screen.js", "widgets/number_control.js", "widgets/file_button.js"),
 )
-# In a wheel: machine code of the solver, and what has been derived of the models.
-MOST_BYTES = {"/objects/": 400_000, "/structures.zip": 150_000}
+# In a wheel: machine code of the solver for all systems and browsers, and what was derived of the models.
+MOST_BYTES = {"/objects/": 1_800_000, "/structures.zip": 150_000}
+OBJECTS = Path("frictionlab/compilation/objects")
+MADE_BY = json.loads((OBJECTS / "manifest.json").read_text(encoding="utf-8"))["versions"]
 WITHOUT_COMPILER = """
 import importlib.util
 from frictionlab.compilation import machine_code
@@ -100,14 +103,22 @@ def lowest(session: nox.Session) -> None:
 
 @nox.session
 def pages(session: nox.Session) -> None:
-    """Exported pages in a Chromium, with the solver compiled for browsers (four minutes); the site with such
-    pages; faults of both that keep people out."""
+    """Exported pages in a Chromium, with the solver for browsers; the site with such pages; faults of both
+    that keep people out."""
     install(session, "test,pages,docs")
-    session.run("python", "-m", "frictionlab.compilation", "--web", external=True)
+    session.run("python", "-m", "frictionlab.compilation", "--web", "--if-changed", external=True)
     if shutil.which("node"):
         session.run("python", "-m", "tests.digests.web", external=True)
     build_site(session)
     run(session, "pytest", "-n", "auto", "-m", "browser", *NEED_THE_SOLVER)
+
+
+@nox.session(python=MADE_BY["python"])
+def objects(session: nox.Session) -> None:
+    """The machine code in the repository, compiled again, to the last bit: has it been forgotten?"""
+    packages = [f"{name}=={version}" for name, version in MADE_BY.items() if name != "python"]
+    session.install(*packages, "numpy>=2.0", "sympy>=1.14")
+    session.run("python", "-m", "frictionlab.compilation", "--compare")
 
 
 @nox.session
@@ -137,9 +148,9 @@ def aarch64(session: nox.Session) -> None:
     packages = "numpy", "scipy", "sympy", "llvmlite"
     session.run("python", "-m", "pip", "install", "--quiet", *fitting, "--target", str(wheels), *packages)
     for part in ("frictionlab", "tests"):
-        shutil.copytree(part, clone / part, ignore=shutil.ignore_patterns("__pycache__", "objects"))
+        shutil.copytree(part, clone / part, ignore=shutil.ignore_patterns("__pycache__"))
     with session.chdir(clone):
-        compiling = "frictionlab.compilation", "--target", "linux-aarch64"
+        compiling = "frictionlab.compilation", "--target", "linux-aarch64", "--if-changed"
         session.run("python", "-m", *compiling, env={"PYTHONPATH": str(clone)}, external=True)
         paths = {"PYTHONPATH": f"{clone}:{wheels}", "FRICTIONLAB_CACHE_DIR": str(folder / "cache")}
         session.run(*python, "-c", WITHOUT_COMPILER, env=paths, external=True)
@@ -208,21 +219,25 @@ def build_site(session: nox.Session, *more: str) -> None:
 def package(session: nox.Session) -> None:
     """Wheel and source as they go to PyPI; the wheel alone runs the scene of the README.
 
-    It does so without numba, and from the first process on without sympy.
+    It is the same for all systems.  It does so without numba, and from the first process on without sympy.
 
     A folder that follows ``--`` keeps both.
     """
     session.install("build", "twine")
     with TemporaryDirectory() as folder:
-        session.run("python", "-m", "build", "--sdist", "--wheel", "--outdir", folder)
+        build = "python", "-m", "build", "--sdist", "--wheel", "--outdir", folder
+        session.run(*build, env={"FRICTIONLAB_BUILD_STRUCTURES": "1"})
         (wheel,), (source,) = Path(folder).glob("*.whl"), Path(folder).glob("*.tar.gz")
+        if not wheel.name.endswith("-py3-none-any.whl"):
+            session.error(f"{wheel.name} is not for all systems: python -m frictionlab.compilation --all")
         session.run("twine", "check", "--strict", str(wheel), str(source))
         with zipfile.ZipFile(wheel) as content:
             sizes = {one.filename: one.compress_size for one in content.infolist()}
         for part, most in MOST_BYTES.items():
             if not 0 < (size := sum(sizes[name] for name in sizes if part in name)) <= most:
                 session.error(f"{part} has {size} bytes in the wheel, it may have {most}")
-        if lacking := [name for name in NOT_PYTHON if f"frictionlab/{name}" not in sizes]:
+        code = [f"compilation/objects/{path.name}" for path in OBJECTS.iterdir()]
+        if lacking := [name for name in (*NOT_PYTHON, *code) if f"frictionlab/{name}" not in sizes]:
             session.error(f"the wheel lacks {', '.join(lacking)}")
         for kept in session.posargs:
             shutil.copytree(folder, kept, dirs_exist_ok=True)

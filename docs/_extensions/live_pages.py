@@ -25,7 +25,7 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 import frictionlab
-from frictionlab.compilation.manifest import FILE, objects_folder
+from frictionlab.compilation.manifest import FILE, FOLDERS, objects_folder
 from frictionlab.pages.export import SolverNotBuiltError
 
 FOLDER = "live"  # in the site
@@ -50,10 +50,9 @@ class LivePage(SphinxDirective):
         """The embedded page, or the picture."""
         text = self.options["model"]
         name = re.sub(r"[^A-Za-z0-9_.]+", "-", text).strip("-") + ".html"
-        for source in (
-            objects_folder() / FILE,
-            *SOURCES,
-        ):  # read again when the solver is compiled, or changes
+        manifests = [objects_folder(folder) / FILE for folder in FOLDERS]
+        # Read again when the solver is compiled, or changes.
+        for source in (*filter(Path.is_file, manifests), *SOURCES):
             self.env.note_dependency(str(source))
         try:
             export(text, Path(self.env.doctreedir) / FOLDER / name)

@@ -17,7 +17,7 @@ from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
-from zipfile import ZIP_DEFLATED, ZipFile
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from .parsing import model_of
 
@@ -74,7 +74,9 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
         with write_file(path) as beside, ZipFile(beside, "w", ZIP_DEFLATED, compresslevel=9) as archive:
             archive.comment = serialisation.LOADED.digest.encode()
             for structure in sorted(Path(folder).rglob("*.structure")):
-                archive.writestr(structure.name, cache_folder.read(structure) or b"")
+                entry = ZipInfo(structure.name)  # of no date, so that the archive is the same each time
+                entry.compress_type = ZIP_DEFLATED
+                archive.writestr(entry, cache_folder.read(structure) or b"", compresslevel=9)
 
 
 def main() -> None:

@@ -1,15 +1,18 @@
 """How kernels become machine code: by their decorators, and ahead of time for each processor and system.
 
 A kernel is a plain function on numbers and arrays with a decorator.  A build step compiles once those that
-are called from outside.  The package carries the results in the folder ``objects``; to run them takes neither
-numba nor a compiler.  ``python -m frictionlab.compilation`` compiles for this machine, with ``--all`` for
-every target, with ``--target`` for one, with ``--web`` for browsers.
+are called from outside.  The results are part of the repository, in the folder ``objects``, for every
+processor and system and for browsers; to run them takes neither numba nor a compiler.
+``python -m frictionlab.compilation --all`` makes them anew, ``--compare`` tells whether that would change
+them.  While kernels are edited, ``python -m frictionlab.compilation`` compiles for this machine alone, into
+``objects_of_machine``, which git ignores.
 
 What kernels need when they are imported, each file only from those before it:
 
+``targets``
+    Processors and systems, and which of them fit this machine.
 ``manifest``
-    The file beside the objects that says what has been compiled, and from which sources; processors and
-    systems, and which of them fit this machine.
+    The file beside the objects that says what has been compiled, and from which sources.
 ``loaded_kernels``
     The object that fits this machine, and its functions as Python calls them.  It needs llvmlite, not numba.
 ``machine_code``
@@ -29,8 +32,10 @@ The build step:
 ``flat_functions``
     The kernels as numba's LLVM instructions, before any optimisation; around each entry point a function of
     one table of numbers and addresses.
-``build``, ``build_hook``
-    They do all of this in turn and make the machine code of each target: as a command, and for a wheel.
+``build``
+    All of this in turn, and the machine code of each target.
+``build_hook``
+    What an installation does where the objects do not fit the sources.
 
 How a function is called, in an object and in a browser (``objects/kernels.wasm``): ``int name(int64
 *table)``, which returns 0. A table has little-endian words of 64 bits: first the results, then the

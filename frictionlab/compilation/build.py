@@ -1,5 +1,5 @@
-"""Compile the kernels: capture their instructions, make machine code of them for each target, write the
-folder of objects.
+"""Compile the kernels: capture their instructions, make machine code of them for each target, write a folder
+of objects.
 
 Run it as ``python -m frictionlab.compilation``, which makes numba compile even where objects exist.
 """
@@ -14,6 +14,8 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from importlib import metadata
+from importlib.util import find_spec
 from itertools import repeat
 from multiprocessing import get_context
 from pathlib import Path
@@ -27,22 +29,21 @@ from frictionlab.compilation.entry_points import entry_points, symbols
 from frictionlab.compilation.flat_functions import flat_function, scalar_function
 from frictionlab.compilation.manifest import (
     FILE,
-    TARGETS,
-    WEB,
     Function,
     Manifest,
-    Target,
     code_digest,
     digest,
     kernel_sources,
-    objects_folder,
+    read_manifest,
     source_files,
 )
+from frictionlab.compilation.targets import TARGETS, WEB, Target
 
 # The modules that make the instructions and the tables.
 BUILDERS = tuple(
-    f"frictionlab.compilation.{name}" for name in ("build", "entry_points", "flat_functions", "manifest")
+    f"frictionlab.compilation.{name}" for name in ("build", "entry_points", "flat_functions", "targets")
 )
+PACKAGES = "numba", "llvmlite", "ziglang"  # by whose versions the machine code may differ
 # With more targets it pays to do once the optimisations that hold for all processors; this takes as long as
 # one target.
 MOST_WITHOUT_SIMPLIFICATION = 2
@@ -55,24 +56,55 @@ LINKER = ("wasm-ld", "--no-entry", "--allow-undefined", "--export-table", "--gro
 SCALARS = {"int64": "i64", "float64": "double"}
 
 
-def build(targets: Sequence[Target], report: Callable[[str], None]) -> None:
-    """Compile for the targets, and replace all that the folder of objects has held."""
-    folder = Path(str(objects_folder()))
+def build(targets: Sequence[Target], folder: Path, report: Callable[[str], None]) -> None:
+    """Compile for the targets, and replace all that a folder of objects has held."""
+    if WEB in targets and find_spec("ziglang") is None:
+        raise ModuleNotFoundError("the linker for WebAssembly is part of ziglang: pip install ziglang")
     start, sources = time.perf_counter(), _sources()
     report("kernels: numba compiles them once, for all processors ...")
     instructions, tables, names = _capture()
     report(f"kernels: machine code for {', '.join(target.name for target in targets)} ...")
     contents = _machine_code(instructions, [*tables, *names], targets)
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     for old in folder.iterdir():
         old.unlink()
     objects = {}
     for target, content in zip(targets, contents, strict=True):
         (folder / target.file).write_bytes(content)
         objects[target.file] = digest(content)
-    manifest = Manifest(sources, tables, tuple(names), objects)
-    (folder / FILE).write_text(manifest.to_json(), encoding="utf-8")
+    manifest = Manifest(sources, tables, tuple(names), objects, _versions())
+    (folder / FILE).write_text(manifest.to_json(), encoding="utf-8", newline="\n")
     report(f"kernels: compiled in {time.perf_counter() - start:.0f} s, in {folder}")
+
+
+def differences(folder: Path, report: Callable[[str], None]) -> list[str]:
+    """What differs where the objects in a folder, for all targets, are compiled again."""
+    with TemporaryDirectory() as again:
+        build([*TARGETS, WEB], Path(again), report)
+        there, made = read_manifest(folder), read_manifest(Path(again))
+        files = {path.name for path in (*folder.iterdir(), *Path(again).iterdir())} - {FILE}
+        names = [name for name in sorted(files) if _content(folder / name) != _content(Path(again) / name)]
+    if there is None or made is None:
+        return [FILE]
+    if [of_code for _, of_code in there.sources.values()] != [
+        of_code for _, of_code in made.sources.values()
+    ]:
+        names.append("the sources")
+    if (there.functions, there.symbols, there.objects) != (made.functions, made.symbols, made.objects):
+        names.append(FILE)
+    used = {name: (there.versions.get(name), version) for name, version in made.versions.items()}
+    others = [f"{name} ({was}, now {now})" for name, (was, now) in used.items() if was != now]
+    return [*names, *others] if names else []
+
+
+def _content(file: Path) -> bytes:
+    return file.read_bytes() if file.is_file() else b""
+
+
+def _versions() -> dict[str, str]:
+    """Versions of what takes part; that of ziglang only where it is installed."""
+    packages = {name: metadata.version(name) for name in PACKAGES if find_spec(name) is not None}
+    return {"python": "{}.{}".format(*sys.version_info), **packages}
 
 
 def _machine_code(instructions: str, exports: list[str], targets: Sequence[Target]) -> list[bytes]:

@@ -1,10 +1,13 @@
-"""What hatchling calls when a wheel is made: compile the kernels, derive the structures of the library's
-models, have the wheel carry both.
+"""What hatchling calls when a wheel is made, also by ``pip install .`` and ``pip install -e .``.
 
-The kernels are compiled in a separate process, for the machine at hand, unless the objects in the clone were
-made from these very sources.  Where that fails, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is 0 or empty,
-the wheel holds Python only.  On the user's machine numba then compiles the kernels where it is installed,
-else they run as plain Python; structures are derived there when they are needed.
+A clone has the kernels as machine code for every target.  As long as they fit the sources there is nothing to
+do, and nothing but hatchling is needed.  After an edit of a kernel this hook asks for numba and compiles for
+the machine at hand, in a separate process.  Where it cannot, or the variable ``FRICTIONLAB_BUILD_KERNELS`` is
+0 or empty, the package is installed nevertheless: kernels are then compiled by numba when they are used,
+where it is installed, else they run as plain Python.
+
+With the variable ``FRICTIONLAB_BUILD_STRUCTURES=1``, for a wheel that is published, the hook derives the
+structures of the library's models too.  Else they are derived when they are first used.
 """
 
 from __future__ import annotations
@@ -13,18 +16,21 @@ import os
 import platform
 import subprocess
 import sys
-import sysconfig
 from collections.abc import Sequence
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-VARIABLE = "FRICTIONLAB_BUILD_KERNELS"
-COMMAND = "-m", "frictionlab.compilation", "--if-changed"
-OBJECTS = "frictionlab/compilation/objects"
+KERNELS, STRUCTURES = "FRICTIONLAB_BUILD_KERNELS", "FRICTIONLAB_BUILD_STRUCTURES"
+COMPILE = "-m", "frictionlab.compilation", "--if-changed"
 DERIVE = "-m", "frictionlab.cli.shipped_structures"
+# The one place where numba is pinned: what it makes is what users run.
+NEEDED_TO_COMPILE = ("numba==0.68.*; python_version < '3.15'", "numpy>=2.0", "sympy>=1.14")
+NEEDED_TO_DERIVE = ("llvmlite>=0.43", "numpy>=2.0", "sympy>=1.14")
+OBJECTS = "frictionlab/compilation/objects_of_machine"
 # Not written into the package: in a clone, whose sources change, structures are derived.
-STRUCTURES, STRUCTURES_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
+ARCHIVE, ARCHIVE_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
+SLOW = "kernels will be compiled by numba when they are used, or run as plain Python"
 
 
 class KernelBuildHook(BuildHookInterface):
@@ -32,40 +38,68 @@ class KernelBuildHook(BuildHookInterface):
 
     PLUGIN_NAME = "custom"
 
+    def dependencies(self) -> list[str]:
+        """Packages that this build needs beside hatchling."""
+        compiler = NEEDED_TO_COMPILE if self._must_compile() and self._platform() else ()
+        return [*compiler, *(NEEDED_TO_DERIVE if _is_set(STRUCTURES, "0") else ())]
+
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Compile before the files of a wheel are chosen; `version` is "standard" or "editable"."""
-        if os.environ.get(VARIABLE, "1") in ("", "0"):
+        if self._must_compile():
+            self._compile()
+        if self._has_objects_of_machine():
+            build_data["pure_python"] = False
+            build_data["tag"] = f"py3-none-{self._platform()}"
+            build_data["artifacts"].append(f"/{OBJECTS}/")
+        path = os.path.join(self.root, ARCHIVE)
+        fails = "the models' equations will be derived when they are first used"
+        if _is_set(STRUCTURES, "0") and self._has_run((*DERIVE, path), fails):
+            build_data["force_include"][path] = ARCHIVE_IN_WHEEL
+
+    def _must_compile(self) -> bool:
+        """Whether there are no objects of the present sources for this system."""
+        return _is_set(KERNELS, "1") and isinstance(self._compiled(), str)
+
+    def _has_objects_of_machine(self) -> bool:
+        """Whether those of the repository do not fit the sources, but those compiled on this machine do."""
+        compiled = self._compiled()
+        return not isinstance(compiled, str) and compiled.folder != self._modules()[0].REPOSITORY
+
+    def _compiled(self) -> Any:
+        manifest, targets = self._modules()
+        return manifest.compiled_object([target.file for target in targets.targets_of_system()])
+
+    def _compile(self) -> None:
+        if not self._platform():
+            self.app.display_warning(f"no compiler for this processor and system: {SLOW}")
             return
         self.app.display_info("frictionlab compiles its solver for this machine, a minute or two ...")
-        fails = "the solver could not be compiled, it will run by numba or as plain Python"
-        is_clone = version == "editable"  # which stays on this machine; a wheel may go to another
-        if not self._has_run((*COMMAND, "--best") if is_clone else COMMAND, fails) or is_clone:
-            return
-        build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{self._platform()}"
-        build_data["artifacts"].append(f"/{OBJECTS}/")
-        path = os.path.join(self.root, STRUCTURES)
-        if self._has_run((*DERIVE, path), "the models' equations will be derived when they are first used"):
-            build_data["force_include"][path] = STRUCTURES_IN_WHEEL
+        self._has_run(COMPILE, f"the solver could not be compiled, {SLOW}")
 
     def _has_run(self, arguments: Sequence[str], otherwise: str) -> bool:
         """Run Python with these arguments; returns whether it succeeded, else a warning says what follows."""
         try:
             self._run(*arguments)
         except (OSError, subprocess.CalledProcessError) as error:
-            said = getattr(error, "stderr", None) or str(error)
-            self.app.display_warning(f"{otherwise}: {said[-2000:]}")
+            (*_, last) = (getattr(error, "stderr", None) or str(error)).strip().splitlines()
+            self.app.display_warning(f"{otherwise}: {last}")
             return False
         return True
 
     def _platform(self) -> str:
-        """The platform tag of a wheel for this machine."""
-        if sys.platform == "linux" and platform.libc_ver()[0] != "glibc":
-            return sysconfig.get_platform().replace("-", "_")
-        sys.path.insert(0, self.root)
-        from frictionlab.compilation.manifest import targets_of_machine
+        """The platform tag of a wheel with objects of this machine; "" where there can be none."""
+        if sys.platform == "linux" and platform.libc_ver()[0] != "glibc":  # llvmlite has no wheels there
+            return ""
+        _, targets = self._modules()
+        return next((target.wheel for target in targets.targets_of_system()), "")
 
-        return targets_of_machine()[0].wheel
+    def _modules(self) -> tuple[Any, Any]:
+        """What reads manifests, and the list of targets: of the clone, which need Python only."""
+        if sys.path[0] != self.root:
+            sys.path.insert(0, self.root)
+        from frictionlab.compilation import manifest, targets
+
+        return manifest, targets
 
     def _run(self, *arguments: str) -> str:
         """Run Python in the clone; returns what it has printed."""
@@ -75,3 +109,7 @@ class KernelBuildHook(BuildHookInterface):
         command = [sys.executable, *arguments]
         options = {"cwd": self.root, "capture_output": True, "text": True, "check": True}
         return subprocess.run(command, env=environment, **options).stdout
+
+
+def _is_set(variable: str, default: str) -> bool:
+    return os.environ.get(variable, default) not in ("", "0")

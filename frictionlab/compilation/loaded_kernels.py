@@ -15,15 +15,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from frictionlab.compilation.manifest import (
-    Function,
-    Manifest,
-    changed_sources,
-    digest,
-    read_manifest,
-    read_object,
-    targets_of_machine,
-)
+from frictionlab.compilation.manifest import Function, Manifest, compiled_object, digest
+from frictionlab.compilation.targets import targets_of_machine
 
 LOGGER = logging.getLogger(__name__)
 GAPS = "with gaps"  # stands for the type of an array that is not contiguous
@@ -62,11 +55,6 @@ class LoadedKernels:
 
 def load_kernels() -> tuple[LoadedKernels | None, str]:
     """The kernels compiled from these sources for this machine; else None, and why there are none."""
-    manifest = read_manifest()
-    if manifest is None:
-        return None, "the kernels have not been compiled ahead of time"
-    if changed := changed_sources(manifest):
-        return None, f"kernels have changed since they were compiled ahead of time ({changed[0]})"
     try:
         import llvmlite.binding as llvm
 
@@ -74,14 +62,16 @@ def load_kernels() -> tuple[LoadedKernels | None, str]:
         llvm.initialize_native_asmprinter()
     except Exception as error:  # it is not installed, or its library cannot be loaded
         return None, f"llvmlite cannot be imported ({type(error).__name__}: {error})"
-    for target in targets_of_machine():
-        packed = read_object(manifest, target.file)
-        if packed is not None:
-            code = lzma.decompress(packed)
-            LOGGER.debug("kernels compiled ahead of time for %s", target.name)
-            sources = "".join(of_code for _, of_code in manifest.sources.values()).encode()
-            return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
-    return None, "the kernels have not been compiled ahead of time for this processor and system"
+    targets = targets_of_machine()
+    if not targets:
+        return None, "there are no kernels compiled ahead of time for this processor and system"
+    compiled = compiled_object([target.file for target in targets])
+    if isinstance(compiled, str):
+        return None, compiled
+    LOGGER.debug("kernels compiled ahead of time: %s", compiled.name)
+    code, manifest = lzma.decompress(compiled.content), compiled.manifest
+    sources = "".join(of_code for _, of_code in manifest.sources.values()).encode()
+    return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
 
 
 def _engine(llvm: Any, code: bytes) -> Any:

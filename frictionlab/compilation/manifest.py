@@ -1,8 +1,7 @@
-"""What has been compiled, from which sources and for which processors and systems: a file beside the objects.
+"""What has been compiled, and from which sources: a file beside the objects.
 
 The sources are the files that define what a kernel calls, or a constant that it uses.  They are read, not
-imported, so that their digests are known before any kernel is imported.  There is an object for each
-`Target`; `targets_of_machine` says which of them run here.
+imported, so that their digests are known before any kernel is imported.
 """
 
 from __future__ import annotations
@@ -11,14 +10,12 @@ import ast
 import hashlib
 import io
 import json
-import platform
-import sys
 import tokenize
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 PACKAGE = "frictionlab"
 WITH_KERNELS = "frictionlab.tape", "frictionlab.hybrid"  # the packages that define kernels
@@ -146,7 +143,10 @@ def _is_module(name: str) -> bool:
     return file is not None and file.is_file()
 
 
-FOLDER, FILE = "objects", "manifest.json"
+# The repository's objects, for all targets; what has been compiled on this machine since, which git ignores.
+# The latter counts where the former were made from other sources.
+FOLDERS = REPOSITORY, MACHINE = "objects", "objects_of_machine"
+FILE = "manifest.json"
 Word = tuple[str, str, int]  # name, type, number of axes (0: a number)
 
 
@@ -177,26 +177,29 @@ class Manifest:
         Functions that native code calls.
     objects : dict of str to str
         Digest of each file with machine code, by its name.
+    versions : dict of str to str
+        Of Python and of the packages that made them.
     """
 
     sources: dict[str, tuple[str, str]]
     functions: dict[str, Function] = field(default_factory=dict)
     symbols: tuple[str, ...] = ()
     objects: dict[str, str] = field(default_factory=dict)
+    versions: dict[str, str] = field(default_factory=dict)
 
     def to_json(self) -> str:
         return json.dumps(asdict(self), indent=1)
 
 
-def objects_folder() -> Any:
-    """The folder of objects, which may be in a zip file."""
-    return resources.files("frictionlab.compilation") / FOLDER
+def objects_folder(name: str) -> Any:
+    """One of the folders of objects, which may be in a zip file."""
+    return resources.files("frictionlab.compilation") / name
 
 
-def read_manifest() -> Manifest | None:
-    """The manifest beside the objects; None where it is missing or damaged."""
+def read_manifest(folder: Any) -> Manifest | None:
+    """The manifest in a folder of objects; None where it is missing or damaged."""
     try:
-        given = json.loads((objects_folder() / FILE).read_text(encoding="utf-8"))
+        given = json.loads((folder / FILE).read_text(encoding="utf-8"))
         functions = {
             name: Function(
                 tuple(tuple(word) for word in each["results"]),
@@ -211,21 +214,45 @@ def read_manifest() -> Manifest | None:
         return None
 
 
+class CompiledObject(NamedTuple):
+    """A file that was compiled from the present sources: its folder, name and content, and its manifest."""
+
+    folder: str
+    name: str
+    content: bytes
+    manifest: Manifest
+
+
+def compiled_object(files: Sequence[str]) -> CompiledObject | str:
+    """The first of these files that was compiled from the present sources; else why there is none."""
+    reason = "the kernels have not been compiled ahead of time"
+    for name in FOLDERS:
+        folder = objects_folder(name)
+        manifest = read_manifest(folder)
+        if manifest is None:
+            continue
+        if changed := changed_sources(manifest):
+            reason = f"kernels have changed since they were compiled ahead of time ({changed[0]})"
+            continue
+        for file in files:
+            content = _read_object(folder / file, manifest)
+            if content is not None:
+                return CompiledObject(name, file, content, manifest)
+    return reason
+
+
 def lacking_objects(names: Iterable[str]) -> list[str]:
     """Those of the files that are missing, not as they were written, or made from other sources."""
-    manifest = read_manifest()
-    if manifest is None or changed_sources(manifest):
-        return list(names)
-    return [name for name in names if read_object(manifest, name) is None]
+    return [name for name in names if isinstance(compiled_object([name]), str)]
 
 
-def read_object(manifest: Manifest, name: str) -> bytes | None:
+def _read_object(file: Any, manifest: Manifest) -> bytes | None:
     """Content of a file; None where it is missing or not as it was written."""
     try:
-        content = (objects_folder() / name).read_bytes()
+        content = file.read_bytes()
     except OSError:
         return None
-    return content if manifest.objects.get(name) == digest(content) else None
+    return content if manifest.objects.get(file.name) == digest(content) else None
 
 
 def digest(content: bytes) -> str:
@@ -268,82 +295,3 @@ STATEMENT_ENDS = (
     *(tokenize.ENCODING, tokenize.NEWLINE, tokenize.NL),
     *(tokenize.INDENT, tokenize.DEDENT, tokenize.COMMENT),
 )
-
-
-# Features of x86-64-v3 beyond the baseline; a processor must have all of them.
-V3_FEATURES = "avx avx2 bmi bmi2 f16c fma lzcnt movbe".split()
-X86, ARM = ("x86_64", "amd64"), ("aarch64", "arm64")  # as machines name themselves
-
-
-@dataclass(frozen=True)
-class Target:
-    """A processor and a system.
-
-    Parameters
-    ----------
-    name : str
-        Name of the target, and of an object's file without its ending.
-    triple, cpu, features : str
-        As LLVM names them.
-    system : str
-        What ``sys.platform`` begins with.
-    machines : tuple of str
-        Names that machines give such a processor, in lower case.
-    wheel : str
-        The platform tag of a wheel that carries the object.
-    needs : tuple of str
-        Features of the processor that the code uses beyond the baseline.
-    """
-
-    name: str
-    triple: str
-    cpu: str
-    features: str
-    system: str
-    machines: tuple[str, ...]
-    wheel: str
-    needs: tuple[str, ...] = ()
-
-    @property
-    def file(self) -> str:
-        """Name of the file in the folder of objects."""
-        return "kernels.wasm" if self.system == "emscripten" else self.name + ".o.xz"
-
-
-# MCJIT loads ELF objects on Windows too; numba uses it so.
-_WINDOWS = "pc-windows-msvc-elf"
-# The objects call nothing of the system, so this is the oldest one that Python and numpy have wheels for.
-_LINUX = "manylinux_2_17"
-_X86_LINUX = ("linux", X86, f"{_LINUX}_x86_64")
-_X86_WINDOWS = ("win32", X86, "win_amd64")
-# In the order in which they are tried.
-TARGETS = (
-    Target("linux-x86-64-v3", "x86_64-unknown-linux-gnu", "x86-64-v3", "", *_X86_LINUX, tuple(V3_FEATURES)),
-    Target("linux-x86-64", "x86_64-unknown-linux-gnu", "x86-64", "", *_X86_LINUX),
-    Target("linux-aarch64", "aarch64-unknown-linux-gnu", "generic", "", "linux", ARM, f"{_LINUX}_aarch64"),
-    Target("macos-aarch64", "arm64-apple-macosx11", "apple-m1", "", "darwin", ARM, "macosx_11_0_arm64"),
-    Target("windows-x86-64-v3", f"x86_64-{_WINDOWS}", "x86-64-v3", "", *_X86_WINDOWS, tuple(V3_FEATURES)),
-    Target("windows-x86-64", f"x86_64-{_WINDOWS}", "x86-64", "", *_X86_WINDOWS),
-)
-WEB = Target(
-    "web", "wasm32-unknown-unknown", "generic",
-    "+simd128,+bulk-memory,+nontrapping-fptoint,+sign-ext,+mutable-globals", "emscripten", ("wasm32",),
-    "",
-)  # fmt: skip
-
-
-def targets_of_machine() -> list[Target]:
-    """The targets whose code runs here, the best one first."""
-    machine = platform.machine().lower()
-    fitting = [t for t in TARGETS if sys.platform.startswith(t.system) and machine in t.machines]
-    features = _features() if any(target.needs for target in fitting) else {}
-    return [target for target in fitting if all(features.get(name) for name in target.needs)]
-
-
-def _features() -> dict[str, bool]:
-    import llvmlite.binding as llvm
-
-    try:
-        return dict(llvm.get_host_cpu_features())
-    except RuntimeError:  # LLVM does not know the processor
-        return {}

@@ -20,7 +20,8 @@ from typing import Any
 from frictionlab._version import __version__
 from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.compilation.llvm_instructions import EXP2_COEFFICIENTS
-from frictionlab.compilation.manifest import WEB, changed_sources, read_manifest, read_object
+from frictionlab.compilation.manifest import compiled_object
+from frictionlab.compilation.targets import WEB
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
@@ -256,15 +257,13 @@ def solver_data(script: str) -> dict[str, Any]:
     SolverNotBuiltError
         Where the files are missing, damaged, or older than the kernels.
     """
-    manifest = read_manifest()
-    module = None if manifest is None else read_object(manifest, WEB.file)
-    if manifest is None or module is None:
-        raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, which is not there: {CURE}")
-    if changed := changed_sources(manifest):
-        raise SolverNotBuiltError(f"{changed[0]} has changed since it was compiled to WebAssembly: {CURE}")
+    compiled = compiled_object([WEB.file])
+    if isinstance(compiled, str):
+        raise SolverNotBuiltError(f"export_page needs the solver as WebAssembly, but {compiled}: {CURE}")
+    manifest = compiled.manifest
     functions = {name: each for name, each in manifest.functions.items() if f'"{name}"' in script}
     tables = {
         name: {"results": each.results, "arguments": each.arguments} for name, each in functions.items()
     }
-    packed = gzip.compress(module, 9, mtime=0)
+    packed = gzip.compress(compiled.content, 9, mtime=0)
     return {"module": base64.b64encode(packed).decode(), "tables": tables}

@@ -2,7 +2,8 @@
 
 import json
 import os
-import re
+import platform
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,10 +16,17 @@ from frictionlab.compilation import machine_code
 from frictionlab.compilation.entry_points import entry_points
 from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.compilation.manifest import (
+    FILE,
+    REPOSITORY,
+    Manifest,
+    changed_sources,
     code_digest,
-    lacking_objects,
-    targets_of_machine,
+    digest,
+    kernel_sources,
+    objects_folder,
+    read_manifest,
 )
+from frictionlab.compilation.targets import TARGETS, WEB, targets_of_system
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.tape.packing import program_of
 
@@ -84,8 +92,18 @@ def test_prose_makes_no_object_stale(before, after, same):
     assert (code_digest(CODE.encode()) == code_digest(CODE.replace(before, after).encode())) == same
 
 
+def test_the_objects_of_the_repository_fit_the_sources():
+    """After an edit of a kernel: python -m frictionlab.compilation --all."""
+    manifest = read_manifest(objects_folder(REPOSITORY))
+    assert manifest is not None
+    assert changed_sources(manifest) == []
+    assert {*manifest.objects} == {target.file for target in (*TARGETS, WEB)}
+    for name, expected in manifest.objects.items():
+        assert digest((objects_folder(REPOSITORY) / name).read_bytes()) == expected
+
+
 HOOK = """
-import json, sys
+import json, platform, sys
 sys.path.insert(0, "frictionlab/compilation")
 from build_hook import KernelBuildHook
 
@@ -93,53 +111,131 @@ class App:
     def display_info(self, text): print("info:", text)
     def display_warning(self, text): print("warning:", text)
 
-hook = KernelBuildHook(sys.argv[1], {}, None, None, sys.argv[1], "wheel", App())
+root, version, machine = sys.argv[1:]
+platform.machine = lambda: machine
+hook = KernelBuildHook(root, {}, None, None, root, "wheel", App())
+needed = hook.dependencies()
 data = {"pure_python": True, "artifacts": [], "force_include": {}}
-hook.initialize(sys.argv[2], data)
-print(json.dumps(data))
+hook.initialize(version, data)
+print(json.dumps([needed, data]))
 """
-PYTHON_ONLY = {"pure_python": True, "artifacts": [], "force_include": {}}
+# The files of a clone that say what its objects were made from, and what the hook runs.
+EDITED = Path("frictionlab/hybrid/kernels/jets.py")
+COMPILE = """
+from pathlib import Path
+import sys
+sys.path.insert(0, {tests!r})
+from test_kernels_ahead_of_time import write_objects
+write_objects(Path("frictionlab"), "objects_of_machine")
+"""
+ANY = {"pure_python": True, "artifacts": [], "force_include": {}}
+SLOW = "kernels will be compiled by numba when they are used, or run as plain Python"
 
 
-def hooked(version, root=ROOT, **environment):
-    """What the build step prints, and what it tells hatchling."""
+def write_objects(package, folder):
+    """Files in place of objects, with a manifest that fits the sources of a package."""
+    paths = [package / path for path in kernel_sources()]
+    contents = {path.relative_to(package).as_posix(): path.read_bytes() for path in paths}
+    sources = {path: (digest(content), code_digest(content)) for path, content in contents.items()}
+    names = [target.file for target in (*TARGETS, WEB)]
+    manifest = Manifest(sources, objects={name: digest(name.encode()) for name in names})
+    (package / "compilation" / folder).mkdir()
+    for name in names:
+        (package / "compilation" / folder / name).write_bytes(name.encode())
+    (package / "compilation" / folder / FILE).write_text(manifest.to_json())
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """A clone whose objects fit its sources."""
     pytest.importorskip("hatchling", reason="it builds the wheel; it is not installed")
+    ignored = shutil.ignore_patterns("__pycache__", "objects*", "tutorials")
+    shutil.copytree(ROOT / "frictionlab", tmp_path / "frictionlab", ignore=ignored)
+    write_objects(tmp_path / "frictionlab", REPOSITORY)
+    return tmp_path
+
+
+@pytest.fixture
+def edited_clone(clone):
+    """One in which a kernel has been edited since; its compiler is a script that the test writes."""
+    (clone / EDITED).write_text((clone / EDITED).read_text() + "\nEDITED = True\n")
+    return clone
+
+
+def hooked(root, version="standard", machine="", **environment):
+    """What the build step prints, the packages that it needs, and what it tells hatchling."""
     done = subprocess.run(
-        [sys.executable, "-c", HOOK, str(root), version],
-        cwd=ROOT,
-        env={**os.environ, **environment},
+        [sys.executable, "-c", HOOK, str(root), version, machine or platform.machine()],
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": "", **environment},
         capture_output=True,
         text=True,
         check=True,
     )
     *said, data = done.stdout.splitlines()
-    return "\n".join(said), json.loads(data)
+    return said, *json.loads(data)
 
 
-ALL_FILES = [target.file for target in targets_of_machine()]
+def compiler(clone, script):
+    (clone / "frictionlab" / "compilation" / "__main__.py").write_text(script)
 
 
-@pytest.mark.skipif(bool(lacking_objects(ALL_FILES)), reason="a clone has the object of its own processor")
-def test_objects_that_are_there_go_into_the_wheel():
-    _, data = hooked("standard")
+HAS_TARGET = pytest.mark.skipif(not targets_of_system(), reason="there is no compiler for this system")
+
+
+@HAS_TARGET
+@pytest.mark.parametrize("version", ["standard", "editable"])
+def test_where_the_objects_fit_nothing_is_needed_nor_done(clone, version):
+    """One wheel for all systems; prose makes no difference."""
+    compiler(clone, "raise RuntimeError('nothing to compile')")
+    (clone / EDITED).write_text("# A comment.\n" + (clone / EDITED).read_text())
+    assert hooked(clone, version) == ([], [], ANY)
+
+
+@HAS_TARGET
+def test_after_an_edit_of_a_kernel_it_is_compiled_for_this_machine(edited_clone):
+    """With numba; the wheel is of this system, and a second one needs nothing."""
+    compiler(edited_clone, COMPILE.format(tests=str(Path(__file__).parent)))
+    said, needed, data = hooked(edited_clone)
+    assert said == ["info: frictionlab compiles its solver for this machine, a minute or two ..."]
+    assert needed[0].startswith("numba==")
     assert data["pure_python"] is False
-    assert re.fullmatch(r"py3-none-(manylinux|macosx|win|linux)_?\w+", data["tag"])
-    assert data["artifacts"] == ["/frictionlab/compilation/objects/"]
-    (structures,) = data["force_include"].items()
-    assert structures == (str(ROOT / "build/structures.zip"), "frictionlab/models/structures.zip")
+    assert data["tag"] == f"py3-none-{targets_of_system()[0].wheel}"
+    assert data["artifacts"] == ["/frictionlab/compilation/objects_of_machine/"]
+    assert hooked(edited_clone) == ([], [], data)
 
 
-def test_a_wheel_of_python_only_can_be_asked_for():
-    said, data = hooked("standard", FRICTIONLAB_BUILD_KERNELS="0")
-    assert (said, data) == ("", PYTHON_ONLY)
+@HAS_TARGET
+def test_a_compiler_that_fails_says_so_in_one_line(edited_clone):
+    compiler(edited_clone, "import sys\nprint('much', file=sys.stderr)\nraise RuntimeError('no compiler')")
+    (_, warning), _, data = hooked(edited_clone)
+    assert data == ANY
+    assert warning == f"warning: the solver could not be compiled, {SLOW}: RuntimeError: no compiler"
 
 
-def test_a_build_that_fails_makes_a_wheel_of_python_only_and_says_so(tmp_path):
-    (tmp_path / "frictionlab.py").write_text("raise RuntimeError('no compiler')")
-    said, data = hooked("standard", root=tmp_path)
-    assert data == PYTHON_ONLY
-    assert "warning: the solver could not be compiled" in said
-    assert "no compiler" in said
+@pytest.mark.parametrize("edited", [True, False])
+def test_a_processor_without_a_target_is_told_so_in_one_line(clone, edited, request):
+    if edited:
+        request.getfixturevalue("edited_clone")
+    compiler(clone, "raise RuntimeError('it should not have been called')")
+    said, needed, data = hooked(clone, machine="riscv64")
+    assert said == [f"warning: no compiler for this processor and system: {SLOW}"]
+    assert (needed, data) == ([], ANY)
+
+
+def test_compiling_can_be_declined(edited_clone):
+    assert hooked(edited_clone, FRICTIONLAB_BUILD_KERNELS="0") == ([], [], ANY)
+
+
+def test_a_wheel_that_is_published_has_structures(clone):
+    (clone / "frictionlab/cli/shipped_structures.py").write_text("import sys\nopen(sys.argv[1], 'w').close()")
+    (clone / "build").mkdir()
+    said, needed, data = hooked(clone, FRICTIONLAB_BUILD_STRUCTURES="1")
+    assert said == []
+    assert any(each.startswith("sympy") for each in needed)
+    path = clone / "build/structures.zip"
+    assert data == {**ANY, "force_include": {str(path): "frictionlab/models/structures.zip"}}
+    assert path.exists()
 
 
 @pytest.mark.parametrize("kernel", [state_rates, getattr(state_rates, "__wrapped__", state_rates)])

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from frictionlab.compilation.manifest import WEB, lacking_objects
+from frictionlab.compilation.manifest import lacking_objects
+from frictionlab.compilation.targets import WEB
 
 pytest.importorskip("sphinx", reason="the site is built by sphinx")
 pytestmark = pytest.mark.slow
@@ -23,7 +24,7 @@ A mass on a belt
 ```
 """
 CONF = "import sys\nsys.path.insert(0, {path!r})\nextensions = ['myst_nb', 'live_pages']\n{more}\n"
-WITHOUT = "from frictionlab.compilation import manifest\nmanifest.FOLDER = 'nowhere'"
+WITHOUT = "from frictionlab.compilation import manifest\nmanifest.FOLDERS = ()"
 
 
 def built(folder, more=""):
