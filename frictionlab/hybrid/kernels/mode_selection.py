@@ -313,19 +313,15 @@ def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, orde
     """Queue the targets of the events that keep the mode tried last from being entered; the new count.
 
     The combination with the changes of all these events comes next, those with the change of one come last.
-    The first `own` combinations are the targets of the event itself.  If its own contact cannot be as tried,
-    its next regime comes before all these: another contact leaves stick only if it has to.
+    The first `own` combinations, the targets of the event itself, are tried before all these: another contact
+    leaves stick only if it has to.
     """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             add_change(queue.demand, g, row, joint)
-    place = tried
-    for i in range(row.shape[0]):
-        if tried < own and joint[i] != row[i] and queue.rows[tried, i] != row[i]:
-            place = own
-    count = insert_candidate(queue, place, joint, count)
+    count = insert_candidate(queue, max(tried, own), joint, count)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             count = add_targets(queue, g, count)
