@@ -30,7 +30,7 @@ from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
-from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.models.symbols import symbol, symbolic_copy
 from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_number
 
@@ -158,9 +158,9 @@ def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
     reduced = law.reduced()
     numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
-    formula: Any = sp.sympify(
-        getattr(symbolic_copy(structure_of_component(law)), method)(*symbols), strict=True
-    ).subs(numbers)
+    formula: Any = sp.sympify(getattr(symbolic_copy(law.structure_key), method)(*symbols), strict=True).subs(
+        numbers
+    )
     for i, row in enumerate(zip(*arguments, strict=True)):
         at = tuple(map(float, row))
         exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))

@@ -25,7 +25,7 @@ from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.mechanical.equations_of_motion import system_of
-from frictionlab.models.symbols import structure_of_component, symbol
+from frictionlab.models.symbols import symbol
 
 REGULARISATION_WIDTH = 1e-3  # m/s, width over which friction reverses
 RTOL = 1e-9
@@ -36,7 +36,7 @@ MAX_STEPS = 100_000  # most steps of the slow methods; runs that reach the end t
 def regularised_flow(model: SliderOnBelt) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """States and their rates, with F_T = mu_k F_N tanh(v_r/width), and F_N = 0 unless the penetration is
     positive."""
-    system = system_of(structure_of_component(model))
+    system = system_of(model.structure_key)
     contact = system.rubbing
     numbers = {symbol(name): value for name, value in model.parameters.items()}
     pressed = sympy.Piecewise((contact.pressing, contact.penetration > 0), (0, True))

@@ -16,6 +16,7 @@ import sympy as sp
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import JOINT
+from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
@@ -24,7 +25,7 @@ from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE, m
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
-from frictionlab.models.symbols import Structure, parameter_symbols, structure_of_component, structure_values
+from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
 from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import check_flag
@@ -122,7 +123,7 @@ class Balance:
 
     def __init__(self, model: MechanicalModel, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
-        self._terms = terms_of(structure_of_component(model))
+        self._terms = terms_of(model.structure_key)
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
         """The energies (J), each (N,)."""
@@ -246,7 +247,7 @@ class Balance:
 
 
 @lru_cache(maxsize=64)
-def terms_of(key: Structure) -> Terms:
+def terms_of(key: StructureKey) -> Terms:
     """The terms of the energy balance of a structure."""
     system = system_of(key)
     mechanics = system.mechanics
@@ -306,7 +307,7 @@ def _powers(system: LagrangeSystem) -> dict[str, Any]:
     return powers if moved == 0 else powers | {"moving springs": moved}
 
 
-def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: Structure) -> ContactTerms:
+def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: StructureKey) -> ContactTerms:
     contact, numbered = system.mechanics.contacts[i], contact_suffix(system, i)
     if not isinstance(contact, Friction):
         return replace(ContactTerms(numbered, i), **_motion_in_time(system, contact, compiled))

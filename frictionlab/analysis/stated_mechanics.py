@@ -15,12 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import (
-    Structure,
     parameter_symbols,
-    structure_of_component,
     structure_values,
     symbol,
     symbolic_copy,
@@ -78,7 +77,7 @@ class Statement:
 
 
 @lru_cache(maxsize=64)
-def _statement_of(key: Structure) -> Statement:
+def _statement_of(key: StructureKey) -> Statement:
     copy = symbolic_copy(key)
     names = tuple(copy.coordinates)
     q, v = ({name: symbol(name + prime) for name in names} for prime in ("", "'"))
@@ -126,7 +125,7 @@ class StatedMechanics:
 
     def __init__(self, model: MechanicalModel, sizes: Array) -> None:
         self._values = structure_values(model)
-        self.statement = _statement_of(structure_of_component(model))
+        self.statement = _statement_of(model.structure_key)
         self.contacts = self.statement.contacts
         self.n, self.sizes = len(self.statement.loads), sizes
 

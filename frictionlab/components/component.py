@@ -9,13 +9,13 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 from inspect import Parameter as Argument
 from inspect import get_annotations, signature
 from math import isfinite
 from numbers import Real
 from types import MappingProxyType
-from typing import Any, Self, TypedDict, Unpack
+from typing import Any, NamedTuple, Self, TypedDict, Unpack
 
 from frictionlab.validation import (
     abbreviate,
@@ -211,6 +211,27 @@ def _value_message(name: str, rule: str, value: Any, cure: str, about: Parameter
     return f"{name} must be {rule}, got {value}: {cure}{default}"
 
 
+class StructureKey(NamedTuple):
+    """The structure of a component: all but its parameter values; the key of the caches of derivations.
+
+    `values` are those of the fields that are no parameters; a component with a role is replaced by its key.
+    """
+
+    component: type
+    values: tuple[Any, ...]
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of its parameters and of its components' parameters."""
+        return _parameters_of_structure(self)
+
+
+@cache
+def _parameters_of_structure(key: StructureKey) -> tuple[str, ...]:
+    parts = (each for each in key.values if isinstance(each, StructureKey))
+    return (*parameters_of(key.component), *(name for part in parts for name in part.parameters))
+
+
 @dataclass(frozen=True, repr=False)
 class Component:
     """A law as data: its fields are the parameters, its methods the formulas.
@@ -241,6 +262,20 @@ class Component:
         """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
         component itself."""
         return self
+
+    @cached_property
+    def structure_key(self) -> StructureKey:
+        """Its structure, or that of the simpler law that it equals."""
+        reduced = self.reduced()
+        kind = type(reduced)
+        roles = getattr(kind, "roles", {})
+        values = {name: getattr(reduced, name) for name in structure_of(kind)}
+        return StructureKey(
+            kind, tuple(value.structure_key if name in roles else value for name, value in values.items())
+        )
+
+    def __getstate__(self) -> dict[str, Any]:  # a later version may reduce laws in another way
+        return {name: value for name, value in vars(self).items() if name != "structure_key"}
 
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))

@@ -171,15 +171,21 @@ class RecordList:
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
         """All records joined, with the end of the run.  The records are given up, which saves memory."""
-        parts: list[list[Any]] = [[*each] for each in self._parts or [new_record(code, 0, 0, 0)]]
+        parts = [[*each] for each in self._parts]
         self._parts.clear()
-        joined = {}
-        for i, name in enumerate(Record._fields):
-            columns = [part[i] for part in parts]
-            joined[name] = columns[0] if len(columns) == 1 else np.concatenate(columns)
-            for part in parts:
-                part[i] = None
-        return RunData(**joined, t=float(t), state=state, mode=mode, status=status)
+        if len(parts) > 1:
+            arrays = [_joined(parts, i) for i in range(len(Record._fields))]
+        else:
+            arrays = parts[0] if parts else new_record(code, 0, 0, 0)
+        return RunData(*arrays, t=float(t), state=state, mode=mode, status=status)
+
+
+def _joined(parts: list[list[Any]], i: int) -> np.ndarray:
+    """The arrays number `i` of the parts as one; the parts give them up."""
+    joined = np.concatenate([part[i] for part in parts])
+    for part in parts:
+        part[i] = None
+    return joined
 
 
 MAX_KINDS = 6  # kinds of events that a summary counts

@@ -175,7 +175,9 @@ def solve(
     """
     check_keywords("solve", keywords, RunKeywords.__annotations__)
     options = RunOptions(mode, t_eval, **keywords)
-    return with_warning(run_automaton(automaton, t_end, x0, method_of(method), options))
+    check_automaton(automaton)
+    start = state_from_x0(automaton, x0)
+    return with_warning(run_automaton(automaton, t_end, start, method_of(method), options))
 
 
 def with_warning(run: Trajectory) -> Trajectory:
@@ -186,12 +188,11 @@ def with_warning(run: Trajectory) -> Trajectory:
 
 
 def run_automaton(
-    automaton: HybridAutomaton, t_end: Any, x0: Any, method: Method, options: RunOptions
+    automaton: HybridAutomaton, t_end: Any, state: np.ndarray, method: Method, options: RunOptions
 ) -> Trajectory:
-    """Run an automaton by a method, as :func:`solve` says, but without a warning."""
-    check_automaton(automaton)
+    """Run an automaton by a method, as :func:`solve` says, from a checked state and without a warning."""
     t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
-    state, times = state_from_x0(automaton, x0), _times(options.t_eval, t_end)
+    times = _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:
         raise ValueError(

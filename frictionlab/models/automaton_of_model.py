@@ -15,15 +15,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Symbol, names_of_regimes
-from frictionlab.components.component import structure_of
+from frictionlab.components.component import StructureKey, structure_of
 from frictionlab.validation import abbreviate
 
 from .serialisation import (
     Derivations,
-    Structure,
     derivations_of,
     loaded_class,
-    structure_of_component,
     value_from_data,
 )
 from .symbols import check_laws, symbol, symbolic_copy
@@ -67,7 +65,7 @@ class CachedAutomaton(HybridAutomaton):
     """
 
     def __init__(
-        self, key: Structure, outline: Outline, values: Mapping[str, float], derivations: Derivations
+        self, key: StructureKey, outline: Outline, values: Mapping[str, float], derivations: Derivations
     ) -> None:
         self._key, self._outline, self._values, self._derivations = key, outline, values, derivations
 
@@ -137,7 +135,7 @@ class CachedAutomaton(HybridAutomaton):
 
 
 @lru_cache(maxsize=256)
-def automaton_of_structure(key: Structure) -> HybridAutomaton:
+def automaton_of_structure(key: StructureKey) -> HybridAutomaton:
     """The automaton of a structure, without values of the model's parameters."""
     begin = time.perf_counter()
     model = symbolic_copy(key)
@@ -155,7 +153,7 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     ValueError
         Where a law has no real value at the values of the parameters.
     """
-    key, values = structure_of_component(model), model.parameters
+    key, values = model.structure_key, model.parameters
     check_laws(key, values)
     derivations = derivations_of(key, tuple(values))
     outline = _outline(key, derivations)
@@ -174,7 +172,7 @@ def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
 
 
 @cache
-def _outline(key: Structure, derivations: Derivations) -> Outline | None:
+def _outline(key: StructureKey, derivations: Derivations) -> Outline | None:
     """The outline of an automaton in the cache; None where it is not cached."""
     about = derivations.get("automaton")
     if about is None:
@@ -237,7 +235,7 @@ def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str
     return _with_numbers(automaton, _numbers(parameters))
 
 
-def _structure_from_data(data: Any, base: type) -> Structure:
+def _structure_from_data(data: Any, base: type) -> StructureKey:
     if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
         raise ValueError(
             f"a {base.__name__} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
@@ -246,7 +244,7 @@ def _structure_from_data(data: Any, base: type) -> Structure:
     names, roles = structure_of(cls), getattr(cls, "roles", {})
     if sorted(values) != sorted(names):
         raise ValueError(f"a {cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
-    return Structure(
+    return StructureKey(
         cls,
         tuple(
             _structure_from_data(values[name], roles[name])

@@ -13,7 +13,6 @@ from sympy.printing.latex import LatexPrinter
 from frictionlab.automaton.mode import check_mode_name
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.serialisation import structure_of_component
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
@@ -135,7 +134,7 @@ def flow_equations(model: Model, mode: str) -> Equations:
     ValueError
         If the model has no such mode.
     """
-    automaton = automaton_of_structure(structure_of_component(model))
+    automaton = automaton_of_structure(model.structure_key)
     check_mode_name(mode, automaton.names)
     chosen, n = automaton.mode(mode), automaton.coordinates
     functions = time_functions(automaton.states, n)

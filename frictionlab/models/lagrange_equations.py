@@ -36,7 +36,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
-from frictionlab.models.symbols import structure_of_component, symbol, symbolic_copy
+from frictionlab.models.symbols import symbol, symbolic_copy
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -145,7 +145,7 @@ def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
     ValueError
         If the model has no such mode.
     """
-    copy = symbolic_copy(structure_of_component(model))
+    copy = symbolic_copy(model.structure_key)
     system = lagrange_system(copy)
     check_mode_name(mode, system.names, _others(system))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(system)}

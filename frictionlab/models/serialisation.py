@@ -30,7 +30,7 @@ from zipfile import BadZipFile, ZipFile
 
 import frictionlab
 from frictionlab import cache_folder
-from frictionlab.components.component import Component, parameters_of, structure_of
+from frictionlab.components.component import Component, StructureKey, structure_of
 from frictionlab.validation import MAX_CHARACTERS, abbreviate
 
 PACKAGE = Path(__file__).parents[1]
@@ -154,30 +154,7 @@ def _subclasses(base: type) -> Iterator[type]:
         yield from _subclasses(cls)
 
 
-class Structure(NamedTuple):
-    """The structure of a component: all but its parameter values; the key of the caches of derivations."""
-
-    component: type
-    values: tuple[Any, ...]
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of its parameters and of its components' parameters."""
-        parts = (each for each in self.values if isinstance(each, Structure))
-        return (*parameters_of(self.component), *(name for part in parts for name in part.parameters))
-
-
-def structure_of_component(component: Component) -> Structure:
-    """The structure of a component; its components with roles are replaced by their structures."""
-    reduced = component.reduced()
-    roles = getattr(type(reduced), "roles", {})
-    values = {name: getattr(reduced, name) for name in structure_of(type(reduced))}
-    return Structure(
-        type(reduced), tuple(structure_of_component(v) if k in roles else v for k, v in values.items())
-    )
-
-
-def structure_to_data(key: Structure) -> dict[str, Any]:
+def structure_to_data(key: StructureKey) -> dict[str, Any]:
     """A structure as data: classes of a model and its components, and their fields that are no parameters.
 
     Raises
@@ -188,7 +165,7 @@ def structure_to_data(key: Structure) -> dict[str, Any]:
     names, owner = structure_of(key.component), key.component.__name__
     values = {
         name: structure_to_data(value)
-        if isinstance(value, Structure)
+        if isinstance(value, StructureKey)
         else value_to_data(value, f"{owner}.{name}")
         for name, value in zip(names, key.values, strict=True)
     }
@@ -263,7 +240,7 @@ def archive_digest(path: Path) -> str | None:
 
 
 @cache
-def derivations_of(key: Structure, parameters: tuple[str, ...]) -> Derivations:
+def derivations_of(key: StructureKey, parameters: tuple[str, ...]) -> Derivations:
     """What has been derived of a structure, as functions of these parameters.
 
     Nothing is kept where a class is not the library's.
@@ -278,17 +255,17 @@ def derivations_of(key: Structure, parameters: tuple[str, ...]) -> Derivations:
     return Derivations(Path(folder) / name if folder else None)
 
 
-def _classes(key: Structure) -> Iterator[type]:
+def _classes(key: StructureKey) -> Iterator[type]:
     """The classes of a structure, its components and its values."""
     yield key.component
     for value in key.values:
-        yield from _classes(value) if isinstance(value, Structure) else _classes_of_value(value)
+        yield from _classes(value) if isinstance(value, StructureKey) else _classes_of_value(value)
 
 
 def _classes_of_value(value: Any) -> Iterator[type]:
     yield type(value)
     if isinstance(value, Component):
-        value = tuple(vars(value).values())
+        value = tuple(getattr(value, each.name) for each in fields(value))
     for each in value if isinstance(value, tuple) else ():
         yield from _classes_of_value(each)
 

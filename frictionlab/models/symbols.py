@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton.expressions import multiply_out, unsorted_product
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.components.component import Component, parameters_of, structure_of
+from frictionlab.components.component import Component, StructureKey, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
 
-from .serialisation import Structure, derivations_of, structure_of_component
+from .serialisation import derivations_of
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
@@ -38,18 +38,18 @@ def symbol(name: str) -> Any:
     return sympy.Symbol(name, real=True)
 
 
-def symbolic_copy(key: Structure) -> Any:
+def symbolic_copy(key: StructureKey) -> Any:
     """A component of this structure, with symbols as values of its parameters."""
     copy = object.__new__(key.component)
     for name in parameters_of(key.component):
         object.__setattr__(copy, name, symbol(name))
     for name, value in zip(structure_of(key.component), key.values, strict=True):
-        object.__setattr__(copy, name, symbolic_copy(value) if isinstance(value, Structure) else value)
+        object.__setattr__(copy, name, symbolic_copy(value) if isinstance(value, StructureKey) else value)
     explain_errors(copy)
     return copy
 
 
-def parameter_symbols(key: Structure) -> tuple[Any, ...]:
+def parameter_symbols(key: StructureKey) -> tuple[Any, ...]:
     """Symbols of all parameters of a structure, in the order of :func:`structure_values`."""
     return tuple(map(symbol, key.parameters))
 
@@ -57,12 +57,14 @@ def parameter_symbols(key: Structure) -> tuple[Any, ...]:
 def structure_values(model: Model) -> tuple[float, ...]:
     """Values of the parameters of the model's structure, in the order of :func:`parameter_symbols`."""
     values = model.parameters
-    return tuple(values[name] for name in structure_of_component(model).parameters)
+    return tuple(values[name] for name in model.structure_key.parameters)
 
 
-def check_laws(key: Structure, values: Mapping[str, float]) -> None:
+def check_laws(key: StructureKey, values: Mapping[str, float]) -> None:
     """Raise ValueError if a law of this structure has no real value at these values of its parameters."""
     parts, formulas = _doubtful_parts(key)
+    if not parts:
+        return
     numbers = formulas.numbers(*(values[name] for name in key.parameters))
     for (place, text, names), number in zip(parts, numbers.tolist(), strict=True):
         if not math.isfinite(number):
@@ -74,7 +76,7 @@ def check_laws(key: Structure, values: Mapping[str, float]) -> None:
 
 
 @cache
-def _doubtful_parts(key: Structure) -> tuple[list[Any], Formulas]:
+def _doubtful_parts(key: StructureKey) -> tuple[list[Any], Formulas]:
     """Parts of the laws' formulas that may have no value, and these values as formulas of the parameters.
 
     Of each part there are the name of the law's method, its text and the names of its parameters.
@@ -94,7 +96,7 @@ def _doubtful_parts(key: Structure) -> tuple[list[Any], Formulas]:
     return words, values
 
 
-def _law_formulas(key: Structure) -> tuple[tuple[str, Any], ...]:
+def _law_formulas(key: StructureKey) -> tuple[tuple[str, Any], ...]:
     """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
     formulas: list[tuple[str, Any]] = []
     for law in symbolic_copy(key).components.values():

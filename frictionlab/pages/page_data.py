@@ -24,7 +24,7 @@ from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine
 from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.symbols import structure_of_component, symbolic_copy
+from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.plotting.appearance import colours_of_modes
 from frictionlab.stability import equilibrium
@@ -97,7 +97,7 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
     """The state at rest: formulas of the parameters or, without such formulas, the numbers of this model."""
     names = [symbol.name for symbol in automaton.states]
     try:
-        released = symbolic_copy(structure_of_component(model)).release()
+        released = symbolic_copy(model.structure_key).release()
     except (TypeError, AttributeError):  # `release` needs numbers, as to compare them
         return [float(value) for value in model_initial_state(model, "rest", automaton)]
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]

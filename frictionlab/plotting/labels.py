@@ -12,7 +12,6 @@ from typing import Any
 
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton
-from frictionlab.models.symbols import structure_of_component
 from frictionlab.presentation import ANGLE_LETTERS, is_angle
 
 LEGEND_WIDTH = 36  # characters of a line in a legend
@@ -81,7 +80,7 @@ def distinguishing_labels(models: Sequence[ModelOrAutomaton], varied: Container[
         Parameters that are left out, since the axes show them.
     """
     with_metadata = [model for model in models if isinstance(model, Model)]
-    structures = {*map(structure_of_component, with_metadata)}
+    structures = {*(each.structure_key for each in with_metadata)}
     alike = len(with_metadata) == len(models) and len(structures) == 1
     names = [
         name

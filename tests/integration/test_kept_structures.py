@@ -17,7 +17,7 @@ from frictionlab.cli.shipped_structures import shipped_models
 from frictionlab.components import FrictionLaw
 from frictionlab.models import serialisation
 from frictionlab.models.automaton_of_model import automaton_of_structure
-from frictionlab.models.serialisation import derivations_of, structure_of_component
+from frictionlab.models.serialisation import derivations_of
 
 ROOT = Path(__file__).parents[2]
 # Of each run the bits of all that a picture or a summary asks for.
@@ -100,7 +100,7 @@ def test_no_model_of_the_table_needs_sympy_in_a_second_process(tmp_path):
 @pytest.mark.parametrize("x0", [[0.1, 0.0, 0.0, 0.0], [0.3, -0.2, 0.0, 0.4]])
 def test_a_run_with_all_modes_kept_is_one_that_derives_those_it_comes_to(x0):
     late = fl.TwoBlocks().automaton()
-    derived = automaton_of_structure.__wrapped__(structure_of_component(fl.TwoBlocks()))
+    derived = automaton_of_structure.__wrapped__(fl.TwoBlocks().structure_key)
     few = replace(derived, parameters=late.parameters)
     run, other = (fl.solve(each, 20.0, x0=x0) for each in (late, few))
     assert late.derivations is not None
@@ -216,13 +216,13 @@ class Renamed(fl.Coulomb):
 
 @pytest.mark.parametrize("law", [Weak(), Renamed()], ids=lambda law: type(law).__name__)
 def test_nothing_is_kept_of_a_law_of_ones_own(law):
-    key = structure_of_component(fl.SliderOnBelt(friction=law))
+    key = fl.SliderOnBelt(friction=law).structure_key
     assert not derivations_of(key, key.parameters).keeps
 
 
 def test_a_law_whose_method_was_exchanged_is_ones_own(monkeypatch, tmp_path):
     monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path))
-    key = structure_of_component(fl.MassOnBelt())
+    key = fl.MassOnBelt().structure_key
     derivations_of.cache_clear()
     assert derivations_of(key, key.parameters).keeps
     monkeypatch.setattr(fl.Coulomb, "kinetic", lambda self, normal_force, speed: 0 * normal_force)

@@ -113,9 +113,14 @@ class ActiveRun:
     queue: CombinationQueue | None
     event: GuardZero | None = None
 
+    @property
+    def interpreted_system(self) -> System:
+        """The system with all modes interpreted."""
+        return self.system._replace(code=self.native.interpreted)
+
     def without_native_code(self) -> ActiveRun:
         """The same run with all modes interpreted."""
-        return replace(self, system=self.system._replace(code=self.native.interpreted))
+        return replace(self, system=self.interpreted_system)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -156,7 +161,7 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     if run.queue is None and not program.code.function_slots.size:  # no mode has a condition
         run.cursor.counts[run_state.JETS_READY] = 0
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
-    system = run.without_native_code().system
+    system = run.interpreted_system
     forget_zeros(scratch)
     rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
     if problem.mode is None and run.queue is not None:
@@ -210,8 +215,8 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        settings = {each.name: getattr(self, each.name) for each in fields(self)}
-        return {"name": self.name} | {name: _as_data(value) for name, value in settings.items()}
+        names = ("name", *(each.name for each in fields(self)))
+        return {name: _as_data(getattr(self, name)) for name in names}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""

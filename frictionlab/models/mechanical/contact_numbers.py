@@ -11,8 +11,9 @@ from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
-from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
+from frictionlab.models.serialisation import derivations_of
 
 from .mechanics import Friction
 
@@ -38,7 +39,7 @@ class ContactNumbers(NamedTuple):
 
 def numbers_of_contacts(model: MechanicalModel) -> list[ContactNumbers | None]:
     """These numbers of each contact of a model; None for a stop."""
-    key = structure_of_component(model)
+    key = model.structure_key
     counts, formulas = _formulas(key)
     values = model.parameters
     numbers = iter(formulas.numbers(*(values[name] for name in key.parameters)).tolist())
@@ -46,7 +47,7 @@ def numbers_of_contacts(model: MechanicalModel) -> list[ContactNumbers | None]:
 
 
 @cache
-def _formulas(key: Structure) -> tuple[list[int], Formulas]:
+def _formulas(key: StructureKey) -> tuple[list[int], Formulas]:
     """How many numbers each contact has, none where it is a stop, and all of them as formulas."""
     # The command's help loads models, and no numpy.
     from frictionlab.models.symbols import parameter_symbols
@@ -61,7 +62,7 @@ def _formulas(key: Structure) -> tuple[list[int], Formulas]:
     return counts, kept_formulas(derivations, "contacts", derive)
 
 
-def _expressions(key: Structure) -> list[list[Any]]:
+def _expressions(key: StructureKey) -> list[list[Any]]:
     from .equations_of_motion import system_of
 
     system, rows = system_of(key), []
@@ -78,7 +79,7 @@ def _expressions(key: Structure) -> list[list[Any]]:
 
 
 @cache
-def _only_slide(key: Structure) -> tuple[bool, ...]:
+def _only_slide(key: StructureKey) -> tuple[bool, ...]:
     """Whether each contact has slip in one direction as its only regime."""
 
     def only_slide() -> list[bool]:
@@ -92,7 +93,7 @@ def _only_slide(key: Structure) -> tuple[bool, ...]:
 
 def check_contacts(model: MechanicalModel) -> None:
     """Raise ValueError where a given normal force pulls, and where what only slides rubs a belt at rest."""
-    key = structure_of_component(model)
+    key = model.structure_key
     counts, _ = _formulas(key)
     if any(_only_slide(key)):
         check_sliding(model, _only_slide(key))

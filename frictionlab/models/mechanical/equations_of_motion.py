@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import sympy
 
 from frictionlab.automaton.mode import Combination, ModeNames
+from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
-from frictionlab.models.symbols import Structure, expand_products, gradient, symbol, symbolic_copy
+from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
 from frictionlab.validation import did_you_mean_or_known
 
 from .common_directions import RUBBING, CommonDirection, common_directions
@@ -322,7 +323,7 @@ def lagrange_system(model: MechanicalModel) -> LagrangeSystem:
     return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
 
 
-def system_of(key: Structure) -> LagrangeSystem:
+def system_of(key: StructureKey) -> LagrangeSystem:
     """Lagrange's equations of a structure."""
     return lagrange_system(symbolic_copy(key))
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.components.component import Parameter
+from frictionlab.components.component import Parameter, StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.serialisation import Structure, derivations_of, structure_of_component
+from frictionlab.models.serialisation import derivations_of
 from frictionlab.models.symbols import symbol, symbolic_copy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
@@ -36,7 +36,7 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
     Masses that change with time are computed all along a period.  Those that depend on place may be positive
     in some places only: with `start`, a state, they must be positive there, without it somewhere.
     """
-    about, formulas = _masses(structure_of_component(model))
+    about, formulas = _masses(model.structure_key)
     if not about["places"] or (start is not None and not about["in place"]):
         return
     n, masses = len(model.coordinates), _function(about, formulas, model.parameters)
@@ -100,14 +100,14 @@ def _function(
 
 
 @cache
-def _masses(key: Structure) -> tuple[dict[str, Any], Formulas]:
+def _masses(key: StructureKey) -> tuple[dict[str, Any], Formulas]:
     """The entries of M as formulas of coordinates, phase and parameters; none where T is surely positive."""
     derivations = derivations_of(key, key.parameters)
     about = derivations.value("masses", lambda: _about_masses(key))
     return about, kept_formulas(derivations, "masses", lambda: _mass_formulas(key, about))
 
 
-def _about_masses(key: Structure) -> dict[str, Any]:
+def _about_masses(key: StructureKey) -> dict[str, Any]:
     from .equations_of_motion import system_of
 
     system = system_of(key)
@@ -122,7 +122,7 @@ def _about_masses(key: Structure) -> dict[str, Any]:
     }
 
 
-def _mass_formulas(key: Structure, about: Mapping[str, Any]) -> Formulas:
+def _mass_formulas(key: StructureKey, about: Mapping[str, Any]) -> Formulas:
     from .equations_of_motion import system_of
 
     system = system_of(key)
@@ -130,7 +130,7 @@ def _mass_formulas(key: Structure, about: Mapping[str, Any]) -> Formulas:
     return formulas_of(inputs, [system.mass[i, j] for i, j in about["places"]])
 
 
-def _surely_positive(masses: Any, key: Structure) -> bool:
+def _surely_positive(masses: Any, key: StructureKey) -> bool:
     """Whether masses that are not coupled, or coupled by numbers only, are positive whatever their values."""
     copy = symbolic_copy(key)
     signs = _signs(parameter_metadata(type(copy), copy.components))

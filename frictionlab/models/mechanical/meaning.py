@@ -15,7 +15,6 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
-from frictionlab.models.serialisation import structure_of_component
 from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
@@ -76,7 +75,7 @@ class _Check:
         self, of: str, model: MechanicalModel, in_time: bool, q: Sequence[Any], v: Sequence[Any]
     ) -> None:
         self.of, self.q, self.v = of, q, v
-        self.names = structure_of_component(model).parameters
+        self.names = model.structure_key.parameters
         self.states = {*q, *v, *([symbol(PHASE)] if in_time else [])}
 
     def expression(self, what: str, given: Any, states: Any = None) -> Any:

@@ -16,7 +16,6 @@ from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model
-from frictionlab.models.serialisation import structure_of_component
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
@@ -64,7 +63,7 @@ class MechanicalModel(Model):
         """Lagrange's equations of its structure, in symbols."""
         from .equations_of_motion import system_of
 
-        return system_of(structure_of_component(self))
+        return system_of(self.structure_key)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``."""

@@ -15,8 +15,9 @@ import sympy
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
+from frictionlab.components.component import StructureKey
 from frictionlab.models.automaton_of_model import automaton_of_structure
-from frictionlab.models.serialisation import Structure, structure_of_component, structure_to_data
+from frictionlab.models.serialisation import structure_to_data
 from frictionlab.models.symbols import expand_products
 
 from .contact_regimes import (
@@ -46,7 +47,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     """
     system, numbers = lagrange_system(model), {}
     if len(system.mechanics.contacts) > 1:
-        key = structure_of_component(model)
+        key = model.structure_key
         modes: Any = ModesOnDemand(
             tuple(tuple(map(_conditions, regimes)) for regimes in system.regimes),
             lambda combination: mode_of(system, combination),
@@ -62,7 +63,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     return HybridAutomaton(system.states, modes, numbers, len(system.q))
 
 
-def modes_of_structure(key: Structure) -> Any:
+def modes_of_structure(key: StructureKey) -> Any:
     """The modes of a structure, the same object throughout a process."""
     return automaton_of_structure(key).modes
 

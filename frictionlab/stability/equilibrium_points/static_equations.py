@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
-from frictionlab.models.serialisation import Derivations, Structure, derivations_of, structure_of_component
+from frictionlab.models.serialisation import Derivations, derivations_of
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
@@ -71,7 +72,7 @@ class SlidingEquations:
 
     Parameters
     ----------
-    key : Structure
+    key : StructureKey
     kept : Derivations
         What has been derived of it and is kept in files.
     coordinates : tuple of str
@@ -79,7 +80,7 @@ class SlidingEquations:
         Index of the coordinate that the contact alone may hold.
     """
 
-    key: Structure
+    key: StructureKey
     kept: Derivations
     coordinates: tuple[str, ...]
     height: int
@@ -137,11 +138,11 @@ class SlidingEquations:
 
 def sliding_equations(model: Any) -> SlidingEquations:
     """The equations of steady sliding of a model's structure."""
-    return _equations_of_structure(structure_of_component(model))
+    return _equations_of_structure(model.structure_key)
 
 
 @cache
-def _equations_of_structure(key: Structure) -> SlidingEquations:
+def _equations_of_structure(key: StructureKey) -> SlidingEquations:
     kept = derivations_of(key, key.parameters)
     names = tuple(kept.value("coordinates", lambda: symbolic_copy(key).coordinates))
     return SlidingEquations(key, kept, names, names.index(key.component.statics.height))

@@ -26,7 +26,6 @@ from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
-from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.appearance import GREY
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label, state_label
@@ -293,7 +292,7 @@ class BifurcationPanel:
         """The sweep of a result; a new one where anything but the parameter differs."""
         settings, transient = result.settings, self.controls["transient"].value
         others = tuple(item for item in result.model.parameters.items() if item[0] != self.parameter)
-        key = structure_of_component(result.model), others, settings.x0, settings.method, transient
+        key = result.model.structure_key, others, settings.x0, settings.method, transient
         if self.sweep is None or key != self._key:
             window, method = (
                 WINDOW_PERIODS * rounded_period(result.model),

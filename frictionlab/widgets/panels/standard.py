@@ -15,7 +15,6 @@ import numpy as np
 from frictionlab.analysis.motion_scales import highest_frequency
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
-from frictionlab.models.symbols import structure_of_component
 from frictionlab.plotting.appearance import BLACK, BLUE, GREY, VERMILLION, line_style, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing, envelope
 from frictionlab.plotting.labels import (
@@ -261,7 +260,7 @@ class _ModelApartFrom:
     def __init__(self, model: Model, names: tuple[str, ...]) -> None:
         self.model = model
         values = tuple(item for item in model.parameters.items() if item[0] not in names)
-        self._key = structure_of_component(model), values
+        self._key = model.structure_key, values
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _ModelApartFrom) and self._key == other._key

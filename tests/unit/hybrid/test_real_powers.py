@@ -49,7 +49,7 @@ def test_runs_of_an_ensemble_end_where_single_runs_do(x0):
     starts = [x0, [1.0, 20.0]]
     ends = fl.ensemble([scene] * 2, 1.5, x0=starts, progress=False)
     for i, start in enumerate(starts):
-        run = run_automaton(scene, 1.5, start, fl.Taylor(), RunOptions(progress=False))
+        run = run_automaton(scene, 1.5, np.array(start), fl.Taylor(), RunOptions(progress=False))
         assert ends.status[i] is run.status
         assert (ends.t[i], ends.steps[i]) == (run.raw.t, run.stats["steps"])
         np.testing.assert_array_equal(ends.states[i], run.raw.state)

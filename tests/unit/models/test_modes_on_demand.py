@@ -19,7 +19,6 @@ from frictionlab.hybrid.solve import problem_of
 from frictionlab.models import MechanicalModel, Mechanics, with_signature
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.mechanical.mechanics import Friction, Stop
-from frictionlab.models.serialisation import structure_of_component
 
 pytestmark = pytest.mark.plain_python
 
@@ -72,7 +71,7 @@ ARRAYS = "step_times", "step_states", "event_times", "event_states", "state"
 def fresh(model):
     """The model's automaton, of which no mode is derived yet."""
     return replace(
-        automaton_of_structure.__wrapped__(structure_of_component(model)),
+        automaton_of_structure.__wrapped__(model.structure_key),
         parameters=model.automaton().parameters,
     )
 
@@ -205,7 +204,7 @@ def test_pickled_they_are_derived_again_where_they_are_used():
     run = fl.solve(few, 20.0, x0=THREE[1])
     text = pickle.dumps(few.modes)
     assert len(text) < 1000
-    assert pickle.loads(text) is automaton_of_structure(structure_of_component(THREE[0])).modes
+    assert pickle.loads(text) is automaton_of_structure(THREE[0].structure_key).modes
     assert_same(pickle.loads(pickle.dumps(run)), run)
 
 
@@ -290,8 +289,8 @@ def test_runs_in_threads_share_the_modes():
 
 def test_a_steady_state_derives_few():
     model, x0 = THREE
-    before = set(automaton_of_structure(structure_of_component(model)).modes.derived)
+    before = set(automaton_of_structure(model.structure_key).modes.derived)
     found = fl.steady_state(model, x0=x0, transient=20.0, window=20.0, progress=False)
-    derived = set(automaton_of_structure(structure_of_component(model)).modes.derived)
+    derived = set(automaton_of_structure(model.structure_key).modes.derived)
     assert set(found.trajectory.mode) <= derived
     assert len(derived - before) < 20

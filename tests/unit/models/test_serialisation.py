@@ -1,5 +1,8 @@
 """Classes in files: those of the library by their public name, one's own by module and name."""
 
+import copy
+import pickle
+
 import pytest
 
 import frictionlab as fl
@@ -45,3 +48,15 @@ def test_a_class_of_ones_own_may_have_a_name_of_the_library():
 
     assert class_path(Coulomb).startswith(f"{__name__}:")
     assert loaded_class("frictionlab:Coulomb", fl.FrictionLaw) is fl.Coulomb
+
+
+def test_a_component_knows_its_structure_and_pickles_its_fields_alone():
+    model = fl.SliderOnBelt(mu_k=1.4, impact=fl.RestitutionImpact(e=0.0))
+    key = model.structure_key
+    assert key is model.structure_key
+    assert key == model.replace(mu_k=2.0).structure_key
+    assert key == fl.SliderOnBelt(impact=fl.PlasticImpact(penetration_rate="full")).structure_key
+    assert key != model.replace(impact=fl.RestitutionImpact(e=0.5)).structure_key
+    for same in (pickle.loads(pickle.dumps(model)), copy.copy(model), copy.deepcopy(model)):
+        assert "structure_key" not in vars(same)
+        assert (same, same.structure_key) == (model, key)
