@@ -149,8 +149,10 @@ def _problems(models: Sequence[ModelOrAutomaton], x0: Any, t_end: float, method:
         first.setdefault(id(model), i)
     automata = {key: _check_model(models[i], i) for key, i in first.items()}
     starts = [initial_state_of(model, x0, automata[id(model)]) for model, x0 in zip(models, each)]
-    made = {key: problem_for_batch(one, starts[first[key]], t_end, method) for key, one in automata.items()}
-    return [replace(made[id(model)], x0=start) for model, start in zip(models, starts)]
+    problems = {
+        key: problem_for_batch(one, starts[first[key]], t_end, method) for key, one in automata.items()
+    }
+    return [replace(problems[id(model)], x0=start) for model, start in zip(models, starts)]
 
 
 def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float, method: Taylor) -> Problem:

@@ -85,15 +85,15 @@ class BoundedGuards(Guards):
 
     def steps(self, solver: Any, most: int) -> list[Step]:
         """The next steps: at most so many, up to one at whose end a guard is negative."""
-        found: list[Step] = []
-        while solver.status == "running" and len(found) < most:
+        steps: list[Step] = []
+        while solver.status == "running" and len(steps) < most:
             solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 break
-            found.append(Step(float(solver.t_old), float(solver.t), solver.dense_output(), solver.y.copy()))
+            steps.append(Step(float(solver.t_old), float(solver.t), solver.dense_output(), solver.y.copy()))
             if (self.values(solver.y) < 0.0).any():
                 break
-        return found
+        return steps
 
     def first_of(self, steps: list[Step], pieces: Pieces) -> tuple[int, float, int]:
         """The first event: its step, its time and its guard; the end of the last step and -1 for none."""
@@ -113,10 +113,10 @@ class BoundedGuards(Guards):
 
     def longest_step(self, pieces: Pieces) -> float:
         """The longest step that would not pass over what the rates do within; infinite where none did."""
-        found = largest_defect(self._tape, pieces, self._state_sizes(pieces))
-        if not found.share > DEFECT:
+        defect = largest_defect(self._tape, pieces, self._state_sizes(pieces))
+        if not defect.share > DEFECT:
             return np.inf
-        which = max(int(np.searchsorted(pieces.starts, found.time, side="right")) - 1, 0)
+        which = max(int(np.searchsorted(pieces.starts, defect.time, side="right")) - 1, 0)
         return float(pieces.lengths[which]) * SHORTER
 
     def _zero(self, step: Step, function: int, end: float) -> tuple[float, int]:

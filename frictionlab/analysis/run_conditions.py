@@ -156,11 +156,11 @@ def _broken_flow(run: Trajectory, limit: float) -> str:
             steps[raw.step_modes[steps] == mode],
         )
         for some in np.array_split(inside, -(-len(inside) // PIECES_AT_ONCE)):
-            found = largest_defect(tape, _pieces(run, some), sizes)
-            if found.share > limit:
+            defect = largest_defect(tape, _pieces(run, some), sizes)
+            if defect.share > limit:
                 return (
-                    f"at t = {found.time:.6g} s a step in mode {run.mode_names[mode]!r} does not keep the "
-                    f"rate of {run.names[found.state]!r}, by {found.share:.1g} of the motion's size: a law "
+                    f"at t = {defect.time:.6g} s a step in mode {run.mode_names[mode]!r} does not keep the "
+                    f"rate of {run.names[defect.state]!r}, by {defect.share:.1g} of the motion's size: a law "
                     "may be too sharp there for its series"
                 )
     return ""

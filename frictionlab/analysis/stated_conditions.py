@@ -176,8 +176,8 @@ class _Judge:
                 yield f"v_r has not the sign of {name}", np.where(words == name, -sign * speed, 0.0)
         if contact.gap is not None:
             gap = self._share(contact.gap)
-            apart = (words == "separation") | (words == "flight")
-            yield "bodies overlap in flight", np.where(apart, -gap, 0.0)
+            in_flight = (words == "separation") | (words == "flight")
+            yield "bodies overlap in flight", np.where(in_flight, -gap, 0.0)
             yield "a closed contact is open", np.where(words == "contact", np.abs(gap), 0.0)
         if contact.pressing is not None and self._separates(contact):
             force, rubs = self._share(contact.pressing), np.isin(words, [*RUBBING, "slip"])
@@ -189,8 +189,8 @@ class _Judge:
         """Whether the contact has regimes without forces, so that it does not pull."""
         i = self.stated.contacts.index(contact)
         regimes = self.run.automaton.names
-        found = {name.split(JOINT)[i] for name in regimes} if len(self.stated.contacts) < 4 else set()
-        return bool(found & {*APART})
+        own_regimes = {name.split(JOINT)[i] for name in regimes} if len(self.stated.contacts) < 4 else set()
+        return bool(own_regimes & {*APART})
 
     def _share(self, function: Any) -> Array:
         """A function at the samples as a share of its size: its slopes times the sizes of the states."""
@@ -212,13 +212,15 @@ class _Judge:
         values, sizes = values - forces.given, sizes + forces.sizes
         for k, words in enumerate(self._names_at(places)):
             scale = np.where(sizes.max(axis=0) > 0.0, sizes.max(axis=0), 1.0)
-            found = held_forces(values[k], forces.at(k), rooms[k], scale)
-            if found.miss > max(LEAST_TOLERANCE, self.limit):
-                name = self.run.automaton.state_names[found.worst]
-                why = "with forces of its contacts within their limits" if found.bounded else "by any force"
+            solution = held_forces(values[k], forces.at(k), rooms[k], scale)
+            if solution.miss > max(LEAST_TOLERANCE, self.limit):
+                name = self.run.automaton.state_names[solution.worst]
+                why = (
+                    "with forces of its contacts within their limits" if solution.bounded else "by any force"
+                )
                 return (
                     f"at t = {places.t[k]:.6g} s, in mode {words!r}, Lagrange's equation of {name!r} is not "
-                    f"kept {why}: {found.miss:.1g} of the forces in it are missing"
+                    f"kept {why}: {solution.miss:.1g} of the forces in it are missing"
                 )
         return ""
 
@@ -239,12 +241,16 @@ class _Judge:
                 most.append(np.where(words == "contact", np.inf, 0.0))
                 continue
             at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
-            apart = np.isin(words, [*APART, CHATTER_MODE])
-            pressing = np.where(apart, 0.0, at(contact.pressing, places.states))
+            open_contact = np.isin(words, [*APART, CHATTER_MODE])
+            pressing = np.where(open_contact, 0.0, at(contact.pressing, places.states))
             speed, sign = at(contact.speed, places.states), self._signs(contact, words, places)
-            still = (words != "slip") & (np.abs(speed) <= resting * self._speed_size(contact, along)) & ~apart
+            still = (
+                (words != "slip")
+                & (np.abs(speed) <= resting * self._speed_size(contact, along))
+                & ~open_contact
+            )
             known = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
-            known = np.where(still | apart, 0.0, known)
+            known = np.where(still | open_contact, 0.0, known)
             for force, direction in ((pressing, normal), (known, along)):
                 given += force[:, None] * direction
                 sizes += np.abs(force[:, None] * direction)
@@ -275,10 +281,10 @@ class _Judge:
         n = self.stated.n
         if n > MOST_COORDINATES or not any(c.speed is not None for c in self.stated.contacts):
             return ""
-        kept = (events.state[:, : 2 * n] == events.before[:, : 2 * n]).all(axis=1)
+        continuous = (events.state[:, : 2 * n] == events.before[:, : 2 * n]).all(axis=1)
         index = {name: k for k, name in enumerate(self.run.mode_names)}
         rows = []
-        for e in np.flatnonzero(kept & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
+        for e in np.flatnonzero(continuous & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
             old, new = self.names[index[events.source[e]]], self.names[index[events.target[e]]]
             if any(a == "stick" and b in ("slip+", "slip-") for a, b in zip(old, new, strict=True)):
                 rows.append((events.t[e], events.before[e], index[events.target[e]], "leaves stick"))
@@ -318,7 +324,7 @@ class _Judge:
             if contact.speed is not None:
                 rows.append(0.0 * row)
                 rates.append(0.0 * rate)
-        found = []
+        holdable = []
         for k in range(len(places.t)):
             W, inverse = forces.columns[k].T, np.linalg.inv(masses[k])
             J = np.array([row[k] for row in rows])
@@ -330,8 +336,8 @@ class _Judge:
             # J (M^-1 (W lambda - free)) + rate = 0
             right = J @ inverse @ free[k] - np.array([rate[k] for rate in rates])
             if slipping and can_hold(J @ inverse @ W, right, *limits):
-                found.append(k)
-        return found
+                holdable.append(k)
+        return holdable
 
     def _rubbing_words(self, mode: int) -> list[tuple[int, str]]:
         return list(enumerate(self.names[mode]))
@@ -366,7 +372,7 @@ class _Judge:
 
     def _impact_terms(self, jumps: Jumps) -> list[ImpactTerms]:
         """What each contact that has an impact law needs."""
-        found, stated = [], self.stated
+        rows, stated = [], self.stated
         still = np.zeros_like(jumps.before)
         still[:, 2 * stated.n :] = stated.rates(jumps.before)[:, 2 * stated.n :]
         for i, (contact, law) in enumerate(zip(stated.contacts, self._laws(), strict=True)):
@@ -384,8 +390,8 @@ class _Judge:
                 belt = stated.at(contact.speed, resting)
             rate = stated.rate_of(gap, jumps.before)
             terms = normal, along, moved, belt, rate, contact.normal is None
-            found.append(ImpactTerms(i, law, share <= CLOSED, *terms))
-        return found
+            rows.append(ImpactTerms(i, law, share <= CLOSED, *terms))
+        return rows
 
     def _laws(self) -> list[Any]:
         """The impact laws of all contacts, with numbers."""

@@ -27,7 +27,7 @@ from frictionlab.models.symbols import (
 from frictionlab.tape.formulas import function_along_run
 
 Array = Any
-Function = Callable[..., Any]
+StateFunction = Callable[..., Any]
 
 FIRST_SHARE, REFINEMENT, LEVELS = (
     1e-2,
@@ -54,13 +54,13 @@ class StatedContact:
     law : ImpactLaw or None
     """
 
-    gap: Function | None
+    gap: StateFunction | None
     law: Any
-    speed: Function | None = None
-    pressing: Function | None = None
-    limit: Function | None = None
+    speed: StateFunction | None = None
+    pressing: StateFunction | None = None
+    limit: StateFunction | None = None
     sliding: Any = None
-    normal: tuple[Function, ...] | None = None
+    normal: tuple[StateFunction, ...] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +68,12 @@ class Statement:
     """Energies (J), loads (N) and contacts as functions of states and parameters."""
 
     names: tuple[str, ...]
-    kinetic: Function
-    stored: Function
-    dissipation: Function
-    loads: tuple[Function, ...]
+    kinetic: StateFunction
+    stored: StateFunction
+    dissipation: StateFunction
+    loads: tuple[StateFunction, ...]
     contacts: tuple[StatedContact, ...]
-    frequency: Function | None
+    frequency: StateFunction | None
 
 
 @lru_cache(maxsize=64)
@@ -84,7 +84,7 @@ def _statement_of(key: StructureKey) -> Statement:
     about = copy.mechanics(SimpleNamespace(**q, phase=symbol("phase")), SimpleNamespace(**v))
     states = [*q.values(), *v.values(), *([] if about.frequency is None else [symbol("phase")])]
 
-    def compiled(expression: Any) -> Function:
+    def compiled(expression: Any) -> StateFunction:
         return function_along_run([*states, *parameter_symbols(key)], expression)
 
     return Statement(
@@ -98,7 +98,7 @@ def _statement_of(key: StructureKey) -> Statement:
     )
 
 
-def _contact(contact: Friction | Stop, compiled: Callable[[Any], Function]) -> StatedContact:
+def _contact(contact: Friction | Stop, compiled: Callable[[Any], StateFunction]) -> StatedContact:
     if isinstance(contact, Stop):
         return StatedContact(compiled(contact.distance), contact.law)
     speed, force = contact.relative_velocity, contact.pressing
@@ -142,14 +142,14 @@ class StatedMechanics:
         first = np.where(np.isfinite(room), FIRST_SHARE * room, 1.0)
         return differences(lambda h: function(states + h[:, None] * along), first, LEVELS)
 
-    def gradient(self, function: Function, states: Array, first: int) -> tuple[Array, Array]:
+    def gradient(self, function: StateFunction, states: Array, first: int) -> tuple[Array, Array]:
         """Derivatives (N, n) by the coordinates, `first` 0, or the velocities, and their errors."""
-        found = []
+        slopes = []
         for i in range(self.n):
             along = np.zeros_like(states)
             along[:, (n := self.n) * first + i] = 1.0
-            found.append(self.slope(lambda z: self.at(function, z), states, along))
-        values, errors = (np.array(part).reshape(n, len(states)).T for part in zip(*found, strict=True))
+            slopes.append(self.slope(lambda z: self.at(function, z), states, along))
+        values, errors = (np.array(part).reshape(n, len(states)).T for part in zip(*slopes, strict=True))
         return values, errors
 
     def rates(self, states: Array, accelerations: Any = 0.0) -> Array:

@@ -165,12 +165,12 @@ def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verifi
     )
     same = compare_runs(run, second, size, np.inf, until)
     third = _independent_run(motion, second, size, clear)
-    found = same, compare_runs(run, third, size, np.inf) if third else RunComparison(0.0, 0.0, np.inf)
-    why = _reason_for_doubt(run, second, *found)
-    verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, found)
-    agree = all(each.differs_at == np.inf for each in found)
-    error = max(each.error for each in found)
-    return Verification(run, error, until, found[1].until, agree, run.defect, not why, verdict)
+    comparisons = same, compare_runs(run, third, size, np.inf) if third else RunComparison(0.0, 0.0, np.inf)
+    why = _reason_for_doubt(run, second, *comparisons)
+    verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, comparisons)
+    agree = all(each.differs_at == np.inf for each in comparisons)
+    error = max(each.error for each in comparisons)
+    return Verification(run, error, until, comparisons[1].until, agree, run.defect, not why, verdict)
 
 
 class RunSetup:
@@ -247,24 +247,24 @@ def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, 
 
     if broken := broken_condition(run) or broken_statement(run):
         return broken
-    for found, which in ((same, "a more exact one"), (other, "an independent one")):
-        if found.differs_at < np.inf:
-            return f"its events are not those of {which} from t = {found.differs_at:.4g} s on"
-        if not found.error <= TRUSTED_DEVIATION:
-            return f"it deviates from {which} by {found.error:.1g} of the motion's size"
+    for comparison, which in ((same, "a more exact one"), (other, "an independent one")):
+        if comparison.differs_at < np.inf:
+            return f"its events are not those of {which} from t = {comparison.differs_at:.4g} s on"
+        if not comparison.error <= TRUSTED_DEVIATION:
+            return f"it deviates from {which} by {comparison.error:.1g} of the motion's size"
     if second.raw.t < run.raw.t * (1 - TIME_RTOL):
         return f"a more exact one ends already at t = {second.raw.t:.6g} s: {second.status}"
     return run.defect_warning() or ""
 
 
 def _agreement_message(
-    run: Trajectory, third: Trajectory | None, until: float, found: tuple[RunComparison, RunComparison]
+    run: Trajectory, third: Trajectory | None, until: float, comparisons: tuple[RunComparison, RunComparison]
 ) -> str:
     """The verdict where the runs agree."""
     count = int((run.raw.event_times <= until).sum())
     events = {0: "without an event", 1: "with the same event"}.get(count, f"with the same {count} events")
-    agree = f"agree to {max(MACHINE_EPSILON, *(each.error for each in found)):.0e} of the motion's size"
-    whole, independent = until == run.raw.t, found[1].until
+    agree = f"agree to {max(MACHINE_EPSILON, *(each.error for each in comparisons)):.0e} of the motion's size"
+    whole, independent = until == run.raw.t, comparisons[1].until
     if whole and independent == until:
         text = f"All three runs {agree} over {until:.4g} s, {events}."
     elif whole:

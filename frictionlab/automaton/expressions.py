@@ -107,9 +107,9 @@ class Combinations:
     @cached_property
     def matrix(self) -> Array:
         """The numbers as a matrix (sums, expressions)."""
-        found = np.zeros((self.sums, len(self.expressions)))
-        found[tuple(self.places.T)] = self.numbers
-        return found
+        matrix = np.zeros((self.sums, len(self.expressions)))
+        matrix[tuple(self.places.T)] = self.numbers
+        return matrix
 
 
 def combinations_of(sums: Sequence[Any], states: Sequence[Any]) -> Combinations:
@@ -120,8 +120,8 @@ def combinations_of(sums: Sequence[Any], states: Sequence[Any]) -> Combinations:
         for expr, number in _terms(sympy.sympify(total, strict=True), moving):
             entries[i, expr] = entries.get((i, expr), 0.0) + number
     places = {expr: j for j, expr in enumerate(dict.fromkeys(expr for _, expr in entries))}
-    found = np.array([(i, places[expr]) for i, expr in entries], dtype=np.int64).reshape(-1, 2)
-    return Combinations(tuple(places), len(sums), found, np.array(list(entries.values()), dtype=float))
+    pairs = np.array([(i, places[expr]) for i, expr in entries], dtype=np.int64).reshape(-1, 2)
+    return Combinations(tuple(places), len(sums), pairs, np.array(list(entries.values()), dtype=float))
 
 
 def _terms(expr: Expr, moving: frozenset[Any]) -> list[tuple[Expr, float]]:

@@ -215,8 +215,8 @@ class ModeNames(Sequence[str]):
         words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else ()
         if len(words) != len(self._names):
             return None
-        found = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
-        return found if -1 not in found and self._allows(found) else None
+        combination = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
+        return combination if -1 not in combination and self._allows(combination) else None
 
     def has_regime(self, name: str) -> bool:
         """Whether some part has a regime of this name."""
@@ -250,10 +250,10 @@ class ModeNames(Sequence[str]):
     def combination_at(self, index: int) -> Combination:
         """The combination of that place in the order."""
         place = index if index >= 0 else len(self) + index
-        found = next(islice(self.combinations(), max(place, 0), None), None)
-        if found is None or place < 0:
+        combination = next(islice(self.combinations(), max(place, 0), None), None)
+        if combination is None or place < 0:
             raise IndexError(f"there is no mode number {index}")
-        return found
+        return combination
 
     def more_than(self, count: int) -> bool:
         """Whether there are more modes than `count`, found without going through all of them."""
@@ -274,8 +274,10 @@ class ModeNames(Sequence[str]):
 def names_of_regimes(regimes: Sequence[Sequence[str]], names: Sequence[str]) -> ModeNames:
     """`ModeNames` of an automaton with few modes, which `names` lists."""
     allowed = {*names}
-    found = ModeNames(tuple(map(tuple, regimes)), lambda combination: found.name_of(combination) in allowed)
-    return found
+    mode_names = ModeNames(
+        tuple(map(tuple, regimes)), lambda combination: mode_names.name_of(combination) in allowed
+    )
+    return mode_names
 
 
 def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ()) -> None:

@@ -106,8 +106,8 @@ class Model(Component):
     def __new__(cls, *unnamed: Any, **given: Any) -> Self:
         """Refuse a class whose constructor a dataclass has made: it knows nothing of components."""
         owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
-        made = vars(owner).get("__dataclass_params__")
-        if made is not None and made.init and owner is not Model:
+        options = vars(owner).get("__dataclass_params__")
+        if options is not None and options.init and owner is not Model:
             raise TypeError(
                 f"{owner.__name__} must keep the constructor of a model, which takes parameters of laws too: "
                 "write @dataclass(frozen=True, init=False, repr=False) above it"

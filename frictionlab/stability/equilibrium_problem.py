@@ -122,20 +122,20 @@ def balanced(matrix: Array) -> Array:
     It changes no eigenvalue and rounds nothing.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
     eigenvector computation", arXiv:1401.5766 (2014), algorithm 3, which LAPACK's gebal is.
     """
-    found = np.array(matrix, dtype=float)
+    similar = np.array(matrix, dtype=float)
     unchanged = False
     while not unchanged:
         unchanged = True
-        for i in range(len(found)):
-            column, row = np.linalg.norm(found[:, i]), np.linalg.norm(found[i])
+        for i in range(len(similar)):
+            column, row = np.linalg.norm(similar[:, i]), np.linalg.norm(similar[i])
             if not (column and row and np.isfinite(column + row)):
                 continue
             power = 2.0 ** np.round(0.5 * np.log2(row / column))
             if np.hypot(column * power, row / power) < BALANCING_GAIN * np.hypot(column, row):
                 unchanged = False
-                found[:, i] *= power
-                found[i] /= power
-    return found
+                similar[:, i] *= power
+                similar[i] /= power
+    return similar
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,10 +188,10 @@ class EquilibriumProblem:
     def spectra(self, changes: Mapping[str, Any]) -> ComplexArray:
         """Eigenvalues (N, m), the largest growth rate first."""
         _, matrices = self.linearised(changes)
-        found: Any = np.full(matrices.shape[:2], complex(np.nan, np.nan))
+        eigenvalues: Any = np.full(matrices.shape[:2], complex(np.nan, np.nan))
         known = np.isfinite(matrices).all(axis=(1, 2))
-        found[known] = eigenvalues_of_matrices(matrices[known])
-        return np.take_along_axis(found, np.argsort(-found.real, axis=1), axis=1)
+        eigenvalues[known] = eigenvalues_of_matrices(matrices[known])
+        return np.take_along_axis(eigenvalues, np.argsort(-eigenvalues.real, axis=1), axis=1)
 
 
 def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:

@@ -62,8 +62,8 @@ def probe_attractor(automaton: HybridAutomaton, start: Any, settings: BasinSetti
             "state": run.final_state.tolist(),
             "reach": reach,
         }
-    found = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), settings)
-    return {**add_ranges(found, attractor_points(automaton, found, settings)), "reach": reach}
+    attractor = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), settings)
+    return {**add_ranges(attractor, attractor_points(automaton, attractor, settings)), "reach": reach}
 
 
 def classify_attractor(
@@ -108,14 +108,14 @@ def _state_on_attractor(
     return state
 
 
-def attractor_points(automaton: HybridAutomaton, found: AttractorData, settings: BasinSettings) -> Array:
+def attractor_points(automaton: HybridAutomaton, attractor: AttractorData, settings: BasinSettings) -> Array:
     """Points (K, n) on an attractor, evenly in time; none where the motion has not settled or ended early."""
-    state = np.array(found["state"])
-    if found["kind"] == MotionKind.EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
+    state = np.array(attractor["state"])
+    if attractor["kind"] == MotionKind.EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
         return state[None]
-    if found["kind"] not in RANGE_RTOL:
+    if attractor["kind"] not in RANGE_RTOL:
         return state[None][:0]
-    run = _run(automaton, found["period"] or settings["window"], state, settings)
+    run = _run(automaton, attractor["period"] or settings["window"], state, settings)
     return run(np.linspace(0.0, run.raw.t, ATTRACTOR_POINTS))
 
 
@@ -126,13 +126,13 @@ def _run(
     return solve(automaton, t_end, x0=state, **options)
 
 
-def add_ranges(found: AttractorData, points: Array) -> AttractorData:
+def add_ranges(attractor: AttractorData, points: Array) -> AttractorData:
     """The data of an attractor, with its points and the range of each state over them."""
     if not len(points):
-        return found
+        return attractor
     path = points[:: max(1, len(points) // PATH_POINTS)]
     extent = {"low": points.min(axis=0).tolist(), "high": points.max(axis=0).tolist()}
-    return {**found, **extent, "path": path.tolist()}
+    return {**attractor, **extent, "path": path.tolist()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,8 +203,8 @@ def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> boo
         return one["kind"] == other["kind"]
     if one["kind"] == MotionKind.PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
         return False
-    apart = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
-    return bool(np.max(apart) < RANGE_RTOL[one["kind"]])
+    differences = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
+    return bool(np.max(differences) < RANGE_RTOL[one["kind"]])
 
 
 class AttractorCatalogue:
@@ -219,33 +219,34 @@ class AttractorCatalogue:
     """
 
     def __init__(self, size: Array, rtol: float) -> None:
-        self.found: list[AttractorData] = []
+        self.attractors: list[AttractorData] = []
         self._size, self._rtol = size, rtol
         self._trees: list[Any] = []
 
     def copy(self) -> AttractorCatalogue:
         """A copy that can be extended on its own."""
         other = AttractorCatalogue(self._size, self._rtol)
-        other.found, other._trees = [*self.found], [*self._trees]
+        other.attractors, other._trees = [*self.attractors], [*self._trees]
         return other
 
-    def known(self, found: AttractorData) -> int:
+    def known(self, attractor: AttractorData) -> int:
         """Index of an attractor, `UNDECIDED` where it is new."""
         return next(
-            (i for i, other in enumerate(self.found) if same_attractor(found, other, self._size)), UNDECIDED
+            (i for i, other in enumerate(self.attractors) if same_attractor(attractor, other, self._size)),
+            UNDECIDED,
         )
 
-    def place(self, found: AttractorData, points: Array | None = None) -> int:
+    def place(self, attractor: AttractorData, points: Array | None = None) -> int:
         """Index of an attractor, which is added where it is new.
 
         With its points (K, n), :meth:`reached` recognises states on it.
         """
-        index = self.known(found)
+        index = self.known(attractor)
         if index != UNDECIDED:
             return index
-        self.found.append(found)
+        self.attractors.append(attractor)
         self._trees.append(None if points is None or not len(points) else KDTree(points / self._size))
-        return len(self.found) - 1
+        return len(self.attractors) - 1
 
     def reached(self, states: Array) -> np.ndarray:
         """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none."""
@@ -269,13 +270,17 @@ def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...
     return tuple(_attractor(name, a) for name, a in zip(full, attractors))
 
 
-def _name(found: AttractorData) -> str:
-    return f"period {found['period']:.4g} s" if found["kind"] == MotionKind.PERIODIC else found["kind"]
+def _name(attractor: AttractorData) -> str:
+    return (
+        f"period {attractor['period']:.4g} s"
+        if attractor["kind"] == MotionKind.PERIODIC
+        else attractor["kind"]
+    )
 
 
-def _attractor(name: str, found: AttractorData) -> Attractor:
-    state = np.array(found["state"])
-    low, high = (np.array(found.get(side, np.full_like(state, np.nan))) for side in ("low", "high"))
-    path = np.array(found.get("path", [])).reshape(-1, len(state))
-    period = np.nan if found["period"] is None else found["period"]
-    return Attractor(name, found["kind"], period, state, low, high, path)
+def _attractor(name: str, attractor: AttractorData) -> Attractor:
+    state = np.array(attractor["state"])
+    low, high = (np.array(attractor.get(side, np.full_like(state, np.nan))) for side in ("low", "high"))
+    path = np.array(attractor.get("path", [])).reshape(-1, len(state))
+    period = np.nan if attractor["period"] is None else attractor["period"]
+    return Attractor(name, attractor["kind"], period, state, low, high, path)

@@ -183,12 +183,12 @@ def _collect_labels(
     """Labels of all initial states, and the attractors: those of the probes, then those of each group."""
     probes, group = specification["probes"], specification["group"]
     catalogue = probed_attractors(specification, results)
-    known, labels = len(catalogue.found), np.full(specification["count"], UNDECIDED)
+    known, labels = len(catalogue.attractors), np.full(specification["count"], UNDECIDED)
     for i in sorted(i for i in results if i >= probes):
-        index = np.array([*range(known), *(catalogue.place(found) for found in results[i]["found"])])
+        index = np.array([*range(known), *(catalogue.place(attractor) for attractor in results[i]["found"])])
         first = (i - probes) * group
         labels[first : first + group] = index[results[i]["labels"]]
-    return labels, name_attractors(catalogue.found)
+    return labels, name_attractors(catalogue.attractors)
 
 
 def _fractions_text(fractions: dict[str, float], errors: dict[str, float] | None = None) -> str:

@@ -62,8 +62,8 @@ def check_specification(specification: Mapping[str, Any]) -> None:
     if "x" in specification:
         record({"y": mapping()})("", specification)
         axes = [specification[axis] for axis in "xy"]
-        for axis, found in zip("xy", axes):
-            check_choice(f"{axis}['name']", found["name"], states)
+        for axis, about in zip("xy", axes):
+            check_choice(f"{axis}['name']", about["name"], states)
         check_choice("y['name']", axes[1]["name"], [name for name in states if name != axes[0]["name"]])
         product = len(axes[0]["values"]) * len(axes[1]["values"])
         check_number("count", count, least=product, most=product)
@@ -81,22 +81,22 @@ def check_results(specification: Mapping[str, Any], results: Mapping[int, Any]) 
     """Raise ValueError unless each result is one that its task returns: of a probe, or of a group."""
     probes, group, count = (specification[name] for name in ("probes", "group", "count"))
     groups = -(-count // group)
-    for i, found in results.items():
+    for i, result in results.items():
         check_number("task", i, below=probes + groups)
         if i < probes:
-            _check_attractor(f"results[{i}]", found, len(specification["states"]), probe=True)
+            _check_attractor(f"results[{i}]", result, len(specification["states"]), probe=True)
     first = [i for i in results if i >= probes][:1]
     if first and not all(i in results for i in range(probes)):
         raise ValueError(f"results[{first[0]}] must follow those of all {probes} probes, some are missing")
-    known = len(probed_attractors(specification, results).found)
+    known = len(probed_attractors(specification, results).attractors)
     for i in (i for i in results if i >= probes):
         size = min(group, count - (i - probes) * group)
         _check_group(f"results[{i}]", results[i], known, size, len(specification["states"]))
 
 
-def _check_attractor(name: str, found: Any, states: int, *, probe: bool) -> None:
-    record({"kind": text(*MotionKind)})(name, found)
-    kind, positive = found["kind"], number(above=0.0)
+def _check_attractor(name: str, attractor: Any, states: int, *, probe: bool) -> None:
+    record({"kind": text(*MotionKind)})(name, attractor)
+    kind, positive = attractor["kind"], number(above=0.0)
     finite = kind != MotionKind.ENDED_EARLY
     fields = {
         "period": positive if kind == MotionKind.PERIODIC else none_or(positive),
@@ -105,14 +105,14 @@ def _check_attractor(name: str, found: Any, states: int, *, probe: bool) -> None
     fields |= {"reach": array(2, states, finite=finite)} if probe else {}
     if kind in RANGE_RTOL:
         fields |= {"low": array(states), "high": array(states), "path": array(None, states)}
-    record(fields)(name, found)
+    record(fields)(name, attractor)
 
 
-def _check_group(name: str, found: Any, known: int, size: int, states: int) -> None:
-    record({"labels": listed(length=size), "found": listed()})(name, found)
-    for i, attractor in enumerate(found["found"]):
+def _check_group(name: str, group: Any, known: int, size: int, states: int) -> None:
+    record({"labels": listed(length=size), "found": listed()})(name, group)
+    for i, attractor in enumerate(group["found"]):
         _check_attractor(f"{name}['found'][{i}]", attractor, states, probe=False)
-    indices(known + len(found["found"]))(f"{name}['labels']", found["labels"])
+    indices(known + len(group["found"]))(f"{name}['labels']", group["labels"])
 
 
 def probed_attractors(specification: Mapping[str, Any], results: Mapping[int, Any]) -> AttractorCatalogue:
@@ -120,6 +120,6 @@ def probed_attractors(specification: Mapping[str, Any], results: Mapping[int, An
     probed = [results[i] for i in range(specification["probes"]) if i in results]
     size = attractor_scale(probed, transient_ranges(probed), specification["coordinates"])
     catalogue = AttractorCatalogue(size, specification["rtol"])
-    for found in probed:
-        catalogue.place(found)
+    for attractor in probed:
+        catalogue.place(attractor)
     return catalogue

@@ -217,7 +217,7 @@ def label_initial_states(
         labels[i] = catalogue.reached(states[i : i + 1])[0]
         if labels[i] == UNDECIDED:
             labels[i] = _label_after_transient(automaton, states[i], catalogue, settings)
-    return {"labels": labels.tolist(), "found": catalogue.found[len(known.found) :]}
+    return {"labels": labels.tolist(), "found": catalogue.attractors[len(known.attractors) :]}
 
 
 def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
@@ -234,6 +234,6 @@ def _label_after_transient(
     automaton: HybridAutomaton, state: Array, catalogue: AttractorCatalogue, settings: BasinSettings
 ) -> int:
     """The attractor of the motion from a state after the transient."""
-    found = classify_attractor(automaton, state, settings["spread"], settings)
-    points = attractor_points(automaton, found, settings)
-    return catalogue.place(add_ranges(found, points), points)
+    attractor = classify_attractor(automaton, state, settings["spread"], settings)
+    points = attractor_points(automaton, attractor, settings)
+    return catalogue.place(add_ranges(attractor, points), points)

@@ -94,7 +94,7 @@ def special_points_between(
 
     One that cannot be located, as no orbit is found within the step, is put at the point `after`.
     """
-    found = []
+    by_share = []
     for kind, test in TEST_FUNCTIONS.items():
         before, then = test(point), test(after)
         # Both are rounding where a branch runs at one value of the parameter, or keeps its multipliers.
@@ -103,8 +103,8 @@ def special_points_between(
                 at, share = locate_zero(automaton, point, step, test)
             except ValueError:
                 at, share = after, step
-            found += [(share, SpecialPoint(kind, at, at.value))] if _is_special(kind, at) else []
-    return [special for _, special in sorted(found, key=lambda pair: pair[0])]
+            by_share += [(share, SpecialPoint(kind, at, at.value))] if _is_special(kind, at) else []
+    return [special for _, special in sorted(by_share, key=lambda pair: pair[0])]
 
 
 def locate_zero(
@@ -168,8 +168,8 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.mode(run.mode_names[i]).events:
-            found = formulas_of(arguments, [event.function]).along_run(*states.T, *numbers)[0]
-            if _has_zero_minimum(np.where(modes == i, found, np.nan)):
+            values = formulas_of(arguments, [event.function]).along_run(*states.T, *numbers)[0]
+            if _has_zero_minimum(np.where(modes == i, values, np.nan)):
                 return True
     return False
 
@@ -245,13 +245,13 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
         return float(near.fun)
 
     try:
-        found: Any = root_scalar(
+        solution: Any = root_scalar(
             margin, x0=point.value, x1=point.value + TOUCH_STEP * point.scale[-1], method="secant", rtol=1e-12
         )
     except (ValueError, np.linalg.LinAlgError):
         return None
-    near = abs(found.root - point.value) < MAX_TOUCH_DISTANCE * point.scale[-1]
-    return float(found.root) if found.converged and near else None
+    near = abs(solution.root - point.value) < MAX_TOUCH_DISTANCE * point.scale[-1]
+    return float(solution.root) if solution.converged and near else None
 
 
 def _has_zero_minimum(values: Array) -> bool:
@@ -419,12 +419,12 @@ def _locate_mode_change(
     other = other if other is not None and other.modes != point.modes else None
     for _ in range(END_BISECTIONS):
         middle = (low + high) / 2
-        found = _try_step(automaton, point, middle)
-        if found is not None and _is_same_way(point, found) and _is_inside(found, bounds):
-            low, last = middle, found
+        trial = _try_step(automaton, point, middle)
+        if trial is not None and _is_same_way(point, trial) and _is_inside(trial, bounds):
+            low, last = middle, trial
         else:
             high = middle
-            other = found if found is not None and found.modes != point.modes else other
+            other = trial if trial is not None and trial.modes != point.modes else other
     return BranchStep(last, low, edge=True, other=other)
 
 

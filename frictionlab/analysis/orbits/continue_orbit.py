@@ -164,16 +164,16 @@ def continue_orbit(
     start = first_point(automaton, np.append(orbit.state, value), orbit.period, bounds[1] - bounds[0])
     halves = []
     for point in (reversed_point(start), start):
-        found = BranchHalf([], [], MAX_POINTS)
+        half = BranchHalf([], [], MAX_POINTS)
         try:
             for now in _with_progress_bar(
                 follow_branch(automaton, point, bounds, step, max_points), bounds, progress
             ):
-                found = now
+                half = now
         except KeyboardInterrupt:
-            halves.append(found._replace(end=INTERRUPTED))
+            halves.append(half._replace(end=INTERRUPTED))
             break
-        halves.append(found)
+        halves.append(half)
     if len(halves) < 2:
         halves.append(BranchHalf([], [], INTERRUPTED))
     back, ahead = halves
@@ -183,7 +183,7 @@ def continue_orbit(
         parameter=parameter,
         values=np.array([point.value for point in points]),
         orbits=tuple(_orbit_at(orbit.model, parameter, point) for point in points),
-        special=tuple(_special_orbit(orbit.model, parameter, found) for found in special),
+        special=tuple(_special_orbit(orbit.model, parameter, each) for each in special),
         ends=(back.end, ahead.end),
     )
     if INTERRUPTED in branch.ends:
@@ -215,11 +215,11 @@ def _with_progress_bar(
     halves: Iterator[BranchHalf], bounds: tuple[float, float], progress: bool
 ) -> Iterator[BranchHalf]:
     bar = progress_bar(halves, desc="continue orbit", unit=" orbits", shown=progress)
-    for found in bar:
-        if found.points:
-            at = f"{found.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}"
+    for half in bar:
+        if half.points:
+            at = f"{half.points[-1].value:.4g} in {bounds[0]:.4g} to {bounds[1]:.4g}"
             bar.set_postfix_str(at, refresh=False)  # else the bar would be shown before its time
-        yield found
+        yield half
 
 
 def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
@@ -239,5 +239,5 @@ def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
     )
 
 
-def _special_orbit(model: Any, parameter: str, found: SpecialPoint) -> SpecialOrbit:
-    return SpecialOrbit(found.kind, found.value, _orbit_at(model, parameter, found.point))
+def _special_orbit(model: Any, parameter: str, special: SpecialPoint) -> SpecialOrbit:
+    return SpecialOrbit(special.kind, special.value, _orbit_at(model, parameter, special.point))

@@ -286,11 +286,11 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
     for i in 1 + np.flatnonzero((share[1:-1] <= share[:-2]) & (share[1:-1] < share[2:])):
         low, high = sorted((t[i - 1], t[i + 1]))
         scales = np.maximum(largest[i], still)
-        found: Any = minimize_scalar(
+        minimum: Any = minimize_scalar(
             _relative_distance, args=(run, start, scales), bounds=(low, high), method="bounded"
         )
-        if found.fun < RETURN_RTOL:
-            return float(abs(found.x - start))
+        if minimum.fun < RETURN_RTOL:
+            return float(abs(minimum.x - start))
     raise ValueError(
         f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
         f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as period="
@@ -303,9 +303,9 @@ def _relative_distance(t: float, run: Trajectory, start: float, scales: Array) -
 
 def _distances(run: Trajectory, t: Any, start: float) -> Array:
     """Distances (N, 3) from the state at `start`: in the coordinates, in the velocities, in the rest."""
-    apart = np.abs(run(np.asarray(t)) - run(start))
+    differences = np.abs(run(np.asarray(t)) - run(start))
     parts = state_groups(run.automaton.coordinates)
-    return np.column_stack([apart[:, part].max(axis=1, initial=0.0) for part in parts])
+    return np.column_stack([differences[:, part].max(axis=1, initial=0.0) for part in parts])
 
 
 class ShootingResult(NamedTuple):
@@ -334,8 +334,8 @@ def stability_within_errors(orbit: PeriodicOrbit) -> str:
     run = orbit.trajectory
     size = moving_scales(run.states, run.automaton.coordinates)
     matrix = orbit.monodromy * size / size[:, None]
-    found: Any = eig(matrix, left=True)
-    values, left, right = found
+    decomposition: Any = eig(matrix, left=True)
+    values, left, right = decomposition
     along = int(np.argmin(np.abs(values - 1.0)))
     with np.errstate(divide="ignore"):
         conditions = 1.0 / np.abs((left.conj() * right).sum(axis=0))

@@ -45,17 +45,17 @@ def first_losses(
 ) -> FirstLosses:
     """The first loss on each of L lines: `parameter` varies along a line, `fixed` (L,) from line to line."""
     count = max((len(column) for column in fixed.values()), default=1)
-    found = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
+    losses = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
     left = np.arange(count)
     if count >= MIN_LINES:
         pilots = np.unique(np.linspace(0, count - 1, PILOTS).astype(int))
-        alike = _scan(problem, parameter, bounds, fixed, pilots, found)
+        alike = _scan(problem, parameter, bounds, fixed, pilots, losses)
         left = np.setdiff1d(left, pilots)
         if alike:
-            left = left[~_solve(problem, parameter, bounds, fixed, (pilots, left), found)]
+            left = left[~_solve(problem, parameter, bounds, fixed, (pilots, left), losses)]
     if len(left):
-        _scan(problem, parameter, bounds, fixed, left, found)
-    return found
+        _scan(problem, parameter, bounds, fixed, left, losses)
+    return losses
 
 
 def _scan(
@@ -64,7 +64,7 @@ def _scan(
     bounds: tuple[float, float],
     fixed: Mapping[str, Array],
     lines: Indices,
-    found: FirstLosses,
+    losses: FirstLosses,
 ) -> bool:
     """Scan some lines; returns whether the first change on each is a loss by flutter."""
     some = {name: column[lines] for name, column in fixed.items()}
@@ -73,7 +73,7 @@ def _scan(
         change = first_loss_change(changes)
         alike = alike and change is not None and change is changes[0] and change.kind == StabilityKind.FLUTTER
         if change is not None:
-            found.values[line], found.frequencies[line] = change.value, change.frequency
+            losses.values[line], losses.frequencies[line] = change.value, change.frequency
     return alike
 
 
@@ -83,11 +83,11 @@ def _solve(
     bounds: tuple[float, float],
     fixed: Mapping[str, Array],
     lines: tuple[Indices, Indices],
-    found: FirstLosses,
+    losses: FirstLosses,
 ) -> Any:
     """Solve lines by the predictions of those scanned before; returns which of them are solved."""
     pilots, others = lines
-    guess, error = _predict(fixed, pilots, others, found.values[pilots])
+    guess, error = _predict(fixed, pilots, others, losses.values[pilots])
     width = np.maximum(ERROR_FACTOR * error, MIN_WIDTH * (bounds[1] - bounds[0]))
     low, high = np.full(len(others), bounds[0]), np.clip(guess + width, *bounds)
 
@@ -98,17 +98,17 @@ def _solve(
     changes, resolved = resolved_sign_changes(spectra, low, high)
     alone = np.bincount(changes.line, minlength=len(others)) == 1
     held = (resolved & alone)[changes.line]  # of the changes
-    kept, ends = changes.line[held], (changes.low[held], changes.high[held])
+    on_line, ends = changes.line[held], (changes.low[held], changes.high[held])
     roots = find_root(
-        lambda at, line: spectra(line, at)[:, 0].real, ends, args=(kept.astype(float),), maxiter=ROOT_STEPS
+        lambda at, line: spectra(line, at)[:, 0].real, ends, args=(on_line.astype(float),), maxiter=ROOT_STEPS
     ).x
-    critical: Any = np.full(len(kept), complex(np.nan))
+    critical: Any = np.full(len(on_line), complex(np.nan))
     solved = np.flatnonzero(np.isfinite(roots))
-    critical[solved] = _critical(spectra, kept[solved], roots[solved], SIDE_RTOL * (bounds[1] - bounds[0]))
+    critical[solved] = _critical(spectra, on_line[solved], roots[solved], SIDE_RTOL * (bounds[1] - bounds[0]))
     good = np.isfinite(critical)
-    found.values[others[kept[good]]] = roots[good]
-    found.frequencies[others[kept[good]]] = np.abs(critical[good].imag) / (2 * np.pi)
-    return np.isin(np.arange(len(others)), kept[good])
+    losses.values[others[on_line[good]]] = roots[good]
+    losses.frequencies[others[on_line[good]]] = np.abs(critical[good].imag) / (2 * np.pi)
+    return np.isin(np.arange(len(others)), on_line[good])
 
 
 def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:

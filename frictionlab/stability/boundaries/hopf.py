@@ -104,9 +104,9 @@ def cubic_coefficient(at: ExpansionPoint, matrix: Array, pair: CriticalPair) -> 
         2 * directional_derivative(at, q, shift),
         directional_derivative(at, q.conj(), second),
     ]
-    found = 0.5 * complex(p @ sum(terms))
+    coefficient = 0.5 * complex(p @ sum(terms))
     size = 0.5 * float(sum(np.abs(p) @ np.abs(term) for term in terms))
-    return found if abs(found.real) > ZERO_RTOL * size else complex(0.0, found.imag)
+    return coefficient if abs(coefficient.real) > ZERO_RTOL * size else complex(0.0, coefficient.imag)
 
 
 def eigenvalue_slope(at: ExpansionPoint, matrix: Array, pair: CriticalPair, parameter: str) -> complex:
@@ -299,14 +299,14 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
     'subcritical'
     """
     problems, (low, high) = _problems(model, parameter, bounds, equilibrium)
-    found = [
+    candidates = [
         (change, problem)
         for problem in problems
         for change in changes_on_lines(problem, parameter, (low, high), {})[0]
     ]
-    flutter = [pair for pair in found if pair[0].kind == StabilityKind.FLUTTER]
+    flutter = [pair for pair in candidates if pair[0].kind == StabilityKind.FLUTTER]
     if not flutter:
-        changes = sorted((change for change, _ in found), key=lambda change: change.value)
+        changes = sorted((change for change, _ in candidates), key=lambda change: change.value)
         raise ValueError(_no_hopf_message(parameter, bounds, changes))
     first = min(change.value for change, _ in flutter)
     # Of symmetric equilibria always take the same one, whatever the rounding of their points.
@@ -327,9 +327,9 @@ def _problems(
 
 
 def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityChange]) -> str:
-    found = ", ".join(f"{c.kind} at {c.value:.6g}" for c in changes) or "no change of stability"
+    words = ", ".join(f"{c.kind} at {c.value:.6g}" for c in changes) or "no change of stability"
     return (
-        f"the bounds of {parameter} must enclose a point where flutter sets in or ends, got {found} "
+        f"the bounds of {parameter} must enclose a point where flutter sets in or ends, got {words} "
         f"in {tuple(bounds)}: widen them, or see stability_changes and eigenvalues"
     )
 

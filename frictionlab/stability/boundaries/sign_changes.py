@@ -56,10 +56,10 @@ def bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Bracket
     """
     pieces = _grid(evaluate, low, high, GRID_POINTS)
     most = MAX_INTERVAL_FACTOR * len(pieces.line)
-    found, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
+    brackets, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
     clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
-    found.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
-    return _sort_brackets(found)
+    brackets.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
+    return _sort_brackets(brackets)
 
 
 def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
@@ -70,26 +70,26 @@ def resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[
     resolved.
     """
     pieces = _grid(evaluate, low, high, COARSE_POINTS)
-    found, left = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
+    brackets, left = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
     resolved = np.ones(len(low), dtype=bool)
     resolved[left.line] = False
-    return _sort_brackets(found), resolved
+    return _sort_brackets(brackets), resolved
 
 
 def _refined(
     evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
 ) -> tuple[list[Brackets], Intervals]:
     """Halve intervals until each has no change or a single one; the changes, and the intervals left over."""
-    found: list[Brackets] = []
+    brackets: list[Brackets] = []
     for _ in range(halvings):
         middle = 0.5 * (pieces.low + pieces.high)
         at_middle = evaluate(pieces.line, middle)
         clear, single = _classify_intervals(pieces, at_middle)
-        found.append(_brackets_of(pieces[single & ~clear]))
+        brackets.append(_brackets_of(pieces[single & ~clear]))
         pieces = _halve(pieces, middle, at_middle, ~clear & ~single)
         if not pieces.line.size or len(pieces.line) > most:
             break
-    return found, pieces
+    return brackets, pieces
 
 
 def _grid(evaluate: Evaluate, low: Array, high: Array, count: int) -> Intervals:
@@ -112,15 +112,15 @@ def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Fla
     a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
     unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
     absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
-    kept = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
+    same_sign = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
     # A parabola through the three values dips below the least of them by at most an eighth of this.
     bend = np.abs(a - 2 * b + c)
     least = np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))
-    room = kept & (least > bend)
-    passes = ~kept & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
-    apart = ~_may_coalesce(pieces, at_middle, least)
+    room = same_sign & (least > bend)
+    passes = ~same_sign & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
+    distinct = ~_may_coalesce(pieces, at_middle, least)
     one = _one_mode(passes, pieces.at_low, pieces.at_high)
-    return absent | (~unknown & apart & room.all(axis=1)), ~unknown & apart & one & (room | passes).all(
+    return absent | (~unknown & distinct & room.all(axis=1)), ~unknown & distinct & one & (room | passes).all(
         axis=1
     )
 
@@ -205,7 +205,7 @@ def _brackets_of(pieces: Intervals) -> Brackets:
     return Brackets(pieces.line, pieces.low, pieces.high, rank)
 
 
-def _sort_brackets(found: list[Brackets]) -> Brackets:
-    parts: Any = [np.concatenate(part) for part in zip(*found)]
+def _sort_brackets(brackets: list[Brackets]) -> Brackets:
+    parts: Any = [np.concatenate(part) for part in zip(*brackets)]
     order = np.lexsort((parts[1], parts[0]))
     return Brackets(*(part[order] for part in parts))

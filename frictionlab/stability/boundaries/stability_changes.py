@@ -210,9 +210,9 @@ class CriticalCurve(Drawable):
     values: Array
 
     def __repr__(self) -> str:
-        found = f"{self.parameter} {span(self.values)} over {self.over} {span(self.at)}"
+        ranges = f"{self.parameter} {span(self.values)} over {self.over} {span(self.at)}"
         none = int(np.isnan(self.values).sum())
-        return f"CriticalCurve({found}, {count(len(self.at), 'value')}{f', {none} without' if none else ''})"
+        return f"CriticalCurve({ranges}, {count(len(self.at), 'value')}{f', {none} without' if none else ''})"
 
 
 def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]) -> CriticalCurve:
@@ -305,40 +305,46 @@ def changes_on_lines(
         return problem.spectra({**{name: column[line] for name, column in fixed.items()}, parameter: at})
 
     low, high = (np.full(count, bound) for bound in bounds)
-    found = bracket_sign_changes(evaluate, low, high)
-    roots = _roots(evaluate, found, bounds)
-    real = _is_there_beyond(evaluate, found, roots, bounds) & ~_only_touches(evaluate, found, roots)
-    columns: Any = (column[real] for column in found)
-    found, roots = Brackets(*columns), roots[real]
-    changes = _describe_changes(evaluate, found, roots, bounds)
-    return [tuple(c for c, line in zip(changes, found.line, strict=True) if line == i) for i in range(count)]
+    brackets = bracket_sign_changes(evaluate, low, high)
+    roots = _roots(evaluate, brackets, bounds)
+    real = _is_there_beyond(evaluate, brackets, roots, bounds) & ~_only_touches(evaluate, brackets, roots)
+    columns: Any = (column[real] for column in brackets)
+    brackets, roots = Brackets(*columns), roots[real]
+    changes = _describe_changes(evaluate, brackets, roots, bounds)
+    return [
+        tuple(c for c, line in zip(changes, brackets.line, strict=True) if line == i) for i in range(count)
+    ]
 
 
-def _roots(evaluate: Evaluate, found: Brackets, bounds: tuple[float, float]) -> Array:
-    if not found.line.size:
+def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> Array:
+    if not brackets.line.size:
         return np.zeros(0)
-    still, growing = _bracket_sides(evaluate, found)
+    still, growing = _bracket_sides(evaluate, brackets)
     outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - growing), *bounds)
-    start, shift = _starts(evaluate, found, still, outside)
+    start, shift = _starts(evaluate, brackets, still, outside)
 
     def rate(at: Array, line: Any, rank: Any, shift: Any) -> Array:
         return eigenvalue_at_rank(evaluate(line.astype(int), at), rank.astype(int)).real - shift
 
-    solved = find_root(rate, (start, growing), args=(found.line, found.rank, shift), maxiter=MAX_ROOT_STEPS)
+    solved = find_root(
+        rate, (start, growing), args=(brackets.line, brackets.rank, shift), maxiter=MAX_ROOT_STEPS
+    )
     # Where there is no root, the equilibrium ends.
-    return np.where(np.isfinite(solved.x), solved.x, 0.5 * (found.low + found.high))
+    return np.where(np.isfinite(solved.x), solved.x, 0.5 * (brackets.low + brackets.high))
 
 
-def _is_there_beyond(evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]) -> Any:
+def _is_there_beyond(
+    evaluate: Evaluate, brackets: Brackets, roots: Array, bounds: tuple[float, float]
+) -> Any:
     """Whether an equilibrium exists on both sides of each root; if not, stability does not change there."""
-    if not found.line.size:
+    if not brackets.line.size:
         return np.zeros(0, dtype=bool)
     step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
-    sides = (evaluate(found.line, np.clip(roots + sign * step, *bounds)) for sign in (-1, 1))
+    sides = (evaluate(brackets.line, np.clip(roots + sign * step, *bounds)) for sign in (-1, 1))
     return np.logical_and(*(np.isfinite(growth_rates(side)[:, 0]) for side in sides))
 
 
-def _only_touches(evaluate: Evaluate, found: Brackets, roots: Array) -> Any:
+def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     """Which changes are no changes: a regain and a loss, and the mode grows in between.
 
     A growth rate may come down to zero and rise again, as (p - a)^2 does.  Within some 1e-5 on either side of
@@ -347,29 +353,30 @@ def _only_touches(evaluate: Evaluate, found: Brackets, roots: Array) -> Any:
     touches = np.zeros(len(roots), dtype=bool)
     if len(roots) < 2:
         return touches
-    still, _ = _bracket_sides(evaluate, found)
-    regain = still > 0.5 * (found.low + found.high)
-    pairs = (found.line[1:] == found.line[:-1]) & (found.rank[1:] == found.rank[:-1])
+    still, _ = _bracket_sides(evaluate, brackets)
+    regain = still > 0.5 * (brackets.low + brackets.high)
+    pairs = (brackets.line[1:] == brackets.line[:-1]) & (brackets.rank[1:] == brackets.rank[:-1])
     first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
     grows = np.ones(len(first), dtype=bool)
     for share in TOUCH_SHARES:
-        spectra = evaluate(found.line[first], roots[first] + share * (roots[first + 1] - roots[first]))
+        spectra = evaluate(brackets.line[first], roots[first] + share * (roots[first + 1] - roots[first]))
         least = TOUCH_RTOL * np.abs(spectra).max(axis=1, initial=0.0)
-        grows &= eigenvalue_at_rank(spectra, found.rank[first]).real > least
+        grows &= eigenvalue_at_rank(spectra, brackets.rank[first]).real > least
     touches[first[grows]] = touches[first[grows] + 1] = True
     return touches
 
 
-def _bracket_sides(evaluate: Evaluate, found: Brackets) -> tuple[Array, Array]:
+def _bracket_sides(evaluate: Evaluate, brackets: Brackets) -> tuple[Array, Array]:
     """The ends of the brackets where the mode does not grow, and those where it does."""
     before, after = (
-        eigenvalue_at_rank(evaluate(found.line, end), found.rank).real for end in (found.low, found.high)
+        eigenvalue_at_rank(evaluate(brackets.line, end), brackets.rank).real
+        for end in (brackets.low, brackets.high)
     )
     rises = after > before
-    return np.where(rises, found.low, found.high), np.where(rises, found.high, found.low)
+    return np.where(rises, brackets.low, brackets.high), np.where(rises, brackets.high, brackets.low)
 
 
-def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
+def _starts(evaluate: Evaluate, brackets: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
     """One end of the search for each root, and the growth rate that is solved for.
 
     In general the mode decays at this end, and the growth rate that is solved for is zero.  The end may lie
@@ -378,9 +385,9 @@ def _starts(evaluate: Evaluate, found: Brackets, still: Array, outside: Array) -
     """
     start, shift = still.copy(), np.full(still.shape, np.nan)
     for at in outside:
-        spectra = evaluate(found.line, at)
+        spectra = evaluate(brackets.line, at)
         largest = np.abs(spectra).max(axis=1)
-        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, found.rank).real < -DECAY_RTOL * largest)
+        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * largest)
         start[decays], shift[decays] = at[decays], 0.0
     return start, np.where(np.isnan(shift), NEUTRAL_RTOL * largest, shift)
 
@@ -391,23 +398,25 @@ def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:
 
 
 def _describe_changes(
-    evaluate: Evaluate, found: Brackets, roots: Array, bounds: tuple[float, float]
+    evaluate: Evaluate, brackets: Brackets, roots: Array, bounds: tuple[float, float]
 ) -> list[StabilityChange]:
-    if not found.line.size:
+    if not brackets.line.size:
         return []
-    _, growing = _bracket_sides(evaluate, found)
+    _, growing = _bracket_sides(evaluate, brackets)
     step = growing - roots
     # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
-    inside = evaluate(found.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step))
-    before, at, after = (evaluate(found.line, p) for p in (found.low, roots, found.high))
+    inside = evaluate(
+        brackets.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step)
+    )
+    before, at, after = (evaluate(brackets.line, p) for p in (brackets.low, roots, brackets.high))
     # Just inside: at the root itself all growth rates may be zero, or a real eigenvalue part of a pair.
-    critical = eigenvalue_at_rank(inside, found.rank)
+    critical = eigenvalue_at_rank(inside, brackets.rank)
     far = np.concatenate(
-        [at, *(evaluate(found.line, np.full(len(roots), bound)) for bound in bounds)], axis=1
+        [at, *(evaluate(brackets.line, np.full(len(roots), bound)) for bound in bounds)], axis=1
     )
     size = np.nanmax(np.abs(far), axis=1)
-    jumps = _is_fold(eigenvalue_at_rank(at, found.rank), size, FOLD_RATE_AT_ROOT) | _is_fold(
+    jumps = _is_fold(eigenvalue_at_rank(at, brackets.rank), size, FOLD_RATE_AT_ROOT) | _is_fold(
         critical, size, FOLD_RATE_INSIDE
     )
     lost = (growth_rates(before) > 0).sum(axis=1) < (growth_rates(after) > 0).sum(axis=1)

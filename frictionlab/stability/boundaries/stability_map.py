@@ -191,8 +191,8 @@ def zeros_on_segments(plane: ParameterPlane, low: Array, high: Array, ranks: Any
         return plane.rate(a + share[:, None] * (b - a), rank)
 
     ends = (np.zeros(len(low)), np.ones(len(low)))
-    found = find_root(rate, ends, args=(*low.T, *high.T, np.broadcast_to(ranks, len(low))))
-    share = np.where(found.success, found.x, np.nan)
+    root = find_root(rate, ends, args=(*low.T, *high.T, np.broadcast_to(ranks, len(low))))
+    share = np.where(root.success, root.x, np.nan)
     return low + share[:, None] * (high - low)
 
 
@@ -261,8 +261,8 @@ def _project_onto_curve(plane: ParameterPlane, path: Array, rank: int) -> Array:
     at_edge = (path <= 0) | (path >= 1)
     normal[at_edge.any(axis=1)] = np.where(at_edge, 0.0, 1.0)[at_edge.any(axis=1)]
     # Not farther than the local step: beyond it another branch may pass.
-    apart = np.hypot(*np.diff(path, axis=0).T)
-    local = np.minimum(np.append(apart, np.inf), np.append(np.inf, apart))
+    spacing = np.hypot(*np.diff(path, axis=0).T)
+    local = np.minimum(np.append(spacing, np.inf), np.append(np.inf, spacing))
     local = np.where(at_edge.any(axis=1), STEP_RADIUS, local)[:, None]
     moved = np.full_like(path, np.nan)
     for share in NORMAL_SHARES:
@@ -314,24 +314,24 @@ def boundary_curves(
     """All curves that pass between neighbours on the grid; `spectra` (ny, nx, m) are those on it."""
     plane = ParameterPlane(problem, x, y)
     seeds, ranks = _seed_points(plane, spectra)
-    found: list[Boundary] = []
+    boundaries: list[Boundary] = []
     while len(seeds):
         rank = int(ranks[0])
         curve = trace_curve(plane, seeds[0], rank)
-        apart = np.array([distance_to_curve(curve, seed) for seed in seeds])
-        passed = (ranks == rank) & (apart < SAME_CURVE_DISTANCE)
+        distances = np.array([distance_to_curve(curve, seed) for seed in seeds])
+        passed = (ranks == rank) & (distances < SAME_CURVE_DISTANCE)
         passed[0] = True
         seeds, ranks = seeds[~passed], ranks[~passed]
-        found += _describe_curve(plane, curve, rank)
-    return tuple(_distinct_curves(found))
+        boundaries += _describe_curve(plane, curve, rank)
+    return tuple(_distinct_curves(boundaries))
 
 
 def _seed_points(plane: ParameterPlane, spectra: Any) -> tuple[Array, NDArray[np.intp]]:
     """Points of the curves on the edges between grid points, and which growth rate is zero there."""
-    found = [*_edges(spectra, 0), *_edges(spectra, 1)]
-    if not found:
+    edges = [*_edges(spectra, 0), *_edges(spectra, 1)]
+    if not edges:
         return np.zeros((0, 2)), np.zeros(0, dtype=np.intp)
-    low, high, ranks = (np.array(part) for part in zip(*found))
+    low, high, ranks = (np.array(part) for part in zip(*edges))
     return zeros_on_segments(plane, low, high, ranks), ranks
 
 
@@ -384,17 +384,17 @@ def _unstable_on_sides(plane: ParameterPlane, piece: Array) -> tuple[int, int]:
     return few, many
 
 
-def _distinct_curves(found: list[Boundary]) -> list[Boundary]:
+def _distinct_curves(curves: list[Boundary]) -> list[Boundary]:
     """Each curve once: both growth rates of a pair vanish on one curve, and all where an equilibrium ends."""
-    kept: list[Boundary] = []
-    size = np.ptp(np.vstack([c.points for c in found]), axis=0) if found else np.ones(2)
+    distinct: list[Boundary] = []
+    size = np.ptp(np.vstack([c.points for c in curves]), axis=0) if curves else np.ones(2)
     size[size == 0] = 1.0
-    for curve in sorted(found, key=lambda c: -len(c.points)):
+    for curve in sorted(curves, key=lambda c: -len(c.points)):
         some = curve.points[:: max(1, len(curve.points) // 4)] / size
-        alike = [c.points / size for c in kept if _kind(c) == _kind(curve)]
+        alike = [c.points / size for c in distinct if _kind(c) == _kind(curve)]
         if not any(max(distance_to_curve(other, at) for at in some) < SAME_CURVE_DISTANCE for other in alike):
-            kept.append(curve)
-    return kept
+            distinct.append(curve)
+    return distinct
 
 
 def _kind(curve: Boundary) -> int:

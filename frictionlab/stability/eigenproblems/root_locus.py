@@ -90,15 +90,15 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
     known = np.isfinite(matrices).all(axis=(1, 2))
     m, k = matrices.shape[1], (matrices.shape[1] + 1) // 2
     empty: Any = (np.full((len(at), *shape), NO_EIGENVALUE) for shape in ((k,), (m, k), (k, m)))
-    found = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
+    modes = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
     if known.any():
         values, right = eigenpairs_of_matrices(matrices[known])
-        found.unstable[known] = unstable_pairs(values)
+        modes.unstable[known] = unstable_pairs(values)
         order = _upper_half(values, k)
-        found.values[known] = np.take_along_axis(values, order, axis=1)
-        found.right[known] = np.take_along_axis(right, order[:, None, :], axis=2)
-        found.left[known] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
-    return found
+        modes.values[known] = np.take_along_axis(values, order, axis=1)
+        modes.right[known] = np.take_along_axis(right, order[:, None, :], axis=2)
+        modes.left[known] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
+    return modes
 
 
 def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
@@ -156,8 +156,8 @@ def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
 
 def _equal_eigenvalues(values: ComplexMatrices) -> NDArray[np.bool_]:
     """Which modes (N, k, k) have equal eigenvalues, but for rounding."""
-    apart = np.abs(values[:, :, None] - values[:, None, :])
-    alike = apart <= EQUAL_RTOL * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
+    distances = np.abs(values[:, :, None] - values[:, None, :])
+    alike = distances <= EQUAL_RTOL * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
     return alike & ~np.eye(values.shape[1], dtype=bool)
 
 
@@ -171,28 +171,28 @@ def _match_modes(
     """
     known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
     if not known.all():
-        found = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
-        found[known] = _match_modes(a[known], b[known], sample, least, left)
-        return found
-    found = _assign(_likeness(a, b))
-    clear, apart = _is_clear(a, b.permute(found))
-    wide = ~(clear & apart) & (np.abs(b.at - a.at) > least)
+        matching = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
+        matching[known] = _match_modes(a[known], b[known], sample, least, left)
+        return matching
+    matching = _assign(_likeness(a, b))
+    clear, distinct = _is_clear(a, b.permute(matching))
+    wide = ~(clear & distinct) & (np.abs(b.at - a.at) > least)
     if wide.any() and wide.sum() <= left[0]:
         left[0] -= int(wide.sum())
         middle = sample(a.at[wide] + SPLIT_SHARE * (b.at[wide] - a.at[wide]))
         first = _match_modes(a[wide], middle, sample, least, left)
         second = _match_modes(middle, b[wide], sample, least, left)
-        found[wide] = np.take_along_axis(second, first, axis=1)
+        matching[wide] = np.take_along_axis(second, first, axis=1)
         clear |= wide
     for i in np.flatnonzero(~clear):  # an exact coalescence: match eigenvalues, since the vectors are equal
-        found[i] = _match_eigenvalues(a.values[i], b.values[i])
-    return found
+        matching[i] = _match_eigenvalues(a.values[i], b.values[i])
+    return matching
 
 
 def _distance_to_next(values: ComplexMatrices) -> Array:
     """Distance of each eigenvalue (N, k) to the nearest other one."""
-    apart = np.abs(values[:, :, None] - values[:, None, :])
-    return np.where(np.eye(values.shape[1], dtype=bool), np.inf, apart).min(axis=2)
+    distances = np.abs(values[:, :, None] - values[:, None, :])
+    return np.where(np.eye(values.shape[1], dtype=bool), np.inf, distances).min(axis=2)
 
 
 def _likeness(a: Modes, b: Modes) -> Array:
@@ -202,11 +202,11 @@ def _likeness(a: Modes, b: Modes) -> Array:
 
 def _assign(likeness: Array) -> NDArray[np.intp]:
     """For each mode the index of the most similar one; each index is used once."""
-    found, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
-    (twice,) = np.nonzero((np.sort(found, axis=1) != each).any(axis=1))
+    matching, each = likeness.argmax(axis=2), np.arange(likeness.shape[1])
+    (twice,) = np.nonzero((np.sort(matching, axis=1) != each).any(axis=1))
     for i in twice:
-        found[i] = linear_sum_assignment(-likeness[i])[1]
-    return found
+        matching[i] = linear_sum_assignment(-likeness[i])[1]
+    return matching
 
 
 def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
@@ -247,8 +247,8 @@ def _match_eigenvalues(a: ComplexMatrices, b: ComplexMatrices) -> NDArray[np.int
 
     If four distances are equal, as at a coalescence, the higher frequency goes with the larger growth.
     """
-    apart, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
-    return linear_sum_assignment(apart**2 + RANK_WEIGHT * rank**2)[1]
+    distance, rank = np.abs(a[:, None] - b[None, :]), np.subtract.outer(a.real + a.imag, b.real + b.imag)
+    return linear_sum_assignment(distance**2 + RANK_WEIGHT * rank**2)[1]
 
 
 @dataclass(frozen=True, eq=False)

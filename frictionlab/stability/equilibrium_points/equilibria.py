@@ -102,7 +102,7 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
     if by_penetration(model):
         return [equilibrium_problem(model)]
     automaton = automaton_of(model)
-    at, found = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
+    at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
     modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
@@ -113,11 +113,11 @@ def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
             modes.append(mode)
-            found.append(problem_from_equilibrium(model, automaton, mode, x, **changed))
-            branch_states.append(found[-1].solve(*found[-1].at({parameter: at})))
-    if not found:
+            problems.append(problem_from_equilibrium(model, automaton, mode, x, **changed))
+            branch_states.append(problems[-1].solve(*problems[-1].at({parameter: at})))
+    if not problems:
         raise no_equilibrium_error(model)
-    return found
+    return problems
 
 
 def _same_state(x: Array, other: Array) -> bool:
@@ -181,15 +181,15 @@ class Equilibria(tuple[Equilibrium, ...]):
 
     Parameters
     ----------
-    found : iterable of Equilibrium
+    members : iterable of Equilibrium
     why : str
         Why others cannot be excluded; empty where it is known that there are none.
     """
 
     why: str
 
-    def __new__(cls, found: Iterable[Equilibrium], why: str = "") -> Equilibria:
-        self = super().__new__(cls, found)
+    def __new__(cls, members: Iterable[Equilibrium], why: str = "") -> Equilibria:
+        self = super().__new__(cls, members)
         self.why = why
         return self
 
@@ -277,17 +277,17 @@ def equilibrium(model: Any) -> Equilibrium:
     >>> fl.equilibrium(fl.SliderOnBelt(mu_k=0.3)).q.round(4).tolist()
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
-    found = equilibria(model)
+    candidates = equilibria(model)
     if not by_penetration(model):
-        if not found:
+        if not candidates:
             raise no_equilibrium_error(model)
-        return found[0]
+        return candidates[0]
     # A law with even powers may give F_N > 0 where there is no contact.
-    pressed = [e for e in found if e.normal_force > 0 and e.penetration > 0]
+    pressed = [e for e in candidates if e.normal_force > 0 and e.penetration > 0]
     if pressed:
         return min(pressed, key=lambda e: e.penetration)
-    forces = ", ".join(f"{e.normal_force:.4g} N" for e in found) or "none"
-    unsure = "" if found.complete else f", while others are not excluded, as {found.why}"
+    forces = ", ".join(f"{e.normal_force:.4g} N" for e in candidates) or "none"
+    unsure = "" if candidates.complete else f", while others are not excluded, as {candidates.why}"
     raise ValueError(
         f"there must be an equilibrium with F_N > 0, got normal forces: {forces}{unsure}: "
         f"raise the preload F ({model.F:g} N), or change friction or stiffnesses"
@@ -298,7 +298,7 @@ def _automaton_equilibria(model: Any) -> Equilibria:
     automaton = automaton_of(model)
     mode, points, _, why = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
-    found = (
+    members = (
         Equilibrium(
             x,
             *mode.shown(x, values),
@@ -308,7 +308,7 @@ def _automaton_equilibria(model: Any) -> Equilibria:
         )
         for x in points.T
     )
-    return Equilibria(found, why)
+    return Equilibria(members, why)
 
 
 def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float], str]:

@@ -62,8 +62,8 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
     mode, points, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise no_equilibrium_error(model)
-    apart = points if closest_to is None else points - closest_to[:, None]
-    i = 0 if closest_to is None else int(np.argmin(np.linalg.norm(apart, axis=0)))
+    offsets = points if closest_to is None else points - closest_to[:, None]
+    i = 0 if closest_to is None else int(np.argmin(np.linalg.norm(offsets, axis=0)))
     return problem_from_equilibrium(model, automaton, mode, points[:, i])
 
 
@@ -110,9 +110,9 @@ def continuation_solver(
     """`solve` of an :class:`EquilibriumProblem` that follows a zero of the flow from `x` (m,) at `base`."""
 
     def solve(values: Sequence[Any], count: int) -> Array:
-        found = follow_zero(flow, x, base, values, count)
-        found[:, ~lasts(found, values)] = np.nan
-        return found
+        zeros = follow_zero(flow, x, base, values, count)
+        zeros[:, ~lasts(zeros, values)] = np.nan
+        return zeros
 
     return solve
 
@@ -192,9 +192,9 @@ def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
         companion[:, 0] = -(coefficients[1:] * scale / coefficients[0]).T
         broken = ~np.isfinite(companion[:, 0]).all(axis=1)
         companion[broken] = np.eye(degree)
-        found = np.abs(coefficients[0]) / np.linalg.eigvals(companion).astype(complex).T
-    found[:, broken] = np.nan
-    return found
+        roots = np.abs(coefficients[0]) / np.linalg.eigvals(companion).astype(complex).T
+    roots[:, broken] = np.nan
+    return roots
 
 
 def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) -> Array:
@@ -206,10 +206,10 @@ def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) ->
     boxes = Boxes(
         np.stack([np.append(least, free), np.append(free, most)])[:, None], np.tile(np.arange(count), 2)
     )
-    found = isolate_zeros(one_equation(statics.equation, values), boxes)
-    low, high = (_columns(end[0], found.single.owners, count) for end in found.single.ends)
+    search = isolate_zeros(one_equation(statics.equation, values), boxes)
+    low, high = (_columns(end[0], search.single.owners, count) for end in search.single.ends)
     roots = _enclosed_roots(statics, values, low, high)
-    for i in np.unique(np.append(found.narrow.owners, found.undecided.owners)):
+    for i in np.unique(np.append(search.narrow.owners, search.undecided.owners)):
         alone = [v if np.ndim(v) == 0 else float(np.broadcast_to(v, (count,))[i]) for v in values]
         points = find_zeros(statics.equation, alone).points[0]
         roots = np.vstack([roots, _columns(points, np.full(len(points), i), count)])
@@ -282,12 +282,14 @@ def _is_pressed(equations: SlidingEquations, x: Array, values: Sequence[Any]) ->
 @cache
 def sliding_flow(equations: SlidingEquations) -> Flow:
     """The flow of sliding with friction in the sign of the belt's speed, whatever the model's other modes."""
-    kept = equations.kept
+    derivations = equations.derivations
     rates = kept_formulas(
-        kept, "rates of sliding", lambda: equations.formulas_of_states(_sliding_rates(equations))
+        derivations, "rates of sliding", lambda: equations.formulas_of_states(_sliding_rates(equations))
     )
     margins = kept_formulas(
-        kept, "margins of sliding", lambda: equations.formulas_of_states([equations.system.rubbing.pressing])
+        derivations,
+        "margins of sliding",
+        lambda: equations.formulas_of_states([equations.system.rubbing.pressing]),
     )
     return Flow(equations.key.parameters, rates, margins)
 
@@ -317,7 +319,7 @@ def sliding_guards(equations: SlidingEquations, forwards: bool) -> Formulas:
         )
 
     return kept_formulas(
-        equations.kept, f"guards of sliding {'forwards' if forwards else 'backwards'}", derive
+        equations.derivations, f"guards of sliding {'forwards' if forwards else 'backwards'}", derive
     )
 
 

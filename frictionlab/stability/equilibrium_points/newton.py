@@ -95,12 +95,12 @@ def _is_regular(matrix: Array) -> Any:
 
 def merge_candidates(x: Array) -> Array:
     """The points (m, K) among those given (m, N) that differ, in their order."""
-    kept: list[int] = []
+    chosen: list[int] = []
     for i in range(x.shape[1]):
-        apart = np.abs(x[:, kept] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
-        if apart.any(axis=0).all():
-            kept.append(i)
-    return x[:, kept]
+        differs = np.abs(x[:, chosen] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
+        if differs.any(axis=0).all():
+            chosen.append(i)
+    return x[:, chosen]
 
 
 MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
@@ -235,12 +235,12 @@ def distinct_zeros(x: Array, unknown: Array) -> Array:
 
     Symmetric zeros have the same distance up to rounding.  The one with the larger first state comes first.
     """
-    kept: list[int] = []
+    chosen: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
-        apart = np.abs(x[:, kept] - x[:, [i]])
-        if (apart > SAME_ZERO_FACTOR * (unknown[:, kept] + unknown[:, [i]])).any(axis=0).all():
-            kept.append(int(i))
-    return x[:, sorted(kept, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
+        distances = np.abs(x[:, chosen] - x[:, [i]])
+        if (distances > SAME_ZERO_FACTOR * (unknown[:, chosen] + unknown[:, [i]])).any(axis=0).all():
+            chosen.append(int(i))
+    return x[:, sorted(chosen, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
 
 
 class Zeros(NamedTuple):
@@ -282,16 +282,20 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
                 return inside
             sure, boxes = inside.points, replace(boxes, complete=False, why=inside.why)
         cheap = low_rank_newton(flow, values, x)
-        found = _zeros_from(flow, values, np.hstack([x, boxes.starts]), scale, cheap)
+        candidates = _zeros_from(flow, values, np.hstack([x, boxes.starts]), scale, cheap)
         for _ in range(0 if flow.linear else RESTART_ROUNDS):
-            before = found.shape[1]
-            found = _zeros_from(
-                flow, values, np.hstack([found, _restart_points(flow, values, found, random)]), scale, cheap
+            before = candidates.shape[1]
+            candidates = _zeros_from(
+                flow,
+                values,
+                np.hstack([candidates, _restart_points(flow, values, candidates, random)]),
+                scale,
+                cheap,
             )
-            if not before < found.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
+            if not before < candidates.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
                 break
-        found = np.hstack([sure, _credible(flow, values, found, scale)])
-    points = distinct_zeros(found, SAME_CANDIDATE_RTOL * np.abs(found)) if sure.size else found
+        candidates = np.hstack([sure, _credible(flow, values, candidates, scale)])
+    points = distinct_zeros(candidates, SAME_CANDIDATE_RTOL * np.abs(candidates)) if sure.size else candidates
     return Zeros(points, boxes.complete, boxes.why)
 
 
@@ -299,9 +303,9 @@ def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale
     """The zeros near the starts in boxes that hold all of them."""
     ends = _search(lambda at: newton_step(flow, at, values), boxes.starts)
     zeros, unknown = polish_zeros(flow, ends, values, scale)
-    apart = np.abs(zeros[:, None, :] - boxes.starts[:, :, None])
+    distances = np.abs(zeros[:, None, :] - boxes.starts[:, :, None])
     room = (boxes.room + BOX_RTOL * np.abs(boxes.starts) + BOX_ATOL * scale)[:, :, None]
-    near: Any = (apart <= room).all(axis=0)
+    near: Any = (distances <= room).all(axis=0)
     met = near.any(axis=1) if zeros.shape[1] else np.zeros(len(boxes.flat), bool)
     # A zero of a higher odd order is where a rate changes its sign, and Newton's method does not reach it.
     left = boxes.flat & ~met
@@ -330,34 +334,34 @@ def _zeros_from(
 ) -> Array:
     """The zeros that Newton's method finds from the starts."""
     if cheap is None:
-        found = _search(lambda at: newton_step(flow, at, values), x)
+        candidates = _search(lambda at: newton_step(flow, at, values), x)
     else:
-        found = merge_candidates(_search(cheap.step, x))
-    return distinct_zeros(*polish_zeros(flow, found, values, scale))
+        candidates = merge_candidates(_search(cheap.step, x))
+    return distinct_zeros(*polish_zeros(flow, candidates, values, scale))
 
 
-def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: np.random.Generator) -> Array:
+def _restart_points(flow: Flow, values: Sequence[float], zeros: Array, random: np.random.Generator) -> Array:
     """Starting points (m, 2 START_COUNT), made of known zeros, for zeros that are hard to find from afar.
 
     In half of them each coordinate is near that of a zero chosen at random.  At the others all rates but one
     are zero to first order.  So Newton's method looks for other zeros of that one rate, and the others stay
     zero.  Without known zeros there are none.
     """
-    rows, count = found.shape
+    rows, count = zeros.shape
     if not count:
-        return found
+        return zeros
     away = random.normal(size=(rows, START_COUNT)) * 10.0 ** random.uniform(
         *RESTART_DECADES, size=START_COUNT
     )
-    combined = np.take_along_axis(found, random.integers(count, size=(rows, START_COUNT)), axis=1) * (
+    combined = np.take_along_axis(zeros, random.integers(count, size=(rows, START_COUNT)), axis=1) * (
         1 + away
     )
     zero, rate = random.integers(count, size=START_COUNT), random.integers(rows, size=START_COUNT)
-    base = found[:, zero]
+    base = zeros[:, zero]
     if rows < LEAST_STATES:
         only = solve_matrices(flow.jacobian(base, values), np.eye(rows)[rate][:, :, None])[:, :, 0].T
     else:  # by the inverse at each zero: there are fewer zeros than starts
-        of_zeros = flow.jacobian(found, values)
+        of_zeros = flow.jacobian(zeros, values)
         inverses = solve_matrices(of_zeros, np.broadcast_to(np.eye(rows), of_zeros.shape))
         only = inverses[zero, :, rate].T
     length = np.abs(base).max(axis=0) / np.abs(only).max(axis=0)
@@ -366,22 +370,22 @@ def _restart_points(flow: Flow, values: Sequence[float], found: Array, random: n
 
 def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any], count: int) -> Array:
     """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`; NaN if lost."""
-    found = np.repeat(x[:, None], count, axis=1)
+    zeros = np.repeat(x[:, None], count, axis=1)
     with np.errstate(all="ignore"):
-        first = newton_step(flow, found, values)
-        second = newton_step(flow, found + first, values)
+        first = newton_step(flow, zeros, values)
+        second = newton_step(flow, zeros + first, values)
         # Steps that shrink fast are safe (Newton-Kantorovich), and so are steps of rounding; otherwise the
         # change of parameters is divided.
         last = np.abs(second).max(axis=0)
         safe = last <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
-        safe |= last <= LAST_STEP_RTOL * np.abs(found).max(axis=0)
+        safe |= last <= LAST_STEP_RTOL * np.abs(zeros).max(axis=0)
         steps = 1 if safe.all() else HOMOTOPY_STEPS
         for s in np.linspace(0, 1, steps + 1)[1:]:
             between = [b if np.ndim(v) == 0 and v == b else b + s * (v - b) for b, v in zip(base, values)]
-            found = _newton(flow, found, between)
+            zeros = _newton(flow, zeros, between)
         scale = _replace_unknown(np.abs(x)[:, None] + np.abs(first))
-        found[:, ~_is_solved(flow, found, values, scale)] = np.nan
-    return found
+        zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
+    return zeros
 
 
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:

@@ -185,8 +185,8 @@ def _real_roots(coefficients: list[float]) -> list[float]:
     bound = 1.0 + max(abs(c / coefficients[-1]) for c in coefficients[:-1])
     slope = [k * c for k, c in enumerate(coefficients)][1:]
     ends = [-bound, *(c for c in _real_roots(slope) if -bound < c < bound), bound]
-    found = (bracketed_root(partial(_value, coefficients[::-1]), low, high) for low, high in pairwise(ends))
-    return sorted({root for root in found if root is not None})
+    roots = (bracketed_root(partial(_value, coefficients[::-1]), low, high) for low, high in pairwise(ends))
+    return sorted({root for root in roots if root is not None})
 
 
 def _value(descending: list[float], x: float) -> float:

@@ -157,15 +157,15 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     coefficients = np.array([[_constant(row[k]) for k in np.flatnonzero(linear)] for row in columns], float)
     coefficients = coefficients.reshape(len(left), int(linear.sum()))
     combined, _ = _rows_without(coefficients)
-    found = Elimination(origin, basis, left, np.flatnonzero(~linear), combined, coefficients)
-    everywhere = ReducedFlow(flow, values, found).rates([_whole()] * int((~linear).sum()))
+    elimination = Elimination(origin, basis, left, np.flatnonzero(~linear), combined, coefficients)
+    everywhere = ReducedFlow(flow, values, elimination).rates([_whole()] * int((~linear).sum()))
     if not all(np.all(row.contains_zero()) for row in everywhere):
         return None
-    if len(combined) != len(found.nonlinear):
+    if len(combined) != len(elimination.nonlinear):
         return "states may be anywhere"
-    if len(found.nonlinear) > MOST_UNKNOWNS:
-        return f"{len(found.nonlinear)} states enter nonlinearly"
-    return found
+    if len(elimination.nonlinear) > MOST_UNKNOWNS:
+        return f"{len(elimination.nonlinear)} states enter nonlinearly"
+    return elimination
 
 
 def _linear_sums(
@@ -321,17 +321,17 @@ class ReducedFlow:
         u: list[Any] = [0.0] * self.by.basis.shape[1]
         for k, one in zip(self.by.nonlinear.tolist(), w, strict=True):
             u[k] = one
-        found = []
+        states = []
         for start, row in zip(self.by.origin, self.by.basis, strict=True):
             used = [k for k in np.flatnonzero(row).tolist() if k in self.by.nonlinear]
             if len(used) == 1 and row[used[0]] == 1.0 and start == 0.0:
-                found.append(u[used[0]])
+                states.append(u[used[0]])
                 continue
             total: Any = float(start)
             for k in used:
                 total = u[k] * float(row[k]) + total
-            found.append(total)
-        return found
+            states.append(total)
+        return states
 
     def _sums(self, rows: Sequence[Any]) -> list[Interval]:
         totals = []
@@ -434,9 +434,9 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
         start = reduced.full_states(np.zeros((0, 1)))
         return RootBoxes(start, np.full(start.shape, np.inf), *np.zeros((2, 1), dtype=bool), complete=True)
     everywhere = np.full((2, k, 1), LARGEST) * np.array([-1.0, 1.0])[:, None, None]
-    found = isolate_zeros(reduced, Boxes(everywhere, np.zeros(1, dtype=np.intp)))
-    clusters = _clusters(found.narrow.ends)
-    every = np.concatenate([_contracted(reduced, found.single.ends), clusters], axis=2)
+    search = isolate_zeros(reduced, Boxes(everywhere, np.zeros(1, dtype=np.intp)))
+    clusters = _clusters(search.narrow.ends)
+    every = np.concatenate([_contracted(reduced, search.single.ends), clusters], axis=2)
     middle = every.mean(axis=0)
     starts = reduced.full_states(np.where(np.abs(middle) > SMALLEST, middle, 0.0))
     room = np.full(starts.shape, np.inf)
@@ -445,8 +445,8 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     alone[: starts.shape[1] - clusters.shape[2]] = True
     if k == 1:
         _bracket(reduced, clusters, starts, flat)
-    left = len(found.undecided.owners)
-    why = f"{left} of {found.spent} boxes stay undecided" if left else ""
+    left = len(search.undecided.owners)
+    why = f"{left} of {search.spent} boxes stay undecided" if left else ""
     return RootBoxes(starts, room, alone, flat, not left, why)
 
 
@@ -511,7 +511,7 @@ def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.boo
     centres[~known] = np.eye(k)
     inverse = np.linalg.inv(centres)
     known &= np.isfinite(inverse).all(axis=(1, 2))
-    found = np.full_like(boxes, np.nan)
+    images = np.full_like(boxes, np.nan)
     for i in range(k):
         image = Interval(middle[i], middle[i])
         for row in range(k):
@@ -521,8 +521,8 @@ def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.boo
             for row in range(k):
                 factor = factor - slopes[j][row] * inverse[:, i, row]
             image = image + factor * ways[j]
-        found[0, i], found[1, i] = np.where(known, image.low, np.nan), np.where(known, image.high, np.nan)
-    return found, possible
+        images[0, i], images[1, i] = np.where(known, image.low, np.nan), np.where(known, image.high, np.nan)
+    return images, possible
 
 
 def _mean_values(
@@ -613,17 +613,17 @@ def _halves(boxes: Boxes, width: Array) -> Boxes:
 
 def _clusters(boxes: Array) -> Array:
     """Undecided boxes (2, k, N) that touch, as one box each."""
-    found: list[Array] = []
+    clusters: list[Array] = []
     for box in np.moveaxis(boxes, 2, 0)[np.lexsort(boxes[0])] if boxes.shape[2] else ():
-        for other in found[-TOUCHING:]:
+        for other in clusters[-TOUCHING:]:
             size = np.maximum(np.abs(box).max(axis=0), np.abs(other).max(axis=0))
             room = 2 * np.maximum(box[1] - box[0], other[1] - other[0]) + 10 * ROUNDED * size + SMALLEST
             if (box[0] <= other[1] + room).all() and (box[1] >= other[0] - room).all():
                 other[0], other[1] = np.minimum(other[0], box[0]), np.maximum(other[1], box[1])
                 break
         else:
-            found.append(box.copy())
-    return np.stack(found, axis=2) if found else boxes
+            clusters.append(box.copy())
+    return np.stack(clusters, axis=2) if clusters else boxes
 
 
 def _bracket(reduced: ReducedFlow, clusters: Array, starts: Array, flat: NDArray[np.bool_]) -> None:

@@ -73,15 +73,15 @@ class SlidingEquations:
     Parameters
     ----------
     key : StructureKey
-    kept : Derivations
-        What has been derived of it and is kept in files.
+    derivations : Derivations
+        What is cached on disk of it.
     coordinates : tuple of str
     height : int
         Index of the coordinate that the contact alone may hold.
     """
 
     key: StructureKey
-    kept: Derivations
+    derivations: Derivations
     coordinates: tuple[str, ...]
     height: int
 
@@ -106,7 +106,7 @@ class SlidingEquations:
     @cached_property
     def sticks(self) -> bool:
         """Whether the contact can stick."""
-        return self.kept.value("sticks", lambda: "stick" in self.system.rubbing.modes)
+        return self.derivations.value("sticks", lambda: "stick" in self.system.rubbing.modes)
 
     def belt_speed(self, *values: Any) -> Any:
         """The relative velocity at rest (m/s) at values of the parameters."""
@@ -119,7 +119,7 @@ class SlidingEquations:
         return (np.asarray(self.belt_speed(*values)) == 0) & self.sticks
 
     def _of_parameters(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
-        return kept_formulas(self.kept, name, lambda: formulas_of(self.parameters, expressions()))
+        return kept_formulas(self.derivations, name, lambda: formulas_of(self.parameters, expressions()))
 
     def formulas_of_states(self, expressions: Sequence[Any]) -> Formulas:
         """Formulas of the states, then the parameters."""
@@ -143,9 +143,9 @@ def sliding_equations(model: Any) -> SlidingEquations:
 
 @cache
 def _equations_of_structure(key: StructureKey) -> SlidingEquations:
-    kept = derivations_of(key, key.parameters)
-    names = tuple(kept.value("coordinates", lambda: symbolic_copy(key).coordinates))
-    return SlidingEquations(key, kept, names, names.index(key.component.statics.height))
+    derivations = derivations_of(key, key.parameters)
+    names = tuple(derivations.value("coordinates", lambda: symbolic_copy(key).coordinates))
+    return SlidingEquations(key, derivations, names, names.index(key.component.statics.height))
 
 
 def by_penetration(model: Any) -> bool:
@@ -163,7 +163,7 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
 
     def formulas(name: str) -> Formulas:
         return kept_formulas(
-            equations.kept,
+            equations.derivations,
             f"{name}{suffix}",
             lambda: getattr(_static_formulas(equations, held_by_contact), name),
         )
@@ -188,25 +188,25 @@ class StaticFormulas(NamedTuple):
 
 @cache
 def _static_formulas(equations: SlidingEquations, held_by_contact: bool) -> StaticFormulas:
-    found, p = equations.system, equations.parameters
+    system, p = equations.system, equations.parameters
     height = equations.height if held_by_contact else None
     penetration, normal, friction = sympy.symbols("compression normal friction", real=True)
-    forces = dict(zip((normal, friction), _forces(found, penetration), strict=True))
+    forces = dict(zip((normal, friction), _forces(system, penetration), strict=True))
     # Laws are put in at the end: their exponential functions are not to be taken apart.
-    q = _deflections(found, height, normal, friction)
-    excess = _penetration(found, q) - penetration
+    q = _deflections(system, height, normal, friction)
+    excess = _penetration(system, q) - penetration
     if height is not None:
         # The slider's height enters the penetration with the factor -1.
         q[height] = excess
-        excess = _loads(found, q, normal, friction)[height]
+        excess = _loads(system, q, normal, friction)[height]
     if not (excess.has(normal) and excess.xreplace(forces).is_polynomial(penetration)):
-        excess = _by_horner(excess, normal, friction, _friction(found, normal) / normal, penetration)
+        excess = _by_horner(excess, normal, friction, _friction(system, normal) / normal, penetration)
     arguments = [penetration, *p]
     return StaticFormulas(
         formulas_of(arguments, [each.xreplace(forces) for each in q]),
         formulas_of(arguments, [excess.xreplace(forces)]),
         formulas_of(arguments, [*forces.values()]),
-        formulas_of([*found.q, *p], _balance(found)),
+        formulas_of([*system.q, *p], _balance(system)),
     )
 
 
@@ -236,39 +236,43 @@ def _nested(polynomial: Any, unknowns: Sequence[Any], unit: Any) -> Any:
     return total
 
 
-def _forces(found: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
+def _forces(system: LagrangeSystem, penetration: Any) -> tuple[Any, Any]:
     """F_N, Eq. (2), and F_T while sliding at the belt's speed, Eq. (3)."""
-    contact: Any = found.rubbing  # F_N is a function of the penetration
+    contact: Any = system.rubbing  # F_N is a function of the penetration
     normal = contact.normal_force(penetration)
-    return normal, _friction(found, normal)
+    return normal, _friction(system, normal)
 
 
-def _friction(found: LagrangeSystem, normal: Any) -> Any:
+def _friction(system: LagrangeSystem, normal: Any) -> Any:
     """F_T while sliding at the belt's speed, Eq. (3)."""
-    contact: Any = found.rubbing
-    speed = found.at_rest(contact.relative_velocity)
+    contact: Any = system.rubbing
+    speed = system.at_rest(contact.relative_velocity)
     return sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
 
 
-def _penetration(found: LagrangeSystem, q: Sequence[Any]) -> Any:
-    return found.rubbing.penetration.xreplace(dict(zip(found.q, q, strict=True)))
+def _penetration(system: LagrangeSystem, q: Sequence[Any]) -> Any:
+    return system.rubbing.penetration.xreplace(dict(zip(system.q, q, strict=True)))
 
 
-def _deflections(found: LagrangeSystem, held_by_contact: int | None, normal: Any, friction: Any) -> list[Any]:
-    q, passes = [sympy.S.Zero] * len(found.q), 2
-    stiffness, lever = found.stiffness, found.normal(found.rubbing).jacobian(found.q)
+def _deflections(
+    system: LagrangeSystem, held_by_contact: int | None, normal: Any, friction: Any
+) -> list[Any]:
+    q, passes = [sympy.S.Zero] * len(system.q), 2
+    stiffness, lever = system.stiffness, system.normal(system.rubbing).jacobian(system.q)
     flexibility = _flexibility(stiffness, held_by_contact)
     # With the paper's W_N the lever depends on coordinates that its moment does not move: two passes suffice.
     if not (flexibility * lever * flexibility * lever).is_zero_matrix:
         flexibility, passes = _flexibility(stiffness - normal * lever, held_by_contact), 1
     for _ in range(passes):
-        q = list(flexibility * sympy.Matrix(_loads(found, q, normal, friction)))
+        q = list(flexibility * sympy.Matrix(_loads(system, q, normal, friction)))
     return q
 
 
-def _loads(found: LagrangeSystem, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
-    at = dict(zip(found.q, q, strict=True))
-    rows = zip(found.dead_loads, found.normal(found.rubbing), found.direction(found.rubbing), strict=True)
+def _loads(system: LagrangeSystem, q: Sequence[Any], normal: Any, friction: Any) -> list[Any]:
+    at = dict(zip(system.q, q, strict=True))
+    rows = zip(
+        system.dead_loads, system.normal(system.rubbing), system.direction(system.rubbing), strict=True
+    )
     return [f + w.xreplace(at) * normal + t.xreplace(at) * friction for f, w, t in rows]
 
 
@@ -286,11 +290,11 @@ def _flexibility(stiffness: Any, held_by_contact: int | None) -> Any:
     return inverse
 
 
-def _balance(found: LagrangeSystem) -> list[Any]:
-    elastic = list(found.stiffness * sympy.Matrix(found.q))
-    normal, friction = _forces(found, found.rubbing.penetration)
-    rows = zip(_loads(found, found.q, normal, friction), elastic, strict=True)
-    return [*(load - held for load, held in rows), *elastic, *found.dead_loads, normal]
+def _balance(system: LagrangeSystem) -> list[Any]:
+    elastic = list(system.stiffness * sympy.Matrix(system.q))
+    normal, friction = _forces(system, system.rubbing.penetration)
+    rows = zip(_loads(system, system.q, normal, friction), elastic, strict=True)
+    return [*(load - held for load, held in rows), *elastic, *system.dead_loads, normal]
 
 
 def static_residual(statics: Statics, q: Sequence[Any], values: Sequence[Any]) -> Array:

@@ -39,8 +39,8 @@ class SteadyMode:
         Whether it has constraints.
     flow : Flow
         With the margins that have to stay positive: event functions and normal force.
-    kept : Derivations
-        What has been derived of its structure and is kept in files.
+    derivations : Derivations
+        What is cached on disk of its structure.
     derive : callable
         Gives the mode.
     inputs : callable
@@ -50,7 +50,7 @@ class SteadyMode:
     name: str
     holds: bool
     flow: Flow
-    kept: Derivations
+    derivations: Derivations
     derive: Callable[[], Mode]
     inputs: Callable[[], Sequence[Any]]
 
@@ -91,7 +91,7 @@ class SteadyMode:
 
     def _formulas(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
         return kept_formulas(
-            self.kept, f"{name} in {self.name}", lambda: formulas_of(self.inputs(), [*expressions()])
+            self.derivations, f"{name} in {self.name}", lambda: formulas_of(self.inputs(), [*expressions()])
         )
 
 
@@ -100,9 +100,9 @@ def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMo
 
     For a model (`sliding`) those without constraints.
     """
-    kept = automaton.derivations
-    if sliding and kept is not None:
-        return _kept_modes(automaton, kept)
+    derivations = automaton.derivations
+    if sliding and derivations is not None:
+        return _cached_modes(automaton, derivations)
     return (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
 
 
@@ -112,7 +112,7 @@ def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Question:
+class SearchKey:
     """The key under which equilibria of an automaton are cached: equal for equal structures and values.
 
     Parameters
@@ -154,56 +154,56 @@ def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> ModeEqui
     structure = automaton.derivations if sliding else None
     if structure is None:
         structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
-    return _first_mode_equilibria(Question(structure, parameter_values(automaton), sliding, automaton))
+    return _first_mode_equilibria(SearchKey(structure, parameter_values(automaton), sliding, automaton))
 
 
 @lru_cache(maxsize=64)
-def _first_mode_equilibria(question: Question) -> ModeEquilibria:
+def _first_mode_equilibria(key: SearchKey) -> ModeEquilibria:
     """As :func:`first_mode_equilibria`; cached, since one analysis asks for them several times."""
-    automaton, mode, why = question.automaton, None, ""
-    for mode in steady_modes(automaton, question.sliding):
+    automaton, mode, why = key.automaton, None, ""
+    for mode in steady_modes(automaton, key.sliding):
         if not mode.holds or _allows_rest(automaton, mode.derive()):
-            found = find_zeros(mode.flow, question.values)
-            why = why or ("" if found.complete else f"in {mode.name} {found.why}")
-            points = found.points[:, mode.admits(found.points, question.values)]
+            zeros = find_zeros(mode.flow, key.values)
+            why = why or ("" if zeros.complete else f"in {mode.name} {zeros.why}")
+            points = zeros.points[:, mode.admits(zeros.points, key.values)]
             if points.size:
                 return ModeEquilibria(mode, points, not why, why)
     mode = mode or _derived_mode(automaton, automaton.modes[0])
     return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), not why, why)
 
 
-# --- modes of which functions are kept in files
+# --- modes of which functions are cached on disk
 
 
-def _kept_modes(automaton: HybridAutomaton, kept: Derivations) -> Iterator[SteadyMode]:
-    names = kept.value("steady modes", lambda: [m.name for m in automaton.modes if _is_free(m)])
-    found = (_kept_mode(Place(kept, name, automaton)) for name in names)
-    return (mode for mode in found if _can_last_at_rest(automaton, mode)) if automaton.on_demand else found
+def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Iterator[SteadyMode]:
+    names = derivations.value("steady modes", lambda: [m.name for m in automaton.modes if _is_free(m)])
+    modes = (_cached_mode(ModeKey(derivations, name, automaton)) for name in names)
+    return (mode for mode in modes if _can_last_at_rest(automaton, mode)) if automaton.on_demand else modes
 
 
 @dataclass(frozen=True)
-class Place:
-    """The key of a kept mode: its structure and name; the automaton may be any of that structure."""
+class ModeKey:
+    """The key of a cached mode: its structure and name; the automaton may be any of that structure."""
 
-    kept: Derivations
+    derivations: Derivations
     name: str
     automaton: HybridAutomaton = field(compare=False)
 
 
 @lru_cache(maxsize=256)
-def _kept_mode(place: Place) -> SteadyMode:
-    automaton, derive = place.automaton, partial(place.automaton.mode, place.name)
+def _cached_mode(key: ModeKey) -> SteadyMode:
+    automaton, derive = key.automaton, partial(key.automaton.mode, key.name)
 
     def formulas(what: str, expressions: Callable[[Mode], Sequence[Any]]) -> Formulas:
         return kept_formulas(
-            place.kept,
-            f"{what} in {place.name}",
+            key.derivations,
+            f"{what} in {key.name}",
             lambda: formulas_of(_inputs(automaton), expressions(derive())),
         )
 
     rates, margins = formulas("rates", lambda mode: mode.flow), formulas("margins", _margins)
     flow = Flow(tuple(automaton.values), rates, margins)
-    return SteadyMode(place.name, False, flow, place.kept, derive, partial(_inputs, automaton))
+    return SteadyMode(key.name, False, flow, key.derivations, derive, partial(_inputs, automaton))
 
 
 def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
@@ -222,7 +222,7 @@ def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
         )
         return formulas_of(_inputs(automaton), _without_states(automaton, tuple(conditions)))
 
-    formulas = kept_formulas(mode.kept, f"at rest in {mode.name}", derive)
+    formulas = kept_formulas(mode.derivations, f"at rest in {mode.name}", derive)
     zeros = np.zeros(mode.flow.size)
     return not any(value < 0 for value in formulas.arrays(*zeros, *parameter_values(automaton)))
 
