@@ -39,6 +39,7 @@ from frictionlab.models import (
     SliderOnBelt,
     SliderOnRigidBelt,
 )
+from frictionlab.models.model import require_model
 from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 from reference_scenes import FULL_GAP_RATE_SLIDER
@@ -244,7 +245,7 @@ def monodromy_extrapolated(orbit: PeriodicOrbit) -> np.ndarray:
 
 
 def _run_period(orbit: PeriodicOrbit, state: Any) -> Any:
-    return simulate(orbit.model, orbit.period, x0=state, progress=False)
+    return simulate(require_model(orbit.model), orbit.period, x0=state, progress=False)
 
 
 def _state_after_period(orbit: PeriodicOrbit, off: np.ndarray) -> np.ndarray:

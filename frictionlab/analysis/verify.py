@@ -25,7 +25,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_flag, check_number, explains_keywords
 
@@ -97,7 +97,12 @@ class Verification(Drawable):
 
 @explains_keywords
 def verify(
-    model: Any, t_end: float, *, x0: Any = "rest", method: str | Method = "taylor", progress: bool = True
+    model: ModelOrAutomaton,
+    t_end: float,
+    *,
+    x0: Any = "rest",
+    method: str | Method = "taylor",
+    progress: bool = True,
 ) -> Verification:
     """Run a model, and check the run by what the model states, and by other runs.
 
@@ -176,7 +181,7 @@ def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verifi
 class RunSetup:
     """What all runs of a verification share: the model, the initial state, the end time."""
 
-    def __init__(self, model: Any, start: Array, t_end: float, progress: bool) -> None:
+    def __init__(self, model: ModelOrAutomaton, start: Array, t_end: float, progress: bool) -> None:
         self._model, self._automaton, self._progress = model, automaton_of(model), progress
         self.start, self._t_end = start, t_end
 

@@ -33,7 +33,7 @@ from frictionlab.components.contact import (
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
 
 if TYPE_CHECKING:
-    from frictionlab.models.model import Model
+    from frictionlab.models.model import Model, ModelOrAutomaton
 
 
 @cache
@@ -97,11 +97,12 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     return owners
 
 
-def parameter_unit(model: Model, name: str) -> str:
+def parameter_unit(model: ModelOrAutomaton, name: str) -> str:
     """Unit of a parameter of a model; "" for a parameter of an automaton, which has no metadata."""
-    if not hasattr(model, "components"):
+    components = getattr(model, "components", None)
+    if components is None:
         return ""
-    about = parameter_metadata(type(model), model.components).get(name)
+    about = parameter_metadata(type(model), components).get(name)
     return about.unit if about else ""
 
 

@@ -114,6 +114,6 @@ def _number_text(value: float) -> str:
 
 
 def _parameter_metadata(model: ModelOrAutomaton, name: str) -> Any:
-    return (
-        parameter_metadata(type(model), model.components).get(name) if hasattr(model, "components") else None
-    )
+    if not isinstance(model, Model):
+        return None
+    return parameter_metadata(type(model), model.components).get(name)

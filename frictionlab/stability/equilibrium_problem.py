@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.model import Model, check_parameter_name
+from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
@@ -158,7 +158,7 @@ class EquilibriumProblem:
         Gives the functions that are positive while the motion stays in this mode: v_r, the penetration.
     """
 
-    model: Any
+    model: ModelOrAutomaton
     names: tuple[str, ...]
     parameter_names: tuple[str, ...]
     values: tuple[float, ...]
@@ -194,7 +194,7 @@ class EquilibriumProblem:
         return np.take_along_axis(eigenvalues, np.argsort(-eigenvalues.real, axis=1), axis=1)
 
 
-def check_parameter(model: Any, name: Any, values: Sequence[float]) -> None:
+def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float]) -> None:
     """Refuse an unknown parameter, and values that break its own rule.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
@@ -229,7 +229,7 @@ def check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any]) 
     return values
 
 
-def check_bounds(model: Any, name: Any, bounds: Any) -> tuple[float, float]:
+def check_bounds(model: ModelOrAutomaton, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
     check_parameter_name(model, name)
     low, high = check_limits("bounds", bounds, "give (low, high)")

@@ -23,6 +23,7 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.sweeps.journal import DELETE, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.stored_data import reading
 from frictionlab.validation import (
@@ -202,7 +203,7 @@ __all__ = ["BasinStability", "Basins", "basin_stability", "basins", "load_basins
 
 
 def basins(
-    model: Any,
+    model: ModelOrAutomaton,
     x: tuple[str, Any],
     y: tuple[str, Any],
     x0: Any = "rest",
@@ -279,7 +280,7 @@ def basins(
 
 
 def basin_stability(
-    model: Any,
+    model: ModelOrAutomaton,
     ranges: Mapping[str, tuple[float, float]],
     samples: int = 1000,
     seed: int = 0,
@@ -355,7 +356,7 @@ def _settings(
     return {**numbers, **last}, how
 
 
-def _axis(model: Any, which: str, axis: Any) -> tuple[str, Array]:
+def _axis(model: ModelOrAutomaton, which: str, axis: Any) -> tuple[str, Array]:
     names = state_names(model)
     cure = f"for instance ({names[0]!r}, [0, 1])"
     name, numbers = check_pair(which, axis, "a name and its values", cure)
@@ -368,12 +369,12 @@ def _axis(model: Any, which: str, axis: Any) -> tuple[str, Array]:
     return name, values
 
 
-def _range(model: Any, name: str, limits: Any) -> tuple[float, float]:
+def _range(model: ModelOrAutomaton, name: str, limits: Any) -> tuple[float, float]:
     check_choice("ranges", name, state_names(model))
     return check_limits(f"the range of {name}", limits, "give (low, high)")
 
 
-def _initial_states(model: Any, names: Sequence[str], points: Array, x0: Any) -> Array:
+def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array, x0: Any) -> Array:
     """Initial states (N, n): the named states take their values from the columns of `points`, the others from
     `x0`."""
     known = state_names(model)

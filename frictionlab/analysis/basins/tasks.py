@@ -31,7 +31,7 @@ from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
-from frictionlab.models.model import Model, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 
 from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
 
@@ -46,13 +46,13 @@ CHECKS_PER_TRANSIENT = 20  # checks of the runs within the transient, evenly spa
 EARLY_CHECKS = 4  # further checks before the first of them
 
 
-def state_names(model: Any) -> tuple[str, ...]:
+def state_names(model: ModelOrAutomaton) -> tuple[str, ...]:
     """Names of the states, as in a run."""
     return tuple(map(str, automaton_of(model).states))
 
 
 def run_basin_tasks(
-    model: Any,
+    model: ModelOrAutomaton,
     starts: Array,
     about: dict[str, Any],
     settings: dict[str, Any],
@@ -134,7 +134,7 @@ def probe_indices(count: int) -> list[int]:
 
 
 def _basin_arguments(
-    model: Any, automaton: HybridAutomaton, about: dict[str, Any], settings: dict[str, Any]
+    model: ModelOrAutomaton, automaton: HybridAutomaton, about: dict[str, Any], settings: dict[str, Any]
 ) -> dict[str, Any]:
     identity = model.to_dict() if isinstance(model, Model) else _digest(_automaton_text(automaton).encode())
     data = {"model": identity, "states": list(state_names(model)), "coordinates": automaton.coordinates}

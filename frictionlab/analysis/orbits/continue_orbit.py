@@ -26,7 +26,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import (
 )
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
-from frictionlab.models.model import automaton_of, check_parameter_name
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_parameter_name
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import abbreviate, check_flag, check_limits, check_number
 
@@ -222,7 +222,7 @@ def _with_progress_bar(
         yield half
 
 
-def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
+def _orbit_at(model: ModelOrAutomaton, parameter: str, point: BranchPoint) -> PeriodicOrbit:
     """The periodic orbit of a branch point, for the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
@@ -239,5 +239,5 @@ def _orbit_at(model: Any, parameter: str, point: BranchPoint) -> PeriodicOrbit:
     )
 
 
-def _special_orbit(model: Any, parameter: str, special: SpecialPoint) -> SpecialOrbit:
+def _special_orbit(model: ModelOrAutomaton, parameter: str, special: SpecialPoint) -> SpecialOrbit:
     return SpecialOrbit(special.kind, special.value, _orbit_at(model, parameter, special.point))

@@ -31,7 +31,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 from frictionlab.hybrid.variational.tangent_jets import SaltationError
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import abbreviate, check_number, is_sequence
 
@@ -79,7 +79,7 @@ class PeriodicOrbit(Drawable):
 
     drawn_by = "plot_orbit"
 
-    model: Any
+    model: ModelOrAutomaton
     period: float
     state: Array
     monodromy: Array
@@ -112,7 +112,7 @@ class PeriodicOrbit(Drawable):
 
 
 def periodic_orbit(
-    model: Any,
+    model: ModelOrAutomaton,
     guess: Any,
     *,
     period: float | None = None,
@@ -179,7 +179,7 @@ def periodic_orbit(
     )
 
 
-def _check(model: Any, guess: Any, period: float | None, t_max: float, tolerance: float) -> None:
+def _check(model: ModelOrAutomaton, guess: Any, period: float | None, t_max: float, tolerance: float) -> None:
     check_number("t_max", t_max, above=0.0, cure="give the seconds to look for a return")
     check_number("tolerance", tolerance, above=0.0, cure="1e-9 suits the exact solver")
     if period is not None:

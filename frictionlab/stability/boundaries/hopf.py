@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
@@ -148,7 +149,7 @@ class HopfPoint(Drawable):
 
     drawn_by = "plot_hopf"
 
-    model: Any
+    model: ModelOrAutomaton
     parameter: str
     change: StabilityChange
     coordinates: tuple[str, ...]
@@ -243,7 +244,9 @@ class HopfPoint(Drawable):
         return np.where(rate * distance >= 0, rate * distance, np.nan)
 
 
-def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None) -> HopfPoint:
+def hopf(
+    model: ModelOrAutomaton, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+) -> HopfPoint:
     """The first point in a range where flutter sets in or ends, and the kind of vibration that begins there.
 
     It is the first on any of the equilibria that exist in the range, wherever they begin and end; `state`
@@ -316,7 +319,7 @@ def hopf(model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | 
 
 
 def _problems(
-    model: Any, parameter: str, bounds: Any, equilibrium: Equilibrium | None
+    model: ModelOrAutomaton, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
     if equilibrium is not None or by_penetration(model):

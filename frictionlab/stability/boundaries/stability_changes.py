@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.models.model import check_parameter_name
+from frictionlab.models.model import ModelOrAutomaton, check_parameter_name
 from frictionlab.presentation import Drawable, Kind, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import (
@@ -81,7 +81,7 @@ class StabilityChange:
 
 
 def stability_changes(
-    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+    model: ModelOrAutomaton, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
@@ -126,7 +126,7 @@ def stability_changes(
 
 
 def critical_value(
-    model: Any, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+    model: ModelOrAutomaton, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
 ) -> float | None:
     """The first value at which one equilibrium loses stability as a parameter grows.
 
@@ -203,7 +203,7 @@ class CriticalCurve(Drawable):
 
     drawn_by = "plot_critical"
 
-    model: Any
+    model: ModelOrAutomaton
     parameter: str
     over: str
     at: Array
@@ -215,7 +215,9 @@ class CriticalCurve(Drawable):
         return f"CriticalCurve({ranges}, {count(len(self.at), 'value')}{f', {none} without' if none else ''})"
 
 
-def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]) -> CriticalCurve:
+def critical_curve(
+    model: ModelOrAutomaton, parameter: str, bounds: Any, *, over: tuple[str, Any]
+) -> CriticalCurve:
     """:func:`critical_value` for each value of another parameter, all at once.
 
     Parameters
@@ -243,7 +245,7 @@ def critical_curve(model: Any, parameter: str, bounds: Any, *, over: tuple[str, 
 
 
 def curve_and_gaps(
-    model: Any, parameter: str, bounds: Any, *, over: tuple[str, Any]
+    model: ModelOrAutomaton, parameter: str, bounds: Any, *, over: tuple[str, Any]
 ) -> tuple[CriticalCurve, str]:
     """The curve of :func:`critical_curve`, and what to say of values without a critical one."""
     problem = equilibrium_problem(model)

@@ -19,6 +19,7 @@ from scipy.optimize.elementwise import find_root
 
 from frictionlab.interruption import progress_bar
 from frictionlab.models.composition import parameter_unit
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.boundaries.stability_changes import FOLD_RATE_AT_ROOT
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
@@ -64,7 +65,7 @@ class StabilityMap(Drawable):
 
     drawn_by = "plot_stability_map"
 
-    model: Any
+    model: ModelOrAutomaton
     x: str
     y: str
     x_values: Array
@@ -99,7 +100,7 @@ class StabilityMap(Drawable):
 
 
 def stability_map(
-    model: Any, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
+    model: ModelOrAutomaton, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
 ) -> StabilityMap:
     """Number of growing pairs and largest growth rate over a grid, and the curves between.
 

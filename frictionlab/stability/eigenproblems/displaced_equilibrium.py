@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.models.model import Model
 from frictionlab.stability.eigenproblems.eigenvalues import jacobian
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, is_neutral
@@ -36,7 +37,7 @@ class Mode(NamedTuple):
     vectors: NullVectors
 
 
-def displaced_equilibrium(model: Any) -> Array:
+def displaced_equilibrium(model: Model) -> Array:
     """The state (m,) near the default equilibrium of a model.
 
     Raises

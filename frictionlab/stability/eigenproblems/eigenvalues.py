@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
@@ -98,7 +99,7 @@ class Eigenvalues(Drawable):
         return f"Eigenvalues({kind}: {modes})"
 
 
-def eigenvalues(model: Any) -> Eigenvalues:
+def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     """Eigenvalues at the sliding equilibrium, Eq. (19), from the exact Jacobian of the sliding mode.
 
     Parameters
@@ -139,7 +140,7 @@ def eigenvalues(model: Any) -> Eigenvalues:
     return Eigenvalues(values[order], vectors[:, order], point)
 
 
-def jacobian(model: Any, state: Array) -> Array:
+def jacobian(model: ModelOrAutomaton, state: Array) -> Array:
     """The state matrix (m, m) of the mode that has the default equilibrium, at a state (m,).
 
     Raises

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from frictionlab.models.composition import parameter_unit
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
@@ -275,7 +276,7 @@ class RootLocus(Drawable):
 
     drawn_by = "plot_root_locus"
 
-    model: Any
+    model: ModelOrAutomaton
     parameter: str
     at: Array
     values: ComplexArray
@@ -330,7 +331,7 @@ class RootLocus(Drawable):
         return f"RootLocus({path}, {count(self.values.shape[1], 'mode')}, {growing})"
 
 
-def root_locus(model: Any, parameter: str, values: Any) -> RootLocus:
+def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and

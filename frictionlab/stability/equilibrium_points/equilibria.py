@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.model import Model, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.followed_equilibria import (
     excess_polynomial,
@@ -52,7 +52,9 @@ SAME_BRANCH_ROUNDING = 1e-12  # share of the largest state: what differs by less
 MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over at an equilibrium
 
 
-def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> EquilibriumProblem:
+def equilibrium_problem(
+    model: ModelOrAutomaton, equilibrium: Equilibrium | None = None
+) -> EquilibriumProblem:
     """The problem of a model or an automaton, at its default equilibrium or at a given one.
 
     Raises
@@ -68,7 +70,7 @@ def equilibrium_problem(model: Any, equilibrium: Equilibrium | None = None) -> E
     return nearest_equilibrium_problem(model, near)
 
 
-def _check_equilibrium(model: Any, equilibrium: Any) -> NDArray[np.float64]:
+def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.float64]:
     """The state of one of the model's equilibria, checked to have F_N > 0 where there is a contact."""
     known = equilibria(model)
     if not isinstance(equilibrium, Equilibrium) or not any(_same_equilibrium(e, equilibrium) for e in known):
@@ -88,7 +90,9 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
     return x.shape == y.shape and np.allclose(x, y, rtol=EQUILIBRIUM_RTOL, atol=0.0)
 
 
-def equilibrium_branches(model: Any, parameter: str, bounds: tuple[float, float]) -> list[EquilibriumProblem]:
+def equilibrium_branches(
+    model: ModelOrAutomaton, parameter: str, bounds: tuple[float, float]
+) -> list[EquilibriumProblem]:
     """Problems of all equilibria that are inside the guards of a mode at some values in the range.
 
     Each is followed from there.  Of models that are solved by the penetration (`by_penetration`) it is only
@@ -151,7 +155,7 @@ class Equilibrium(Drawable):
     normal_force: float
     friction_force: float
     residual: float
-    model: Any
+    model: ModelOrAutomaton
     names: tuple[str, ...]
 
     @property
@@ -208,7 +212,7 @@ class Equilibria(tuple[Equilibrium, ...]):
         return f"Equilibria({listed}others are not excluded: {self.why})"
 
 
-def equilibria(model: Any) -> Equilibria:
+def equilibria(model: ModelOrAutomaton) -> Equilibria:
     """All real solutions of the static equations of sliding, Eq. (18), in ascending order of the penetration.
 
     The contact law is taken as it is for a negative penetration too, as the paper's equations do: a solution
@@ -252,7 +256,7 @@ def equilibria(model: Any) -> Equilibria:
     return Equilibria((one for one in each if one is not None), why)
 
 
-def equilibrium(model: Any) -> Equilibrium:
+def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
     That is the one whose penetration grows from zero with the preload.
@@ -294,7 +298,7 @@ def equilibrium(model: Any) -> Equilibrium:
     )
 
 
-def _automaton_equilibria(model: Any) -> Equilibria:
+def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
     automaton = automaton_of(model)
     mode, points, _, why = first_mode_equilibria(automaton, isinstance(model, Model))
     n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
@@ -325,7 +329,7 @@ def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float
 
 
 def _sliding_equilibrium(
-    model: Any, statics: Statics, values: Sequence[float], penetration: float
+    model: Model, statics: Statics, values: Sequence[float], penetration: float
 ) -> Equilibrium | None:
     """The equilibrium at a penetration; None where double precision cannot solve the static equations."""
     q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)

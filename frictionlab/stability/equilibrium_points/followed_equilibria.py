@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models.model import Model, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.stability.equilibrium_points.intervals import interval
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
@@ -48,7 +48,9 @@ from frictionlab.tape.formulas import Formulas, kept_formulas
 Array = NDArray[np.float64]
 
 
-def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> EquilibriumProblem:
+def nearest_equilibrium_problem(
+    model: ModelOrAutomaton, closest_to: Array | None = None
+) -> EquilibriumProblem:
     """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
 
     With `closest_to` (m,) it is the equilibrium nearest to this state.
@@ -68,7 +70,7 @@ def nearest_equilibrium_problem(model: Any, closest_to: Array | None = None) -> 
 
 
 def problem_from_equilibrium(
-    model: Any, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
+    model: ModelOrAutomaton, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
 ) -> EquilibriumProblem:
     """The problem of a mode's equilibrium, followed from `x` (m,), its state with `changes` of parameters."""
     flow, values = mode.flow, parameter_values(automaton)
@@ -84,7 +86,7 @@ def problem_from_equilibrium(
     )
 
 
-def no_equilibrium_error(model: Any) -> ValueError:
+def no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
     automaton, sliding = automaton_of(model), isinstance(model, Model)
     modes = [each.name for each in steady_modes(automaton, sliding)]
@@ -254,7 +256,7 @@ def _columns(numbers: Array, owners: Any, count: int) -> Array:
     return table
 
 
-def sliding_problem(model: Any, start: Array | None = None) -> EquilibriumProblem:
+def sliding_problem(model: Model, start: Array | None = None) -> EquilibriumProblem:
     """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
     With `start` (2n,) it is the equilibrium at this state, followed from there.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.models.serialisation import Derivations, derivations_of
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 from frictionlab.stability.flow import Flow
@@ -97,7 +98,7 @@ class SlidingEquations:
         """The parameters' symbols."""
         return parameter_symbols(self.key)
 
-    def values(self, model: Any) -> tuple[float, ...]:
+    def values(self, model: Model) -> tuple[float, ...]:
         """The model's parameters, in the order of `parameters`; ValueError where a law has no value there."""
         known = model.parameters
         check_laws(self.key, known)
@@ -136,7 +137,7 @@ class SlidingEquations:
         return [i for i in range(len(self.coordinates)) if not (by_contact and i == self.height)]
 
 
-def sliding_equations(model: Any) -> SlidingEquations:
+def sliding_equations(model: Model) -> SlidingEquations:
     """The equations of steady sliding of a model's structure."""
     return _equations_of_structure(model.structure_key)
 
@@ -148,7 +149,7 @@ def _equations_of_structure(key: StructureKey) -> SlidingEquations:
     return SlidingEquations(key, derivations, names, names.index(key.component.statics.height))
 
 
-def by_penetration(model: Any) -> bool:
+def by_penetration(model: ModelOrAutomaton) -> TypeGuard[Model]:
     """Whether a model's equilibria follow from the penetration of its contact."""
     return isinstance(model, Model) and model.statics is not None
 
