@@ -31,10 +31,13 @@ from frictionlab.compilation.manifest import (
     FILE,
     Function,
     Manifest,
-    code_digest,
+    Source,
     digest,
+    kernel_names,
     kernel_sources,
+    path_of,
     read_manifest,
+    source,
     source_files,
 )
 from frictionlab.compilation.targets import TARGETS, WEB, Target
@@ -86,9 +89,7 @@ def differences(folder: Path, report: Callable[[str], None]) -> list[str]:
         names = [name for name in sorted(files) if _content(folder / name) != _content(Path(again) / name)]
     if there is None or made is None:
         return [FILE]
-    if [of_code for _, of_code in there.sources.values()] != [
-        of_code for _, of_code in made.sources.values()
-    ]:
+    if [each.code for each in there.sources.values()] != [each.code for each in made.sources.values()]:
         names.append("the sources")
     if (there.functions, there.symbols, there.objects) != (made.functions, made.symbols, made.objects):
         names.append(FILE)
@@ -132,13 +133,39 @@ def _capture() -> tuple[str, dict[str, Function], list[str]]:
     for symbol, function in scalar:
         text = scalar_shim(symbol.name, function.symbol, symbol.signature)
         module.link_in(llvm.parse_assembly(text))
-    return str(module), {each.name: each.table for each in flat}, [each.name for each, _ in scalar]
+    tables, names = {each.name: each.table for each in flat}, [each.name for each, _ in scalar]
+    _rename(module, {*tables, *names})
+    return str(module), tables, names
 
 
-def _sources() -> dict[str, tuple[str, str]]:
-    """Digests of the files that the kernels and their objects depend on."""
+def _rename(module: Any, exports: set[str]) -> None:
+    """Give what is not visible from outside names that depend on its place alone.
+
+    Those of numba are long and count what a process has compiled before, so objects would differ.
+    """
+    for place, function in enumerate(module.functions):
+        if not function.is_declaration and function.name not in exports:
+            function.name = f"{_function_name(function.name)}.{place}"
+    for place, variable in enumerate(module.global_variables):
+        if not variable.name.startswith("llvm."):
+            variable.name = f"constant.{place}"
+
+
+def _function_name(symbol: str) -> str:
+    """Name of the function in a symbol as "_ZN11frictionlab4tape5powerB3v39...": the last of its names."""
+    name, rest = "", symbol.removeprefix("_ZN")
+    while match := re.match(r"[0-9]+", rest):
+        begin, length = match.end(), int(match.group())
+        name, rest = rest[begin : begin + length], rest[begin + length :]
+    return name or "function"
+
+
+def _sources() -> dict[str, Source]:
+    """The files that the kernels and their objects depend on: what kernels name in them, or the whole."""
+    names = {path_of(module): tuple(sorted(names)) for module, names in kernel_names().items()}
+    names |= dict.fromkeys(source_files(BUILDERS), ())
     files = kernel_sources() | source_files(BUILDERS)
-    return {path: (digest(content), code_digest(content)) for path, content in sorted(files.items())}
+    return {path: source(content, names[path]) for path, content in sorted(files.items())}
 
 
 def shim(name: str, symbol: str) -> str:
@@ -210,9 +237,9 @@ def _optimised(
     return module
 
 
-def _is_called(symbol: str) -> bool:
-    """Whether a function is one of :data:`CALLED`; in numba's symbols a name follows its length."""
-    return any(f"{len(name)}{name}B" in symbol for name in CALLED)
+def _is_called(name: str) -> bool:
+    """Whether a function, named by :func:`_rename`, is one of :data:`CALLED`."""
+    return "." in name and name.partition(".")[0] in CALLED
 
 
 def _machine(target: Target) -> Any:

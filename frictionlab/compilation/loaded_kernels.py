@@ -70,7 +70,7 @@ def load_kernels() -> tuple[LoadedKernels | None, str]:
         return None, compiled
     LOGGER.debug("kernels compiled ahead of time: %s", compiled.name)
     code, manifest = lzma.decompress(compiled.content), compiled.manifest
-    sources = "".join(of_code for _, of_code in manifest.sources.values()).encode()
+    sources = "".join(each.code for each in manifest.sources.values()).encode()
     return LoadedKernels(manifest, digest(sources + code), _engine(llvm, code)), ""
 
 

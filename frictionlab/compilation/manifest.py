@@ -12,7 +12,7 @@ import io
 import json
 import tokenize
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
@@ -30,20 +30,36 @@ Name = tuple[str, str]  # a module, and a name in it
 
 def kernel_sources() -> dict[str, bytes]:
     """Content of each file that the code of a kernel depends on, by its path in the package."""
-    modules, seen, left = {DECORATORS_MODULE}, set(), [CALLED_BY_NATIVE_CODE, *_kernels()]
+    return source_files(kernel_names())
+
+
+def kernel_names() -> dict[str, set[str]]:
+    """The names that the code of a kernel depends on, by the module that defines them; none: all of it."""
+    names: dict[str, set[str]] = {DECORATORS_MODULE: set()}
+    left = [CALLED_BY_NATIVE_CODE, *_kernels()]
     while left:
         module, name = left.pop()
-        if (module, name) in seen or module in (DECORATORS_MODULE, MACHINE_CODE):
+        if module in (DECORATORS_MODULE, MACHINE_CODE) or name in names.get(module, ()):
             continue
-        seen.add((module, name))
-        modules.add(module)
+        names.setdefault(module, set()).add(name)
         left += needed_names(module, name)
-    return source_files(modules)
+    return {module: chosen | _named_tuples(module) if chosen else chosen for module, chosen in names.items()}
+
+
+def _named_tuples(module: str) -> set[str]:
+    """Classes of named tuples in a module: kernels take their fields by the order that they have there."""
+    definitions, _ = module_contents(module)
+    nodes = [(name, node) for name, found in definitions.items() for node in found]
+    return {name for name, node in nodes if isinstance(node, ast.ClassDef) and _is_named_tuple(node)}
+
+
+def _is_named_tuple(node: ast.ClassDef) -> bool:
+    return any(isinstance(base, ast.Name) and base.id == "NamedTuple" for base in node.bases)
 
 
 def source_files(modules: Iterable[str]) -> dict[str, bytes]:
     """Content of the files of modules, by their paths in the package."""
-    return {_path(module): read_module(module) for module in sorted(modules)}
+    return {path_of(module): read_module(module) for module in sorted(modules)}
 
 
 def _kernels() -> Iterator[Name]:
@@ -126,7 +142,8 @@ def _file(module: str) -> Any:
     return resources.files(PACKAGE).joinpath(*parts[:-1], f"{parts[-1]}.py") if parts else None
 
 
-def _path(module: str) -> str:
+def path_of(module: str) -> str:
+    """The path of a module's file in the package."""
     return module.removeprefix(f"{PACKAGE}.").replace(".", "/") + ".py"
 
 
@@ -162,15 +179,32 @@ class Function:
     returns: str = ""
 
 
+class Source(NamedTuple):
+    """Digests of a file that compiled code depends on.
+
+    Parameters
+    ----------
+    bytes : str
+        Of all of it; while this one holds, the other need not be computed.
+    code : str
+        Of the code that matters (:func:`code_digest`).
+    names : tuple of str
+        The definitions that matter; none: all of the file.
+    """
+
+    bytes: str
+    code: str
+    names: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Manifest:
     """What a folder of objects holds.
 
     Parameters
     ----------
-    sources : dict of str to (str, str)
-        Digests of each file that compiled code depends on, by its path in the package: of its bytes, and of
-        its code (:func:`code_digest`).
+    sources : dict of str to Source
+        The files that compiled code depends on, by their paths in the package.
     functions : dict of str to Function
         The entry points that Python calls.
     symbols : tuple of str
@@ -181,7 +215,7 @@ class Manifest:
         Of Python and of the packages that made them.
     """
 
-    sources: dict[str, tuple[str, str]]
+    sources: dict[str, Source]
     functions: dict[str, Function] = field(default_factory=dict)
     symbols: tuple[str, ...] = ()
     objects: dict[str, str] = field(default_factory=dict)
@@ -208,7 +242,10 @@ def read_manifest(folder: Any) -> Manifest | None:
             )
             for name, each in given.pop("functions").items()
         }
-        sources = {path: (of_bytes, of_code) for path, (of_bytes, of_code) in given.pop("sources").items()}
+        sources = {
+            path: Source(of_bytes, of_code, tuple(names))
+            for path, (of_bytes, of_code, names) in given.pop("sources").items()
+        }
         return Manifest(sources, functions, **given)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
@@ -266,32 +303,94 @@ def changed_sources(manifest: Manifest) -> list[str]:
     return [path for path, known in manifest.sources.items() if not _is_source(package, path, known)]
 
 
-def _is_source(package: Any, path: str, known: tuple[str, str]) -> bool:
-    """Whether a file has the same bytes, or else the same code, as when it was compiled."""
+def _is_source(package: Any, path: str, known: Source) -> bool:
+    """Whether a file has the same bytes, or else the same code that matters, as when it was compiled."""
     try:
         content = (package / path).read_bytes()
     except OSError:
         return False
-    return digest(content) == known[0] or code_digest(content) == known[1]
+    return digest(content) == known.bytes or code_digest(content, known.names) == known.code
 
 
-def code_digest(content: bytes) -> str:
-    """Digest of a file without its docstrings, comments and blank lines, of which no machine code depends."""
+def refreshed(manifest: Manifest) -> Manifest:
+    """The manifest of the same objects with the digests of the present files.
+
+    Where only their prose has changed since, they need not be taken apart at every start.
+    """
+    package = resources.files("frictionlab")
+    contents = {path: (package / path).read_bytes() for path in manifest.sources}
+    sources = {path: source(contents[path], known.names) for path, known in manifest.sources.items()}
+    return replace(manifest, sources=sources)
+
+
+def source(content: bytes, names: tuple[str, ...]) -> Source:
+    """The digests of a file of which these names matter."""
+    return Source(digest(content), code_digest(content, names), names)
+
+
+def code_digest(content: bytes, names: tuple[str, ...] = ()) -> str:
+    """Digest of what machine code may depend on: neither docstrings, comments and blank lines nor, where
+    names are given, the definitions of others."""
     try:
-        tokens = list(tokenize.tokenize(io.BytesIO(content).readline))
+        text = _chosen_statements(content.decode(), names) if names else content.decode()
+        return digest(_without_prose(text).encode())
     except (tokenize.TokenError, SyntaxError):
         return digest(content)
-    lines = content.decode().splitlines()
-    for before, token, after in reversed(list(zip(tokens, tokens[1:], tokens[2:], strict=False))):
-        is_statement = before.type in STATEMENT_ENDS and after.type == tokenize.NEWLINE
+
+
+def _chosen_statements(text: str, names: tuple[str, ...]) -> str:
+    """The statements of a module that define one of the names, and those that do anything but define."""
+    tree, lines = ast.parse(text), text.splitlines()
+    chosen = [node for node in tree.body if _defined_names(node) is None or _defines(node, names)]
+    used = {part.id for node in chosen for part in ast.walk(node) if isinstance(part, ast.Name)}
+    origins = [
+        f"from {node.module} import {alias.name} as {alias.asname or alias.name}"
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if (alias.asname or alias.name) in used
+    ]
+    return "\n".join([*sorted(origins), *(_text(node, lines) for node in chosen)])
+
+
+def _defines(node: ast.stmt, names: tuple[str, ...]) -> bool:
+    """Whether a statement defines one of the names."""
+    return not (_defined_names(node) or set()).isdisjoint(names)
+
+
+def _defined_names(node: ast.stmt) -> set[str] | None:
+    """The names that a statement of a module defines; None for one that does something else."""
+    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+        return {node.name}
+    if isinstance(node, (ast.Assign, ast.AnnAssign)):
+        parts = (part for part in ast.walk(node) if isinstance(part, ast.Name))
+        stored = {part.id for part in parts if isinstance(part.ctx, ast.Store)}
+        return stored or None
+    is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    return set() if is_text or isinstance(node, ast.ImportFrom) else None
+
+
+def _text(node: ast.stmt, lines: list[str]) -> str:
+    """The lines of a statement, with its decorators."""
+    first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", []))])
+    return "\n".join(lines[first - 1 : node.end_lineno])
+
+
+def _without_prose(text: str) -> str:
+    """Code without its docstrings, comments and blank lines."""
+    tokens = list(tokenize.generate_tokens(io.StringIO(text).readline))
+    lines = text.splitlines()
+    befores = [None, *tokens]
+    for before, token, after in reversed(list(zip(befores, tokens, tokens[1:], strict=False))):
+        is_statement = (before is None or before.type in STATEMENT_ENDS) and after.type == tokenize.NEWLINE
         if token.type == tokenize.COMMENT or (token.type == tokenize.STRING and is_statement):
             (first, begin), (last, end) = token.start, token.end
             lines[first - 1 : last] = [lines[first - 1][:begin] + lines[last - 1][end:]]
-    return digest("\n".join(line.rstrip() for line in lines if line.strip()).encode())
+    return "\n".join(line.rstrip() for line in lines if line.strip())
 
 
 # What stands before a statement that is a string alone.
 STATEMENT_ENDS = (
-    *(tokenize.ENCODING, tokenize.NEWLINE, tokenize.NL),
+    *(tokenize.NEWLINE, tokenize.NL),
     *(tokenize.INDENT, tokenize.DEDENT, tokenize.COMMENT),
 )

@@ -22,9 +22,11 @@ from frictionlab.compilation.manifest import (
     changed_sources,
     code_digest,
     digest,
-    kernel_sources,
+    kernel_names,
     objects_folder,
+    path_of,
     read_manifest,
+    source,
 )
 from frictionlab.compilation.targets import TARGETS, WEB, targets_of_system
 from frictionlab.hybrid.kernels.jets import state_rates
@@ -87,9 +89,59 @@ def area(r, shown=("text", 1)):
         ("3.0 * r", "(3.0 *", False),
     ],
 )
-def test_prose_makes_no_object_stale(before, after, same):
+@pytest.mark.parametrize("names", [(), ("area",)])
+def test_prose_makes_no_object_stale(before, after, same, names):
     assert before in CODE
-    assert (code_digest(CODE.encode()) == code_digest(CODE.replace(before, after).encode())) == same
+    edited = CODE.replace(before, after)
+    assert (code_digest(CODE.encode(), names) == code_digest(edited.encode(), names)) == same
+
+
+MODULE = """from frictionlab.tape.program import system_of
+import math
+SIZE, WIDTH = 3, 4
+LENGTH = 5
+
+@kernel
+def area(r):
+    return SIZE * system_of(r)
+
+def volume(r):
+    return math.pi * r
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "same"),
+    [
+        ("math.pi", "math.tau", True),
+        ("LENGTH = 5", "LENGTH = 6", True),
+        ("WIDTH = 3, 4", "WIDTH = 4, 4", False),
+        ("@kernel", "@inlined", False),
+        ("tape.program import", "tape.tape import", False),
+        ("import math", "import numpy as math", False),
+        ("LENGTH = 5", "LENGTH = 5\nif LENGTH:\n    SIZE = 6", False),
+        ("LENGTH = 5", "LENGTH = 5\nSIZE += 1", False),
+        ("LENGTH = 5", "LENGTH = 5\nglobals()['SIZE'] = 1", False),
+    ],
+)
+def test_definitions_that_no_kernel_uses_make_no_object_stale(before, after, same):
+    edited, names = MODULE.replace(before, after), ("SIZE", "area")
+    assert edited != MODULE
+    assert (code_digest(MODULE.encode(), names) == code_digest(edited.encode(), names)) == same
+
+
+def named_tuples(value):
+    if isinstance(value, tuple):
+        yield from ([type(value)] if hasattr(value, "_fields") else [])
+        for each in value:
+            yield from named_tuples(each)
+
+
+def test_the_order_of_fields_that_kernels_are_given_is_part_of_the_sources():
+    names = kernel_names()
+    kinds = {kind for each in entry_points() for kind in named_tuples(tuple(each.arguments.values()))}
+    assert len(kinds) > 10
+    assert [kind for kind in kinds if kind.__name__ not in names[kind.__module__]] == []
 
 
 def test_the_objects_of_the_repository_fit_the_sources():
@@ -134,9 +186,8 @@ SLOW = "kernels will be compiled by numba when they are used, or run as plain Py
 
 def write_objects(package, folder):
     """Files in place of objects, with a manifest that fits the sources of a package."""
-    paths = [package / path for path in kernel_sources()]
-    contents = {path.relative_to(package).as_posix(): path.read_bytes() for path in paths}
-    sources = {path: (digest(content), code_digest(content)) for path, content in contents.items()}
+    chosen = {path_of(module): tuple(names) for module, names in kernel_names().items()}
+    sources = {path: source((package / path).read_bytes(), names) for path, names in chosen.items()}
     names = [target.file for target in (*TARGETS, WEB)]
     manifest = Manifest(sources, objects={name: digest(name.encode()) for name in names})
     (package / "compilation" / folder).mkdir()
@@ -158,7 +209,9 @@ def clone(tmp_path):
 @pytest.fixture
 def edited_clone(clone):
     """One in which a kernel has been edited since; its compiler is a script that the test writes."""
-    (clone / EDITED).write_text((clone / EDITED).read_text() + "\nEDITED = True\n")
+    text = (clone / EDITED).read_text()
+    (clone / EDITED).write_text(text.replace("def mode_jets(", "def mode_jets(edited, "))
+    assert (clone / EDITED).read_text() != text
     return clone
 
 
@@ -186,10 +239,22 @@ HAS_TARGET = pytest.mark.skipif(not targets_of_system(), reason="there is no com
 @HAS_TARGET
 @pytest.mark.parametrize("version", ["standard", "editable"])
 def test_where_the_objects_fit_nothing_is_needed_nor_done(clone, version):
-    """One wheel for all systems; prose makes no difference."""
+    """One wheel for all systems."""
     compiler(clone, "raise RuntimeError('nothing to compile')")
-    (clone / EDITED).write_text("# A comment.\n" + (clone / EDITED).read_text())
     assert hooked(clone, version) == ([], [], ANY)
+
+
+@HAS_TARGET
+def test_after_an_edit_of_prose_the_wheel_has_a_new_manifest(clone):
+    """So that no start has to find out that nothing but prose has changed."""
+    (clone / EDITED).write_text("# A comment.\n" + (clone / EDITED).read_text())
+    said, needed, data = hooked(clone)
+    assert (said, needed) == ([], [])
+    path = clone / "build" / FILE
+    assert data == {**ANY, "force_include": {str(path): "frictionlab/compilation/objects/manifest.json"}}
+    edited = read_manifest(path.parent).sources["hybrid/kernels/jets.py"]
+    assert edited.bytes == digest((clone / EDITED).read_bytes())
+    assert hooked(clone, "editable") == ([], [], ANY)
 
 
 @HAS_TARGET

@@ -59,7 +59,9 @@ def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path
 
 
 def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
-    old = manifest.Manifest({"hybrid/solve.py": ("", "")}, objects={"kernels.wasm": manifest.digest(b"")})
+    old = manifest.Manifest(
+        {"hybrid/solve.py": manifest.Source("", "", ())}, objects={"kernels.wasm": manifest.digest(b"")}
+    )
     monkeypatch.setattr(manifest, "read_manifest", lambda folder: old)
     with pytest.raises(export.SolverNotBuiltError, match=r"have changed since .*solve\.py.* --web` once"):
         fl.export_page(fl.MassOnBelt(), tmp_path / "page.html")
