@@ -81,9 +81,10 @@ def tests(session: nox.Session) -> None:
 
 @nox.session
 def slow(session: nox.Session) -> None:
-    """What takes minutes: notebooks, gallery, chaos, basins, stress."""
+    """What takes minutes: notebooks, gallery, chaos, basins, stress; many random examples."""
     install(session)
-    run(session, "pytest", "-n", "auto", "-m", "slow and not browser", env=EXECUTED)
+    chosen = "-m", "(slow or hypothesis) and not browser", "--hypothesis-profile", "thorough"
+    run(session, "pytest", "-n", "auto", *chosen, env=EXECUTED)
 
 
 @nox.session

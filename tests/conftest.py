@@ -15,7 +15,10 @@ if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
     sys.modules["numba"] = None  # any import of it fails, as if it were not installed
 
 # The first example may compile the solver, so no deadline; the same examples on every machine.
-settings.register_profile("frictionlab", deadline=None, derandomize=True)
+settings.register_profile("frictionlab", deadline=None, derandomize=True, max_examples=40)
+settings.register_profile(
+    "thorough", settings.get_profile("frictionlab"), max_examples=250
+)  # in `nox -s slow`
 settings.load_profile("frictionlab")
 
 # A shell has commands that it starts in the background ignore ctrl-C; tests of it would wait for ever.
@@ -33,6 +36,14 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.slow)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.browser)
+
+
+@pytest.hookimpl(optionalhook=True)  # where xdist is installed
+def pytest_xdist_make_scheduler(config, log):
+    """A file's tests run in one process, which makes what they share once."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

@@ -82,7 +82,7 @@ def check(model, state, t_end):
     return run, worst
 
 
-@settings(max_examples=250, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(scenes())
 def test_every_motion_obeys_its_laws(scene):
     check(*scene)
