@@ -3,7 +3,7 @@
 import pytest
 
 import frictionlab as fl
-from frictionlab.paper import Claim, Claims, Verdict
+from frictionlab.paper import Verdict
 from frictionlab.paper.checks import linear_stability
 from frictionlab.paper.results import CLAIMS, verdict_of_parts
 from frictionlab.paper.scenes import agrees_with_printed
@@ -30,14 +30,6 @@ def test_verdicts(table, name):
     assert bool(table[name].note) or name not in IN_PART
 
 
-def test_what_is_not_reproduced_is_said(table):
-    assert "E1" in table["C2"].note
-    assert "0.005253" in table["C2"].computed
-    assert "k_nl = 1e+07 N/m^3: rises from 0.1" in table["C6"].note
-    assert "1 -> 0 at" in table["C6"].note
-    assert "larger with GN" in table["C7"].note
-
-
 def test_numbers_of_the_claims(table):
     assert "1.7983, 1.7972, 1.1484 at F = 100 N; 0.6389, 0.6099, 0.1352 at F = 1000 N" in table["C5"].computed
     for number in ("0.6897", "1.1943", "2.0890", "1.8717"):
@@ -53,23 +45,6 @@ def test_some_claims_by_name():
         chosen["C2"]
     with pytest.raises(ValueError, match=r"must be one of C1, C2, .*got 'C99'"):
         fl.paper.claims("C1", "C99")
-
-
-def test_the_table_as_text_markdown_and_html(table):
-    text, markdown, html = str(table), table.to_markdown(), table._repr_html_()
-    assert repr(table) == text
-    for row in table:
-        assert f"{row.id} ({row.where}): {row.verdict.value}" in text
-        assert f"| {row.id} | {row.where} | " in markdown
-        assert f"<td>{row.id}</td>" in html
-    assert len({line.count("|") for line in markdown.splitlines()}) == 1
-    assert len(markdown.splitlines()) == len(table) + 2
-
-
-def test_markup_in_a_claim_does_not_break_the_table():
-    table = Claims((Claim("C0", "nowhere", "a | b < c", "d", Verdict.NOT_REPRODUCED),))
-    assert r"a \| b" in table.to_markdown()
-    assert "a | b &lt; c" in table._repr_html_()
 
 
 def test_a_wrong_number_is_found(monkeypatch):

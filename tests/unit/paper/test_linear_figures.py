@@ -1,7 +1,5 @@
 """Figs 2 to 6 of the paper: the numbers, and the pictures of them."""
 
-from importlib import import_module
-
 import numpy as np
 import pytest
 
@@ -118,36 +116,6 @@ def test_fig_6(figures):
     assert data.loci["without GN"].unstable.max() == 1
 
 
-@pytest.mark.parametrize(("number", "expected"), [(2, 2), (3, 2), (4, 1), (5, 1), (6, 4)])
-def test_pictures_have_labels_units_and_legends_beside_the_panels(figures, number, expected):
-    picture = figures[number].plot()
-    axes = picture.axes
-    assert len(axes) == expected
-    picture.draw_without_rendering()
-    for ax in axes:
-        assert any(unit in ax.get_ylabel() for unit in ("(Hz)", "(1/s)", r"critical coefficient"))
-    assert any(ax.get_xlabel() for ax in axes)
-    legends = [ax.get_legend() for ax in axes if ax.get_legend() is not None]
-    assert legends
-    for legend in legends:
-        box = legend.get_window_extent()
-        assert not any(box.overlaps(ax.get_window_extent()) for ax in axes)
-        assert box.x1 <= picture.bbox.x1
-    text = picture.get_suptitle() or axes[0].get_title()
-    assert text.startswith(f"Fig. {number}")
-
-
-def test_pictures_draw_the_pairs_alone(figures):
-    for number in (2, 3):
-        for ax in figures[number].plot().axes:
-            thin = [line for line in ax.lines if line.get_linewidth() == 1.2 and len(line.get_xdata()) > 2]
-            assert len(thin) == 6
-    counts = [
-        sum(str(line.get_label()).startswith("mode") for line in ax.lines) for ax in figures[6].plot().axes
-    ]
-    assert counts == [4, 4, 2, 2]
-
-
 def test_the_panels_of_one_figure_use_the_locus(figures):
     data = figures[3].data
     drawn = [line.get_ydata() for line in figures[3].plot().axes[0].lines]
@@ -156,24 +124,7 @@ def test_the_panels_of_one_figure_use_the_locus(figures):
             assert any(np.array_equal(locus.frequencies[:, mode], y) for y in drawn)
 
 
-def test_a_figure_prints_its_numbers_and_shows_itself(figures):
-    for number, figure in figures.items():
-        lines = str(figure).splitlines()
-        assert lines[0].startswith(f"Fig. {number}: ")
-        assert str(figure).isascii()
-        assert len(lines) == 1 + len(figure.summary) > 2
-        assert len(repr(figure)) < 200
-    assert figures[5]._repr_png_()[:4] == b"\x89PNG"
-    assert "k_nl = 0 N/m^3: 0 -> 1 at mu_k 1.7983 (15.57 Hz)" in str(figures[2])
-
-
 def test_a_curve_that_is_given_out_again_cannot_be_changed(figures):
     again = fl.paper.figure(5).data.curves["with GN"]
     with pytest.raises(ValueError, match="read-only"):
         again.values[0] = 0.0
-
-
-def test_the_modules_hold_no_physics():
-    for name in {*FIGURES.values(), "checks.linear_stability"}:
-        held = vars(import_module(f"frictionlab.paper.{name.partition(':')[0]}"))
-        assert not {"sympy", "scipy", "solve"} & set(held)

@@ -3,11 +3,9 @@
 import matplotlib as mpl
 import numpy as np
 import pytest
-from cycler import cycler
 from matplotlib.axis import Tick, XTick
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
@@ -81,11 +79,9 @@ def contrasts(figure):
     return found
 
 
-QUICK = "run, overview, map, basins, shares of basins, animation, spectrum, tangent flow, Hopf point".split(
-    ", "
-)
+QUICK = "run", "map", "animation", "Hopf point"
 DARK = [pytest.param("dark_background", n, marks=[] if n in QUICK else pytest.mark.slow) for n in FIGURES]
-DARK += [("dark", name) for name in ("overview", "map", "basins")]
+DARK += [("dark", "overview"), *(pytest.param("dark", n, marks=pytest.mark.slow) for n in ("map", "basins"))]
 
 
 @pytest.mark.parametrize(("way", "name"), DARK)
@@ -125,39 +121,14 @@ def test_the_width_of_lines_is_the_users():
     assert plotting.plot_spectrum(result("run of two contacts"))[0].get_linewidth() == pytest.approx(2.5)
 
 
-def test_the_colours_of_lines_are_the_users():
-    mpl.rcParams["axes.prop_cycle"] = cycler(color=["#123456", "#abcdef"], linestyle=["-", ":"])
-    lines = plotting.plot_displacements(result("run"))
-    assert [line.get_color() for line in lines[:3]] == ["#123456", "#abcdef", "#123456"]
-    assert lines[1].get_linestyle() == ":"
-    assert lines[4].get_linestyle() == "--"  # an angle is dashed all the same
-
-
-def test_colours_of_modes_have_a_meaning_and_stay():
-    modes = {line.get_label(): line.get_color() for line in plotting.plot_phase_plane(result("run"))}
-    mpl.rcParams["axes.prop_cycle"] = cycler(color=["#123456"])
-    again = {line.get_label(): line.get_color() for line in plotting.plot_phase_plane(result("run"))}
-    assert again == modes
-
-
 @pytest.mark.parametrize(
-    "name", ["overview", "run", "energies", "phase plane", "animation", "ablation of motions"]
+    "name", ["overview", "run", *(pytest.param(n, marks=pytest.mark.slow) for n in ("energies", "animation"))]
 )
 def test_the_size_of_figures_is_the_users(name):
     usual = FIGURES[name]().get_size_inches()
     mpl.rcParams["figure.figsize"] = (5.0, 3.5)
     assert tuple(FIGURES[name]().get_size_inches()) == (5.0, 3.5)
     assert tuple(usual) != (5.0, 3.5)
-
-
-def legend_size():
-    return result("energies").plot().get_legend().get_texts()[0].get_fontsize()
-
-
-def test_the_size_of_letters_is_the_users():
-    usual = legend_size()
-    mpl.rcParams["font.size"] = 20.0
-    assert legend_size() == pytest.approx(2 * usual)
 
 
 def test_a_style_holds_within_its_block_or_from_then_on():
@@ -174,32 +145,10 @@ def test_a_style_holds_within_its_block_or_from_then_on():
     assert (after.get_linewidth(), tuple(after.figure.get_size_inches())) == (1.2, (7.0, 4.0))
 
 
-def test_a_style_takes_the_place_of_another():
-    with context("dark_background"), fl.style("screen"):
-        figure = plain_line().figure
-        assert to_rgb(figure.get_facecolor()) == (1.0, 1.0, 1.0)
-        assert plain_line().get_color() == appearance.BLACK
-
-
 def test_the_users_settings_prevail_over_a_style():
     with fl.style("projector"):
         mpl.rcParams["lines.linewidth"] = 5.0
         assert plain_line().get_linewidth() == pytest.approx(5.0)
-
-
-def test_a_style_that_there_is_not_is_named():
-    with pytest.raises(ValueError, match="did you mean 'projector'"):
-        fl.style("projektor")
-
-
-@pytest.mark.parametrize("name", appearance.STYLES)
-def test_the_users_own_lines_have_colours_of_the_style_that_are_seen(name):
-    with fl.style(name):
-        ax = Figure().add_subplot()
-        colours = mpl.rcParams["axes.prop_cycle"].by_key()["color"]
-        dark = name == "dark"
-        assert len(set(colours)) >= 6
-        assert [c for c in colours if dark and appearance.contrast(c, appearance.background(ax)) < 3.0] == []
 
 
 def test_legible_changes_only_what_is_hidden():

@@ -30,14 +30,20 @@ def without_a_layout():
     return figure
 
 
+SETTINGS = {}, {"savefig.dpi": 60}, {"savefig.bbox": "tight"}
+OPTIONS = {}, {"dpi": 50}, {"dpi": "figure"}, {"facecolor": "red"}, {"transparent": True}
+WAYS = [  # either alone at once, both together in the slow tests
+    pytest.param(settings, options, marks=pytest.mark.slow if settings and options else ())
+    for settings in SETTINGS
+    for options in OPTIONS
+]
+
+
 def pixels(content):
     return np.asarray(Image.open(content))
 
 
-@pytest.mark.parametrize("settings", [{}, {"savefig.dpi": 60}, {"savefig.bbox": "tight"}], ids=str)
-@pytest.mark.parametrize(
-    "options", [{}, {"dpi": 50}, {"dpi": "figure"}, {"facecolor": "red"}, {"transparent": True}], ids=str
-)
+@pytest.mark.parametrize(("settings", "options"), WAYS, ids=str)
 @pytest.mark.parametrize("make", [of_equal_scales, without_a_layout], ids=lambda make: make.__name__)
 def test_the_pixels_are_those_of_matplotlib(make, options, settings, tmp_path):
     with mpl.rc_context(settings):

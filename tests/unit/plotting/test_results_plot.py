@@ -32,15 +32,6 @@ def test_a_result_draws_itself(name):
     assert all(one.has_data() for one in drawn)
 
 
-def test_panels_of_an_ablation_stand_in_the_axes_given():
-    found = fl.ablation(MODEL, lambda m: fl.steady_state(m, transient=5.0, window=2.0, **QUIET), **QUIET)
-    ax = Figure().add_subplot()
-    first = found.plot(ax)
-    assert len(ax.child_axes) == len(found.results)
-    assert first is ax.child_axes[0]
-    assert found.plot().has_data()
-
-
 def test_a_sweep_that_is_no_picture_is_refused():
     with pytest.raises(TypeError, match="results must be numbers to be drawn"):
         fl.sweep(SLIDER, lambda m: "text", {"F": [100.0]}, **QUIET).plot()
@@ -58,16 +49,6 @@ def test_no_class_that_a_public_function_returns_is_without_a_picture():
     assert [name for name in sorted(results) if not callable(getattr(getattr(fl, name), "plot", None))] == []
 
 
-def test_axes_of_a_sweep_are_labelled_by_the_function():
-    def preload(model):
-        return model.F
-
-    over = {"F": [100.0, 200.0]}
-    assert fl.sweep(SLIDER, preload, over, **QUIET).plot().get_ylabel() == "preload"
-    assert fl.sweep(SLIDER, lambda m: m.F, over, **QUIET).plot().get_ylabel() == "result"
-    assert fl.sweep(SLIDER, preload, over, **QUIET).plot(label="force (N)").get_ylabel() == "force (N)"
-
-
 def labels_of(ax):
     return [text.get_text() for text in ax.get_legend().get_texts()]
 
@@ -81,10 +62,6 @@ def test_an_equilibrium_is_the_mechanism_displaced_to_it():
     centre = body.get_xy()[:4].mean(axis=0)
     assert centre == pytest.approx([factor * found.q[0], 0.8 - factor * found.q[1]])  # y is into the belt
     assert labels_of(ax) == [f"$F_N$ = {found.normal_force:.4g} N", f"$F_T$ = {found.friction_force:.4g} N"]
-
-
-def test_an_equilibrium_of_the_slider_on_its_belt_shows_the_preload():
-    assert labels_of(fl.equilibrium(SLIDER).plot())[-1] == f"$F$ = {SLIDER.F:.4g} N"
 
 
 def test_an_equilibrium_without_a_mechanism_is_bars_of_the_displacements():
@@ -167,25 +144,3 @@ def test_a_run_not_to_be_trusted_stands_beyond_its_limit():
     sizes, limits = (line.get_xdata() for line in ax.lines)
     assert sizes[0] == found.error
     assert np.isnan(limits[1:]).all()  # RK4 has no tolerance
-
-
-def test_a_new_figure_names_its_curves_and_modes():
-    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False)
-    figure = run.plot().figure
-    (legend,) = figure.legends
-    names = [text.get_text() for text in legend.get_texts()]
-    assert {"$x_{1}$ (m)", r"$\varphi$ (rad)", "stick", "separation"} <= {*names}
-    assert len({*names}) == len(names)
-    figure.draw_without_rendering()
-    assert all(ax.get_window_extent().x1 < legend.get_window_extent().x0 for ax in figure.axes)
-
-
-def test_axes_that_are_given_get_no_legend():
-    run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False)
-    assert not run.plot(Figure(layout="constrained").add_subplot()).figure.legends
-
-
-def test_a_legend_that_is_not_wanted_is_not_drawn():
-    ax = result("basins").plot(legend=False)
-    assert not ax.figure.legends
-    assert ax.get_legend() is None

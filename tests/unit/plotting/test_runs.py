@@ -1,7 +1,6 @@
 """What the panels show is what the run computed, with units."""
 
 import re
-import sys
 from itertools import pairwise
 
 import numpy as np
@@ -36,14 +35,6 @@ def test_displacements_are_those_of_the_run(model):
         t, x = line.get_data()
         assert (t[0], t[-1]) == (0.1, 0.2)
         assert np.array_equal(x, run(t)[:, i])
-
-
-def test_the_angle_has_an_axis_of_its_own():
-    run = fl.simulate(SCENES["all"], 0.1, progress=False)
-    lines = plotting.plot_displacements(run)
-    assert "(m)" in lines[0].axes.get_ylabel()
-    assert "rad" in lines[4].axes.get_ylabel()
-    assert "rad" in str(lines[4].get_label())
 
 
 def test_forces_are_those_of_the_run(run):
@@ -132,27 +123,7 @@ def test_a_window_outside_the_run_is_refused(run, window):
         plotting.plot_displacements(run, window=window)
 
 
-@pytest.mark.parametrize("name", ["q", "x1'", ""])
-def test_a_phase_plane_is_of_a_coordinate(run, name):
-    with pytest.raises(ValueError, match=f"name must be one of 'x1', 'y1', 'x2', 'y2', got {name!r}"):
-        plotting.plot_phase_plane(run, name=name)
-
-
-def test_a_spectrum_is_of_a_state(run):
-    with pytest.raises(ValueError, match=r"name must be one of 'x1', .*, got 'gapp'"):
-        plotting.plot_spectrum(run, name="gapp")
-
-
 @pytest.mark.parametrize("name", ["displacements", "contact_forces", "phase_plane", "spectrum", "rates"])
 def test_a_panel_is_of_a_run(name):
     with pytest.raises(TypeError, match=r"run must be a Trajectory, got SliderOnBelt\(\): give what"):
         getattr(plotting, f"plot_{name}")(fl.SliderOnBelt())
-
-
-def test_panels_draw_into_the_axes_given_and_need_no_pyplot(run):
-    ax = Figure().add_subplot()
-    panels = [plotting.plot_displacements, plotting.plot_contact_forces, plotting.plot_phase_plane]
-    for panel in [*panels, plotting.plot_spectrum]:
-        assert all(line.axes is ax for line in panel(run, ax))
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    assert pyplot is None or pyplot.get_fignums() == []

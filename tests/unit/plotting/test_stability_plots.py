@@ -1,16 +1,13 @@
 """Pictures of stability show what was computed, with symbols and units, and legends beside the data."""
 
-import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.plotting.labels import parameter_label, parameter_value_text
 from frictionlab.plotting.root_locus import GROWING_LINE_WIDTH
 
 MODEL = fl.SliderOnBelt(F=1000.0, l1=0.1, l2=0.3)
@@ -61,35 +58,6 @@ def test_lines_are_those_of_the_locus_and_heavy_where_a_mode_grows(locus, plot, 
     assert beside(ax)
 
 
-def test_a_locus_that_is_stable_has_no_heavy_line():
-    lines = plotting.plot_growth_rates(fl.root_locus(fl.SliderOnBelt(), "mu_k", [0.1, 0.2, 0.3]))
-    assert len(lines) == 5
-    assert len(lines[0].axes.get_legend().get_texts()) == 5
-
-
-def test_the_line_of_no_growth_is_drawn(locus):
-    ax = plotting.plot_growth_rates(locus)[0].axes
-    assert any(np.array_equal(line.get_ydata(), [0.0, 0.0]) for line in ax.lines)
-
-
-def test_only_the_modes_asked_for_under_one_name(locus):
-    ax = Figure().add_subplot()
-    lines = plotting.plot_frequencies(locus, ax, modes=(2, 3), label="here", color="k", linestyle=":")
-    assert len(lines) == 3
-    assert np.array_equal(lines[0].get_ydata(), locus.frequencies[:, 2])
-    assert {(line.get_color(), line.get_linestyle()) for line in lines} == {("k", ":")}
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["here", "heavy: the mode grows"]
-
-
-@pytest.mark.parametrize("modes", [[5], [-1], []])
-@pytest.mark.parametrize(
-    "plot", [plotting.plot_frequencies, plotting.plot_growth_rates, plotting.plot_root_locus]
-)
-def test_a_mode_that_is_not_there_is_refused(locus, plot, modes):
-    with pytest.raises(ValueError, match="modes must be numbers from 0 to 4"):
-        plot(locus, modes=modes)
-
-
 def test_no_equilibrium_is_a_gap():
     locus = fl.root_locus(fl.SliderOnBelt(), "F", [1.0, 100.0, 200.0])
     values = locus.values.copy()
@@ -132,45 +100,6 @@ def test_critical_curves_have_gaps_and_names(curves):
     assert ax.get_ylabel() == f"critical {AXIS}"
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["with", "without"]
     assert beside(ax)
-
-
-def legend_of(models):
-    with pytest.warns(RuntimeWarning, match="no critical mu_k in 0 to 3"):
-        curves = [fl.critical_curve(m, "mu_k", (0.0, 3.0), over=("F", [200.0, 600.0])) for m in models]
-    ax = plotting.plot_critical(curves)[0].axes
-    ax.figure.canvas.draw()
-    return ax, [text.get_text() for text in ax.get_legend().get_texts()]
-
-
-def test_critical_curves_are_named_by_what_tells_their_models_apart():
-    base = fl.SliderOnBelt(k4=2.5e4)
-    ax, names = legend_of([base.replace(k1=k, F=F) for k, F in ((1e5, 100.0), (1.2e5, 300.0), (2e5, 400.0))])
-    assert names == [rf"$k_1$ = ${value}10^{{5}}$ N/m" for value in ("", r"1.2 \cdot ", r"2 \cdot ")]
-    assert ax.get_position().width > 0.5
-
-
-def test_models_of_different_laws_are_named_in_short_lines():
-    full = fl.SliderOnBelt(k1=2e5, k4=2.5e4, k5=3e4, k6=3e4)
-    ax, names = legend_of([full, full.without("geometry")])
-    assert [name.replace("\n", " ") for name in names] == [repr(full), repr(full.without("geometry"))]
-    assert ax.get_position().width > 0.4
-
-
-def test_one_critical_curve_needs_no_legend(curves):
-    (line,) = plotting.plot_critical(curves[0])
-    assert line.get_label() == repr(MODEL)
-    assert line.axes.get_legend() is None
-
-
-def test_critical_curves_of_different_parameters_are_refused(curves):
-    with pytest.warns(RuntimeWarning, match="at 1 of 2 values of l1: 1 unstable from mu_k = 0 on"):
-        other = fl.critical_curve(MODEL, "mu_k", (0.0, 1.0), over=("l1", [0.1, 0.2]))
-    with pytest.raises(ValueError, match="got mu_k over F, mu_k over l1"):
-        plotting.plot_critical([curves[0], other])
-    with pytest.raises(ValueError, match="got no curve"):
-        plotting.plot_critical([])
-    with pytest.raises(ValueError, match="a label for each of 2 curves, got 1"):
-        plotting.plot_critical(curves, labels=["one"])
 
 
 def test_a_map_of_the_model():
@@ -226,43 +155,3 @@ def test_a_plane_without_equilibrium_is_hatched_and_many_modes_share_a_colour(pl
     names = [text.get_text() for text in mesh.axes.get_legend().get_texts()]
     assert names[:4] == ["stable", "1 mode grows", "3 modes or more grow", "no equilibrium"]
     assert len(set(names)) == len(names) == 7
-
-
-def test_symbols_and_units_are_those_of_the_parameter():
-    for row in MODEL.describe():
-        label = parameter_label(MODEL, row.name)
-        assert f"${row.symbol}$" in label
-        assert label.startswith(row.meaning)
-        assert ("(" in label.removeprefix(row.meaning)) == bool(row.unit)
-    assert parameter_label(MODEL, "k_nl") == r"cubic contact stiffness $k_{\mathrm{nl}}$ (N/m$^{3}$)"
-    assert parameter_value_text(MODEL, "k_nl", 1e7) == r"$k_{\mathrm{nl}}$ = $10^{7}$ N/m$^{3}$"
-    assert parameter_value_text(MODEL, "k_nl", 2.5e4) == r"$k_{\mathrm{nl}}$ = $2.5 \cdot 10^{4}$ N/m$^{3}$"
-    assert parameter_value_text(MODEL, "mu_k", 0.25) == r"$\mu_{\mathrm{k}}$ = 0.25"
-    assert parameter_value_text(MODEL, "F", -20.0) == "$F$ = -20 N"
-
-
-def test_parameters_of_an_automaton_have_their_names(locus):
-    of_automaton = replace(locus, model=MODEL.automaton())
-    assert plotting.plot_frequencies(of_automaton)[0].axes.get_xlabel() == "mu_k"
-
-
-def test_plots_draw_into_the_axes_given_and_need_no_pyplot(locus, curves, plane):
-    ax = Figure().add_subplot()
-    drawn = [*plotting.plot_frequencies(locus, ax), *plotting.plot_growth_rates(locus, ax)]
-    drawn += [*plotting.plot_root_locus(locus, ax), *plotting.plot_critical(curves, ax)]
-    mesh, boundary = plotting.plot_stability_map(plane, ax)
-    assert all(artist.axes is ax for artist in [*drawn, mesh, *boundary])
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    assert pyplot is None or pyplot.get_fignums() == []
-
-
-def test_legends_can_be_left_out(locus, curves, plane):
-    for plot, what in [
-        (plotting.plot_frequencies, locus),
-        (plotting.plot_growth_rates, locus),
-        (plotting.plot_critical, curves),
-        (plotting.plot_stability_map, plane),
-    ]:
-        ax = Figure().add_subplot()
-        plot(what, ax, legend=False)
-        assert ax.get_legend() is None

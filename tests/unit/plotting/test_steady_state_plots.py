@@ -1,12 +1,10 @@
 """Pictures of sweeps and ablations show what was computed, every kind of motion in a style of its own."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
@@ -64,20 +62,6 @@ def test_what_grew_beyond_all_bounds_is_marked_at_the_foot_and_leaves_the_scale(
     assert np.all((bottom < heights) & (heights < bottom + 0.1 * (top - bottom)))
 
 
-@pytest.mark.parametrize(
-    ("section", "text"),
-    [
-        (None, "the section"),
-        ("stick", "the onset of stick"),
-        (["x1'", -1], "x1' = 0, falling"),
-        ("x1", "x1 = 0"),
-    ],
-)
-def test_the_axis_says_which_section(swept, section, text):
-    other = replace(swept, specification={**swept.specification, "section": section})
-    assert plotting.plot_bifurcation(other)[0].axes.get_ylabel() == f"$x_{{1}}$ at {text} (m)"
-
-
 def test_intensities_that_span_decades_have_a_logarithmic_axis_with_a_zero(swept):
     (line,) = plotting.plot_intensity(
         replace(swept, intensities=np.array([0.0, 1e-5, 1e-3, 1e-2, 0.1, np.nan]))
@@ -97,24 +81,6 @@ def test_intensities_of_one_size_have_a_linear_axis(swept):
     for line in lines:
         assert np.array_equal(line.get_ydata(), swept.intensities, equal_nan=True)
     assert [text.get_text() for text in lines[0].axes.get_legend().get_texts()] == ["here", "there"]
-
-
-def test_starts_are_the_labels(swept):
-    starts = ["rest", "near", "continue", [0.0] * 8]
-    results = [replace(swept, specification={**swept.specification, "x0": x0}) for x0 in starts]
-    labels = [line.get_label() for line in plotting.plot_intensity(results)]
-    assert labels == ["from rest", "from near the equilibrium", "continued", "from a state"]
-
-
-def test_mixed_results_are_refused(swept):
-    with pytest.raises(ValueError, match="results must be over one parameter, got F, mu_k"):
-        plotting.plot_intensity([swept, replace(swept, parameter="F")])
-    with pytest.raises(ValueError, match="a label for each of 1 results, got 2"):
-        plotting.plot_intensity(swept, labels=["a", "b"])
-    with pytest.raises(ValueError, match="got no result"):
-        plotting.plot_intensity([])
-    with pytest.raises(ValueError, match="name must be one of"):
-        plotting.plot_bifurcation(swept, name="x9")
 
 
 @pytest.fixture(scope="module")
@@ -155,12 +121,6 @@ def test_eight_spectra_and_what_was_not_done(ablated):
     assert [text.get_text() for text in panels[7].texts] == ["not done"]
 
 
-def test_eight_bifurcations(ablated, swept):
-    panels = plotting.plot_ablation(replace(ablated, results=(swept,) * 8))
-    assert all(len(ax.lines) == 5 for ax in panels)
-    assert len(panels[0].figure.legends[0].get_texts()) == 5
-
-
 def test_numbers_are_bars(ablated):
     values = (1.0, 2.0, None, -0.5, 0.0, 1.0, 1.0, 3.0)
     (ax,) = plotting.plot_ablation(replace(ablated, results=values))
@@ -172,19 +132,3 @@ def test_numbers_are_bars(ablated):
     assert decades.get_xscale() == "log"
     (none,) = plotting.plot_ablation(replace(ablated, results=(None,) * 8))
     assert len(none.patches) == 8
-
-
-def test_other_results_are_refused(ablated):
-    with pytest.raises(TypeError, match=r"results must all be SteadyState, .* got str"):
-        plotting.plot_ablation(replace(ablated, results=("text",) * 8))
-    with pytest.raises(TypeError, match="got SteadyState, float"):
-        plotting.plot_ablation(replace(ablated, results=(*ablated.results[:7], 1.0)))
-
-
-def test_plots_draw_into_the_axes_given_and_need_no_pyplot(swept):
-    ax = Figure().add_subplot()
-    drawn = [*plotting.plot_bifurcation(swept, ax, legend=False), *plotting.plot_intensity(swept, ax)]
-    assert all(line.axes is ax for line in drawn)
-    assert ax.get_legend() is None
-    pyplot = sys.modules.get("matplotlib.pyplot")
-    assert pyplot is None or pyplot.get_fignums() == []
