@@ -242,6 +242,7 @@ def test_a_use_is_noted_once_a_day(kept):
 # --- runs
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not HAS_NUMBA or not hasattr(os, "fork"), reason="needs numba and fork")
 def test_runs_withstand_every_fault_of_the_cache():
     """The short form of the suite: `python -m tests.faults code` is the long one."""

@@ -40,7 +40,9 @@ def test_every_law(law):
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
-@pytest.mark.parametrize("off", [(), ("geometry",)], ids=["moving load", "fixed load"])
+@pytest.mark.parametrize(
+    "off", [(), pytest.param(("geometry",), marks=pytest.mark.slow)], ids=["moving load", "fixed load"]
+)
 def test_every_law_in_the_slider(law, off):
     run = fl.testing.check_model(in_slider(law).without(*off))
     assert len(run.events) > 10 or law == fl.Coulomb()  # at mu_k = 0.3 it comes to slide

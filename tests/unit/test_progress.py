@@ -55,11 +55,6 @@ def test_a_run_says_nothing_of_the_compilation(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_what_is_no_truth_value_is_refused():
-    with pytest.raises(TypeError, match=r"write fl\.progress\(False\)"):
-        fl.progress("off")
-
-
 @pytest.mark.parametrize(("value", "shown"), [("0", False), ("off", False), ("False", False), ("1", True)])
 def test_the_environment_switches_bars_off(value, shown):
     code = "from frictionlab.interruption import progress_bar; print(not progress_bar([1]).disable)"
@@ -68,14 +63,6 @@ def test_the_environment_switches_bars_off(value, shown):
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
     )
     assert answer.stdout.strip() == str(shown)
-
-
-def test_every_bar_goes_through_the_switch():
-    from pathlib import Path
-
-    package = Path(fl.__file__).parent
-    users = [path.name for path in package.rglob("*.py") if "tqdm" in path.read_text(encoding="utf-8")]
-    assert users == ["interruption.py"]
 
 
 def test_models_modes_and_runs_are_logged(caplog):
@@ -87,12 +74,6 @@ def test_models_modes_and_runs_are_logged(caplog):
     assert any(level == logging.INFO and "automaton of TwoBlocks" in text for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("deriving mode") for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("run to 1 s") for level, text in said)
-
-
-def test_the_library_itself_shows_no_log():
-    handlers = logging.getLogger("frictionlab").handlers
-    assert any(isinstance(handler, logging.NullHandler) for handler in handlers)
-    assert all(isinstance(handler, logging.NullHandler) for handler in handlers)
 
 
 class FullDisk(io.RawIOBase):

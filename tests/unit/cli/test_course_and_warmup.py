@@ -1,11 +1,9 @@
 """`frictionlab course` copies the notebooks and spares what is there; `frictionlab warmup` says what runs."""
 
 import json
-import tomllib
 from pathlib import Path
 
 import frictionlab as fl
-from frictionlab.cli import course
 from frictionlab.cli.command import main
 
 ROOT = Path(__file__).parents[3]
@@ -43,20 +41,6 @@ def test_work_in_the_folder_is_not_lost(tmp_path, capsys):
     assert (captured.out, captured.err.count("\n")) == ("", 1)
     assert f"has other versions of {NOTEBOOKS[1]}: take a new folder" in captured.err
     assert (tmp_path / NOTEBOOKS[1]).read_text() == "my answers"
-
-
-def test_the_wheel_carries_the_notebooks_where_the_command_looks_for_them():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    placed = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
-    assert placed == {"tutorials": "frictionlab/tutorials"}
-    assert sorted(path.name for path in course.course_folder().glob("*.ipynb")) == NOTEBOOKS
-
-
-def test_without_notebooks_it_says_how_to_get_them(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(course, "NOTEBOOKS", "*.nothing")
-    assert main(["course", str(tmp_path / "a")]) == 1
-    assert "take the folder tutorials/ of the source" in capsys.readouterr().err
-    assert not (tmp_path / "a").exists()
 
 
 def test_warmup_says_what_runs(capsys):

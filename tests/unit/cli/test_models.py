@@ -42,12 +42,6 @@ def test_the_list_names_every_model_and_each_has_its_parameters(said):
         assert [row["name"] for row in found["described"]] == list(found["parameters"])
 
 
-def test_the_parameters_are_printed_with_unit_and_meaning(said):
-    text = said("models", "SliderOnBelt")
-    for row in fl.SliderOnBelt().describe():
-        assert row.meaning in text
-
-
 def test_eigenvalues_are_those_of_the_model(said):
     found = json.loads(said("eig", "--set", "mu_k=2.5", "F=300", "--json"))
     exact = fl.eigenvalues(fl.SliderOnBelt(mu_k=2.5, F=300.0))
@@ -82,9 +76,3 @@ def test_values_and_switches_reach_any_model(said):
     text = said("run", "-q", "--model", STRIBECK, "--set", "v=-0.3", "--without", "nonsmooth", "--t-end", "1")
     expected = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1).without("nonsmooth")
     assert text.startswith(f"{expected.replace(v=-0.3)!r}\n")
-
-
-def test_set_and_the_option_of_a_parameter_are_the_same(said):
-    short = ("run", "--t-end", "0.1", "--json")
-    assert json.loads(said(*short, "--set", "mu_k=0.9"))["call"] == "SliderOnBelt(mu_k=0.9)"
-    assert json.loads(said(*short, "--mu-k", "0.9"))["call"] == "SliderOnBelt(mu_k=0.9)"

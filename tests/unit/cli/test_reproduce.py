@@ -59,9 +59,3 @@ def test_ctrl_c_is_told_by_the_exit_status(tmp_path, capsys, small, monkeypatch)
     monkeypatch.setattr(report, "check", interrupted)
     assert command.main(["reproduce", "-o", str(tmp_path), "-q"]) == 130
     assert capsys.readouterr().err == "frictionlab: stopped by ctrl-C\n"
-
-
-def test_a_folder_that_cannot_be_made(tmp_path, capsys, small):
-    (tmp_path / "file").write_text("")
-    assert command.main(["reproduce", "-o", str(tmp_path / "file" / "docs"), "-q"]) == 1
-    assert capsys.readouterr().err.startswith("frictionlab reproduce: error: ")

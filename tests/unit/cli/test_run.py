@@ -43,20 +43,6 @@ def test_where_python_goes_on_cycles_are_searched_for_as_before(tmp_path):
     assert gc.get_freeze_count() == 0
 
 
-def test_an_unstable_equilibrium_is_called_so(capsys):
-    assert command.main([*SHORT, "--mu-k", "2.5"]) == 0
-    out = capsys.readouterr().out
-    assert "unstable: 2 do not decay" in out
-    assert "+11.98069 +- 102.6148i" in out
-
-
-def test_without_damping_it_is_called_marginal(capsys):
-    dampers = [word for name in ("c1", "c2", "c4", "c5", "c6") for word in (f"--{name}", "0")]
-    assert command.main([*SHORT, "--mu-k", "0.3", *dampers]) == 0
-    out = capsys.readouterr().out
-    assert "Eigenvalues there (marginal: 10 do not decay)" in out
-
-
 def test_no_equilibrium_takes_one_line_and_the_run_goes_on(capsys):
     assert command.main([*SHORT, "--F", "0"]) == 0
     out = capsys.readouterr().out

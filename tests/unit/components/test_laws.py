@@ -14,14 +14,9 @@ from frictionlab.components import (
     Coulomb,
     CubicContact,
     FixedLoad,
-    LinearContact,
     MovingLoad,
     PlasticImpact,
     RestitutionImpact,
-    SlidingOnly,
-    SlidingSeparation,
-    StickSlip,
-    StickSlipSeparation,
 )
 from frictionlab.tape.functions import FUNCTIONS
 
@@ -43,10 +38,6 @@ def test_laws_may_hold_every_function_of_the_tape(function):
     assert of_laws(x) == function.expression(x)
     assert of_laws(0.3) == pytest.approx(float(function.expression(0.3)), rel=1e-15)
     np.testing.assert_array_equal(of_laws(np.array([0.3, 1.2])), [of_laws(0.3), of_laws(1.2)])
-
-
-def test_linear_contact():
-    assert LinearContact(k2=7.0).force(0.5) == 3.5
 
 
 def test_coulomb_is_equations_3_and_8():
@@ -97,13 +88,6 @@ def test_impacts_refuse_what_they_do_not_know():
         PlasticImpact(penetration_rate="fulll")
     with pytest.raises(ValueError, match=r"e must be at most 1, got 1\.5: lower e"):
         RestitutionImpact(e=1.5)
-
-
-def test_interfaces_are_data():
-    assert StickSlipSeparation.modes == ("stick", "slip+", "slip-", "separation")
-    assert StickSlip.modes == ("stick", "slip+", "slip-")
-    assert SlidingSeparation.modes == ("slip", "separation")
-    assert SlidingOnly.modes == ("slip",)
 
 
 @dataclass(frozen=True)

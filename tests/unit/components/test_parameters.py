@@ -10,7 +10,6 @@ import pytest
 
 from frictionlab.components import ContactLaw, Coulomb, CubicContact, LinearContact, PlasticImpact, parameter
 from frictionlab.components.component import parameters_of, structure_of
-from frictionlab.validation import did_you_mean, did_you_mean_or_known
 
 
 @dataclass(frozen=True)
@@ -26,24 +25,10 @@ class Quintic(ContactLaw):
         return self.k_lin * penetration + self.k5th * penetration**self.power
 
 
-def test_a_component_lists_its_parameters_with_what_is_known_about_them():
-    assert list(parameters_of(CubicContact)) == ["k2", "k_nl"]
-    about = parameters_of(CubicContact)["k_nl"]
-    assert (about.unit, about.minimum, about.default, about.log) == ("N/m^3", 0.0, 1e4, True)
-    assert about.symbol
-    assert about.meaning
-    assert about.range
-
-
 def test_fields_that_are_no_floats_are_structure():
     assert structure_of(PlasticImpact) == ("penetration_rate",)
     assert list(parameters_of(Quintic)) == ["k5th", "k_lin"]
     assert structure_of(Quintic) == ("power",)
-
-
-def test_a_plain_float_field_is_a_parameter_without_unit():
-    about = parameters_of(Quintic)["k_lin"]
-    assert (about.symbol, about.unit, about.default) == ("k_lin", "", 10.0)
 
 
 def test_a_class_without_the_decorator_is_refused():
@@ -58,12 +43,6 @@ def test_a_class_without_the_decorator_is_refused():
 def test_what_is_no_real_number_is_a_type_error(value):
     with pytest.raises(TypeError, match=r"k2 must be one real number, got .*: give a float .*5000 N/m"):
         LinearContact(k2=value)
-
-
-def test_an_array_of_no_dimension_is_the_number_it_holds():
-    law = LinearContact(k2=np.array(7.0))
-    assert type(law.k2) is float
-    assert law == LinearContact(k2=7.0)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400])
@@ -93,15 +72,6 @@ def test_components_are_frozen_and_compare_by_value():
     assert LinearContact() != CubicContact()
     with pytest.raises(FrozenInstanceError):
         Coulomb().mu_k = 1.0  # type: ignore[misc]  # what is tested
-
-
-def test_did_you_mean():
-    for hint in (did_you_mean, did_you_mean_or_known):
-        assert hint("mu_kk", ["mu_k", "k2"]) == ": did you mean 'mu_k'?"
-        assert hint("mu_K", ["mu_s", "mu_k"]) == ": did you mean 'mu_k'?"
-        assert hint("f", ["F", "k2"]) == ": did you mean 'F'?"
-    assert did_you_mean("zzz", ["F", "k2"]) == ""
-    assert did_you_mean_or_known("zzz", ["F", "k2"]) == ": known are F, k2"
 
 
 @pytest.mark.parametrize(
