@@ -1,17 +1,11 @@
 """The live canvas: what it is sent, and what its JavaScript draws in a browser of its own."""
 
 import json
-import os
 import re
-import subprocess
-import sys
-import zipfile
 from importlib import resources
-from pathlib import Path
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import frictionlab as fl
 from frictionlab.plotting.appearance import BLUE, GREY, MODE_COLOURS
@@ -72,46 +66,11 @@ def test_other_scenes_are_shown(model):
     assert all(np.isfinite(values).all() for values in rows.values())
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"rate": 0.0}, "rate must be a finite number, above 0"),
-        ({"speed": -1.0}, "speed must be a finite number, above 0"),
-        ({"magnify": 0.0}, "magnify must be a finite number, above 0"),
-        ({"window": 9.0, "rate": 1e7}, "must be at most 200000 frames, got 5000000: take a shorter window"),
-        ({"window": (0.0, 9.0)}, "window must lie within the run"),
-    ],
-)
-def test_bad_options_are_refused(run, options, words):
-    with pytest.raises(ValueError, match=words):
-        fl.watch(run, **options)
-
-
-def test_runs_of_other_automata_are_refused():
-    h, w = sp.symbols("h w")
-    mode = fl.Mode("fall", flow=(w, sp.Integer(-1)), events=())
-    automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
-    with pytest.raises(ValueError, match="watch needs a run of a model that has a mechanism"):
-        fl.watch(fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False))
-
-
 @pytest.mark.parametrize("name", ["canvas.js", "panels/panel_image.js"])
 def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
     code = resources.files("frictionlab.widgets").joinpath(*name.split("/")).read_text(encoding="utf-8")
     assert "export default { render }" in code
     assert not re.search(r"https?:|\bimport\b|\bfetch\b|XMLHttpRequest", code)
-
-
-def test_the_wheel_holds_the_javascript(tmp_path):
-    for name in ("hatchling", "hatch_fancy_pypi_readme"):
-        pytest.importorskip(name, reason=f"{name} is needed to build a wheel; it is not installed")
-    root = Path(__file__).parents[3]
-    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
-    environment = {**os.environ, "FRICTIONLAB_BUILD_KERNELS": "0"}
-    subprocess.run(command, cwd=root, env=environment, check=True, capture_output=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    names = zipfile.ZipFile(wheel).namelist()
-    assert {f"frictionlab/widgets/{name}.js" for name in ("canvas", "panels/panel_image")} <= {*names}
 
 
 DARK_MODELS = {"belt": MODEL, "parts": fl.MassOnBelt()}

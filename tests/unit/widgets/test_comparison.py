@@ -9,7 +9,7 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.models import with_signature
-from tests.helpers.explorers import MODELS, lines, pixels
+from tests.helpers.explorers import MODELS, lines
 
 DARK = (17, 17, 17)
 
@@ -140,8 +140,3 @@ def test_a_style_of_ones_own_is_kept_on_any_page():
     explorer.controls["v"].value = 0.3
     assert image(explorer).getpixel((1, 1)) == DARK
     assert explorer.mechanism.canvas.scene["paper"] == "#111111"
-
-
-def test_a_picture_says_what_it_shows(explorer):
-    assert explorer.picture.images["response"].alt.startswith("response: displacement (m) against time (s)")
-    assert pixels(explorer, "response").shape == (300, 440, 3)

@@ -21,19 +21,6 @@ def test_the_lines_are_those_of_the_run(explorer):
     assert np.array_equal(force, run.output("normal_force", t))
 
 
-def test_the_quick_method_is_as_exact_as_a_picture(explorer):
-    explorer.controls["mu_k"].value = 1.4
-    t = explorer.result.times()
-    shown = explorer.run(t)
-    explorer.controls["method"].value = fl.Taylor()
-    exact = explorer.run(t)
-    assert explorer.run.stats["events"] > 3 * len(explorer.result.times())
-    error = np.abs(shown - exact).max(axis=0) / np.ptp(exact, axis=0)
-    pixels = explorer.picture.tiles["phase"].ax.get_window_extent().height
-    assert (error[:5] < 1e-4).all()
-    assert (error < 1 / pixels).all()  # rates zigzag in the flights left out
-
-
 def test_the_phase_plane_shows_each_mode_where_the_run_is_in_it(explorer):
     explorer.controls["mu_k"].value = 1.4
     t = explorer.result.times()
@@ -59,15 +46,6 @@ def test_the_equilibrium_is_printed_and_marked(explorer):
     assert lines(explorer, "phase")["equilibrium"].get_xdata() == [point.q[0]]
 
 
-def test_an_unstable_equilibrium_is_said_to_be_so_with_rate_and_frequency(explorer):
-    explorer.controls["mu_k"].value = 1.6
-    found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.6))
-    worst = found.values[np.argmax(found.growth_rates)]
-    text = explorer.layout.equilibrium.value
-    assert f"unstable: 1 mode grows, at {worst.real:.4g} 1/s" in text
-    assert f"{abs(worst.imag) / (2 * np.pi):.4g} Hz" in text
-
-
 def test_a_browser_that_rounds_the_sliders_changes_nothing(explorer):
     updates, settings = explorer.updates, explorer.settings
     for name in ("duration", "k1", "M", "step"):
@@ -75,15 +53,6 @@ def test_a_browser_that_rounds_the_sliders_changes_nothing(explorer):
     assert explorer.updates == updates
     explorer.controls["method"].value = "rk4"
     assert explorer.settings == dataclasses.replace(settings, method=fl.RK4(step=2e-4))
-
-
-@pytest.mark.parametrize("name", ["cubic", "nonsmooth", "geometry"])
-def test_a_switch_swaps_the_component(explorer, name):
-    explorer.controls[f"switch-{name}"].value = False
-    assert explorer.model == fl.SliderOnBelt().without(name)
-    assert explorer.error is None
-    explorer.controls[f"switch-{name}"].value = True
-    assert explorer.model == fl.SliderOnBelt()
 
 
 def test_what_a_switch_takes_away_goes_from_the_picture_and_the_controls(explorer):

@@ -57,14 +57,6 @@ def test_an_own_law_has_sliders_and_runs(model, name, value):
     assert np.array_equal(x, run(t)[:, 0])
 
 
-def test_a_law_that_cannot_do_without_says_so():
-    explorer = made(fl.SliderOnBelt(contact=Hertz()), ("eigenvalues",))
-    explorer.controls["switch-cubic"].value = False
-    assert "has no k2 to keep" in explorer.layout.message.value
-    explorer.controls["switch-cubic"].value = True
-    assert explorer.error is None
-
-
 def test_errors_appear_in_the_panel_and_go_when_mended(explorer):
     explorer.controls["mu_k"].value = 1.4
     before = pixels(explorer, "response")
@@ -146,10 +138,6 @@ def test_a_panel_of_ones_own_is_a_function():
     assert "fl-panel-gap" in explorer.picture.images["gap"]._dom_classes
 
 
-def test_one_panel_may_be_asked_for_by_its_name_alone():
-    assert list(fl.explore(panels="eigenvalues").picture.panels) == ["eigenvalues"]
-
-
 def test_nothing_is_computed_that_no_panel_asks_for():
     explorer = fl.explore(panels=("eigenvalues",))
     assert not explorer.result.has_run
@@ -157,18 +145,6 @@ def test_nothing_is_computed_that_no_panel_asks_for():
     assert explorer.run.raw.t == 20.0
     explorer = made(panels=("response",))
     assert "spectrum" not in explorer.result.__dict__
-
-
-def test_compare_keeps_the_curve_in_grey(explorer):
-    frozen = np.array(lines(explorer, "response")["$x_{1}$"].get_ydata())
-    explorer.controls["compare"].value = True
-    explorer.controls["mu_k"].value = 1.4
-    explorer.controls["switch-geometry"].value = False
-    grey = explorer.picture.tiles["response"].frozen["$x_{1}$"]
-    assert np.array_equal(grey.get_ydata(), frozen)
-    assert not np.array_equal(lines(explorer, "response")["$x_{1}$"].get_ydata(), frozen)
-    explorer.controls["compare"].value = False
-    assert len(grey.get_ydata()) == 0
 
 
 def test_reset_takes_everything_back(explorer):
@@ -221,22 +197,3 @@ def test_the_json_gives_the_model_again(explorer):
     data = json.loads(explorer.layout.json.value)
     assert fl.SliderOnBelt.from_dict(data["model"]) == explorer.model
     assert (data["t_end"], data["x0"]) == (20.0, "rest")
-
-
-@pytest.mark.parametrize("model", [fl.SliderOnBelt().automaton(), "slider", 3])
-def test_only_models_are_explored(model):
-    with pytest.raises(TypeError, match="model must be a model such as SliderOnBelt"):
-        fl.explore(model)
-
-
-@pytest.mark.parametrize(
-    ("panels", "message"),
-    [(["respons"], "did you mean 'response'"), ([], "at least one panel"), ([3], "must be functions or")],
-)
-def test_unknown_panels_are_refused(panels, message):
-    with pytest.raises(ValueError, match=message):
-        fl.explore(panels=panels)
-
-
-def test_a_notebook_shows_it(explorer):
-    assert "application/vnd.jupyter.widget-view+json" in explorer._repr_mimebundle_()

@@ -68,14 +68,6 @@ def test_the_message_goes_with_the_next_value(mu_k):
     assert (mu_k.value, mu_k.message) == (0.7, "")
 
 
-@pytest.mark.parametrize(
-    ("text", "value"),
-    [("1,5", 1.5), ("0,001", 0.001), ("1e3", 1e3), ("-2.5E-3", -2.5e-3), ("1000,5", 1000.5)],
-)
-def test_number_from_text(text, value):
-    assert number_from_text("F", text) == value
-
-
 @pytest.mark.parametrize("text", ["1,000", "12,500", "1,000,000", "1,000.5", "0x10", "1_000", "1..5", "e5"])
 def test_ambiguous_and_foreign_notations_are_refused(text):
     with pytest.raises(ValueError, match="F must be one number"):
@@ -85,14 +77,3 @@ def test_ambiguous_and_foreign_notations_are_refused(text):
 def test_a_value_beyond_the_slider_set_in_python_moves_its_end(mu_k):
     mu_k.value = 3.7
     assert (mu_k.field.value, mu_k.max) == (3.7, 3.7)
-
-
-def test_what_is_not_typed_is_not_heard(mu_k):
-    for content in ({}, {"typed": 3}, "typed", None):
-        mu_k.field._handle_custom_msg(content, [])
-    assert (mu_k.value, mu_k.message) == (0.3, "")
-
-
-def test_a_screen_reader_is_told_meaning_and_unit():
-    force = slider("F", ABOUT["F"], 200.0)
-    assert (force.field.meaning, force.field.unit) == (ABOUT["F"].meaning, "N")

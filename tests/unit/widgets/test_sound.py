@@ -1,8 +1,5 @@
 """What is heard has the frequencies of the motion times the stated factor."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from scipy.io import wavfile
@@ -100,47 +97,3 @@ def test_rest_is_silence():
     x0 = np.append(fl.equilibrium(model).q, np.zeros(5))
     still = fl.listen(fl.simulate(model, 2.0, x0=x0, progress=False), "normal_force")
     assert not still.samples.any()
-
-
-def test_pitch_window_and_signal_are_stated(run):
-    sound = fl.listen(run, "x1'", window=(5.0, 10.0), pitch=25.0)
-    expected = "Sound(x1', 5 s to 10 s of the run in 0.2 s, pitch 25 times that of the motion, 44100 Hz)"
-    assert repr(sound) == expected
-    assert (sound.pitch, sound.window, sound.signal) == (25.0, (5.0, 10.0), "x1'")
-    shown = sound._repr_html_()
-    assert "<audio" in shown
-    assert expected in shown
-
-
-def test_a_model_cannot_be_heard():
-    with pytest.raises(
-        TypeError, match=r"run must be a Trajectory, got SliderOnBelt.*: give what .*simulate"
-    ):
-        fl.listen(fl.SliderOnBelt())
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"signal": "friction"}, "signal must be one of .* did you mean 'friction_force'"),
-        ({"pitch": 0.0}, "pitch must be a finite number, above 0"),
-        ({"rate": 44100.5}, "rate must be an integer"),
-        ({"rate": 0}, "rate must be an integer, at least 1"),
-        ({"window": (0.0, 30.0)}, "window must lie within the run"),
-        ({"window": 1e-3}, "take a longer window or a smaller pitch"),
-    ],
-)
-def test_bad_options_are_refused(run, options, words):
-    with pytest.raises(ValueError, match=words):
-        fl.listen(run, **options)
-
-
-@pytest.mark.slow
-def test_the_player_is_loaded_when_it_is_shown():
-    code = (
-        "import sys, frictionlab as fl\n"
-        "sound = fl.listen(fl.simulate(fl.SliderOnBelt(), 0.5))\n"
-        "assert 'IPython' not in sys.modules\n"
-        "assert type(sound.audio).__name__ == 'Audio'\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)

@@ -63,6 +63,7 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
     assert not stability.result.has_run
 
 
+@pytest.mark.slow
 def test_in_an_event_loop_the_critical_curve_becomes_finer():
     async def browser():
         explorer = watched(fl.explore_stability())
@@ -88,20 +89,6 @@ def test_a_click_moves_the_point_to_round_numbers(stability):
     stability.click("critical", 333.3, 1.2345)
     assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
     assert stability.picture.tiles["critical"].lines["here, unstable"].get_xdata() == [335.0]
-
-
-def test_a_parameter_that_a_switch_takes_away_is_missed_in_plain_words():
-    explorer = fl.explore_stability(parameter="k_nl", over="F")
-    explorer.controls["switch-cubic"].value = False
-    assert "has no parameter 'k_nl'" in explorer.layout.message.value
-    explorer.controls["switch-cubic"].value = True
-    assert explorer.error is None
-
-
-@pytest.mark.parametrize("explore", [fl.explore_stability, fl.explore_bifurcation])
-def test_unknown_parameters_are_refused(explore):
-    with pytest.raises(TypeError, match="has no parameter 'mu': did you mean"):
-        explore(parameter="mu")
 
 
 def test_two_different_parameters_are_needed():
@@ -214,6 +201,7 @@ def filled():
     return asyncio.run(browser())
 
 
+@pytest.mark.slow
 def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled):
     explorer, seen = filled
     assert 0 < len(seen[0][0]) < 300
@@ -228,6 +216,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
     assert not panel.sweep.previews  # they would take as long
 
 
+@pytest.mark.slow
 def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
     explorer, seen = filled
     every = np.linspace(*explorer.controls["range"].value, 300)

@@ -37,13 +37,6 @@ def test_undo_and_redo_go_through_all_states(short):
     assert short.layout.redo.disabled  # what had been undone is forgotten
 
 
-def test_at_the_start_there_is_nothing_to_undo():
-    explorer = fl.explore(panels=("eigenvalues",))
-    assert (explorer.layout.undo.disabled, explorer.layout.redo.disabled) == (True, True)
-    explorer.undo()
-    assert explorer.model == fl.SliderOnBelt()
-
-
 def test_after_an_error_undo_gives_the_last_values_that_worked(short):
     short.controls["mu_s"].value = 1.0
     assert short.error is not None
@@ -89,12 +82,6 @@ def test_what_is_no_state_is_refused_in_words(short, content, words):
     short.files.load_state({"new": ({"content": content},)})
     assert words in short.layout.message.value
     assert short.values() == before
-
-
-def test_the_state_of_another_model_is_refused_in_words(short):
-    other = fl.explore(fl.ModeCoupling(), panels=("eigenvalues",))
-    short.files.load_state({"new": ({"content": other.files.buttons["copy state"].make().encode()},)})
-    assert "must be that of SliderOnBelt(mu_k=1.4), got that of ModeCoupling()" in short.layout.message.value
 
 
 @pytest.mark.parametrize(

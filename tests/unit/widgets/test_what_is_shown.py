@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from tests.helpers.explorers import MODELS, lines
+from tests.helpers.explorers import lines
 
 
 def words(explorer):
@@ -31,16 +31,6 @@ def test_a_mass_that_dry_friction_stops_is_shown_until_it_stops():
     stop = explorer.run.events.t[-1]
     t = lines(explorer, "response")["$x$"].get_xdata()
     assert (t[0], t[-1]) == (0.0, pytest.approx(1.15 * stop))
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_every_model_shows_something_that_moves_at_first(name):
-    explorer = fl.explore(MODELS[name], panels=("response",))
-    drawn = [line for label, line in lines(explorer, "response").items() if not label.startswith("_")]
-    assert any(np.ptp(line.get_ydata()) > 0 for line in drawn)
-    if explorer.result.is_moving:
-        assert explorer.result.times()[-1] == explorer.run.raw.t
-    explorer.close()
 
 
 def test_beside_a_stable_equilibrium_stands_what_this_run_does():
@@ -70,47 +60,6 @@ def test_an_unstable_equilibrium_and_its_run():
     )
     assert "unstable: 1 mode grows" in words(explorer)
     assert words(explorer).endswith(", and from rest this run sticks and slips at 0.112 Hz.")
-
-
-def test_nothing_is_said_of_a_run_that_was_not_computed():
-    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("eigenvalues",))
-    assert words(explorer) == "Steady sliding is stable."
-    assert not explorer.result.has_run
-
-
-@pytest.mark.parametrize(
-    ("model", "does"),
-    [
-        (fl.BouncingBall(), "From rest this run is over after 1.35 s."),
-        (fl.FreeCoulomb(), "From rest this run is over after 15.7 s."),
-        (fl.ImpactOscillator(), "From rest this run hits its stop at 0.4 Hz."),
-        (fl.DenHartog(), "From rest this run slips to and fro at 0.128 Hz."),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_of_what_cannot_slide_steadily_no_other_parameters_are_asked(model, does):
-    explorer = fl.explore(model, panels=("response", "spectrum"))
-    assert "change its parameters" not in words(explorer)
-    assert words(explorer).startswith("Steady sliding and its stability are not of this model")
-    assert words(explorer).endswith(does)
-
-
-def test_a_slider_without_load_is_told_what_to_change():
-    explorer = fl.explore(fl.SliderOnBelt(F=0.0), panels=("eigenvalues",))
-    assert words(explorer).startswith("No steady sliding: there must be an equilibrium with F_N &gt; 0")
-    assert "raise the preload F" in words(explorer)
-
-
-@pytest.mark.parametrize("name", ["TwoBlocks()", "SliderOnBelt()", "ModeCoupling()"])
-def test_legends_are_inside_their_tiles(name):
-    explorer = fl.explore(MODELS[name])
-    renderer = explorer.picture.canvas.get_renderer()
-    for tile in explorer.picture.tiles.values():
-        legend = tile.ax.get_legend()
-        if legend is not None:
-            box = legend.get_window_extent(renderer)
-            assert tile.box.x0 <= box.x0 < box.x1 <= tile.box.x1
-            assert box.y1 <= tile.box.y1
 
 
 def test_a_legend_has_no_modes_of_runs_before():

@@ -119,40 +119,6 @@ def test_images_have_the_size_of_a_panel_and_show_their_own():
     assert np.array_equal(corner["left"], corner["below"])
 
 
-@pytest.mark.parametrize(
-    "model",
-    [
-        fl.SliderOnBelt(),
-        fl.SliderOnBelt(mu_k=1.4),
-        fl.SliderOnBelt(mu_k=1.84, k2=5482.0, impact=fl.PlasticImpact("full")),
-        fl.SliderOnBelt(F=1000.0, mu_k=1.8),
-    ],
-)
-def test_labels_and_legends_lie_within_the_tile_and_apart(model):
-    explorer = fl.explore(model)
-    renderer = explorer.picture.canvas.get_renderer()
-    for tile in explorer.picture.tiles.values():
-        texts = [*tile.ax.texts, tile.ax.xaxis.label, tile.ax.yaxis.label, tile.ax.xaxis.get_offset_text()]
-        texts += [t for t in tile.ax.get_xticklabels() if tile.ax.get_xlim()[0] <= t.get_position()[0]]
-        if tile.right is not None:
-            texts += [tile.right.yaxis.label, tile.right.yaxis.get_offset_text()]
-        boxes = [text.get_window_extent(renderer) for text in texts if text.get_text()]
-        legend = tile.ax.get_legend()
-        boxes += [legend.get_window_extent(renderer)] if legend is not None else []
-        for i, box in enumerate(boxes):
-            assert tile.box.x0 <= box.x0 < box.x1 <= tile.box.x1
-            assert tile.box.y0 <= box.y0 < box.y1 <= tile.box.y1
-            assert not any(box.overlaps(other) for other in boxes[:i])
-
-
-def test_long_numbers_leave_room_for_the_label():
-    picture = Picture({"one": None})
-    drawn(picture, "one", {"line": Curve([0.0, 1.0], [-0.01579, -0.01571])})
-    tile, renderer = picture.tiles["one"], picture.canvas.get_renderer()
-    assert max(len(text.get_text()) for text in tile.ax.get_yticklabels()) >= 8
-    assert tile.ax.yaxis.label.get_window_extent(renderer).x0 > tile.box.x0
-
-
 def test_a_slow_update_is_marked_while_it_runs():
     waited = []
 
@@ -204,11 +170,3 @@ def test_shades_on_dark_paper_run_from_the_colours_to_the_paper():
     pixels[0], pixels[1] = curve, 255
     image = Image.open(BytesIO(encode_png(Image.fromarray(pixels), ["#E69F00"], "#111111"))).convert("RGB")
     assert [image.getpixel((0, row)) for row in range(3)] == [curve, (255, 255, 255), paper]
-
-
-def test_panels_are_drawn_in_the_style_they_were_made_in():
-    with fl.style("dark"):
-        explorer = fl.explore(fl.MassOnBelt())
-    image = Image.open(BytesIO(next(iter(explorer.picture.images.values())).value)).convert("RGB")
-    assert image.getpixel((1, 1)) == (17, 17, 17)
-    assert max(sum(colour) for _, colour in image.getcolors(100_000)) > 3 * 200  # letters are light
