@@ -9,7 +9,6 @@ import sympy as sp
 from scipy.integrate import trapezoid
 
 import frictionlab as fl
-from frictionlab import plotting
 from frictionlab.components import SlidingOnly, StickSlip
 
 USUAL = fl.SliderOnBelt(mu_k=1.4)
@@ -167,26 +166,3 @@ def test_samples_do_not_matter():
     for name, work in few.works.items():
         assert work[-1] == pytest.approx(many.works[name][-1], abs=1e-11)
     assert few.error < 1e-13
-
-
-def test_wrong_runs_are_told():
-    with pytest.raises(TypeError, match="run must be a Trajectory"):
-        fl.energy_audit("run")
-    model = SCENES["A"]
-    with pytest.raises(
-        ValueError, match="run must be of a model that states its energies, got one of a HybridAutomaton"
-    ):
-        fl.energy_audit(fl.solve(model.automaton(), 0.1, x0=np.zeros(8)))
-
-
-def test_plots_show_the_balance():
-    audit = fl.energy_audit(run_of(SCENES["B"], 0.3))
-    energies, works = plotting.plot_energies(audit), plotting.plot_works(audit)
-    assert energies[0].axes.get_ylabel() == "energy (J)"
-    assert works[0].axes.get_ylabel() == "work from 0 to $t$ (J)"
-    for lines, parts in ((energies, audit.energies), (works, audit.works)):
-        assert [line.get_label() for line in lines] == [*parts, "sum"]
-        for line, values in zip(lines, parts.values()):
-            assert np.array_equal(line.get_ydata(), values)
-        total = np.sum([line.get_ydata() for line in lines[:-1]], axis=0)
-        assert lines[-1].get_ydata() == pytest.approx(total, abs=1e-10)

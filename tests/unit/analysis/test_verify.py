@@ -112,15 +112,6 @@ def test_a_run_that_ends_early_says_so():
     assert "There the run ended: step cap" in str(found)
 
 
-def test_bad_arguments():
-    with pytest.raises(ValueError, match="t_end must be a finite number, above 0"):
-        fl.verify(A, 0.0)
-    with pytest.raises(ValueError, match="method must be"):
-        fl.verify(A, 1.0, method="euler")
-    with pytest.raises(ValueError, match="x0 must hold"):
-        fl.verify(A, 1.0, x0=[1.0])
-
-
 def test_two_missing_events_are_noticed_though_all_others_look_alike():
     """Slip, stick, slip, stick by turns: without a pair in the middle the modes are still those."""
     t = np.arange(1.0, 9.0)

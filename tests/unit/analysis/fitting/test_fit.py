@@ -11,7 +11,6 @@ import pytest
 from scipy.optimize import least_squares
 
 import frictionlab as fl
-from frictionlab import plotting
 from frictionlab.analysis.fitting.predictions import Pieces, motion_misfit
 
 fit_module = import_module("frictionlab.analysis.fitting.fit")
@@ -245,15 +244,6 @@ def test_intervals_by_spectra_hold_the_truth_as_often_as_they_say():
     assert (np.abs(inside - 47.5) < 3 * np.sqrt(50 * 0.95 * 0.05)).all(), inside
 
 
-def test_residuals_are_drawn():
-    data, _ = record(TRUTH, 20.0, 80)
-    found = fl.fit(TRUTH, data, ["k"], segments=1)
-    points, *lines = plotting.plot_fit(found)
-    assert points.get_ydata() == pytest.approx(found.residuals)
-    assert len(lines) == 2
-    assert found.to_dataframe().loc["k", "value"] == found["k"]
-
-
 SECONDS = np.array([0.0, 0.1, 0.25, 3661.5])
 
 
@@ -351,62 +341,3 @@ def test_what_does_not_fit_says_so():
     assert found.warning in repr(found)
     assert found.warning in found.summary()
     assert fl.fit(TRUTH, data, ["k"], segments=1).warning is None
-
-
-def test_bad_arguments_are_refused():
-    data, _ = record(TRUTH, 2.0, 10)
-    with pytest.raises(TypeError, match="data must be TimeRecord"):
-        fl.fit(FIRST, [1.0, 2.0], ["k"])
-    with pytest.raises(ValueError, match="ascending times"):
-        fl.TimeRecord([1.0, 0.5], {"x": [0.0, 0.0]})
-    with pytest.raises(ValueError, match="finite number for each of the 2 times"):
-        fl.TimeRecord([0.5, 1.0], {"x": [0.0]})
-    with pytest.raises(ValueError, match="ascend and be above 0"):
-        fl.SpectrumRecord([0.5, 1.0], [0.0, 1.0], {"x": [0.1, 0.1]})
-    with pytest.raises(ValueError, match="window must be one of"):
-        fl.SpectrumRecord([0.5, 1.0], [1.0], {"x": [0.1]}, window="flat top")
-    with pytest.raises(ValueError, match="finite number for each of the 2 frequencies"):
-        fl.SpectrumRecord([0.5, 1.0], [1.0, 2.0], {"x": [0.1]})
-    with pytest.raises(ValueError, match="name one at least"):
-        fl.fit(FIRST, data, [])
-    with pytest.raises(ValueError, match="state must be one of"):
-        fl.fit(FIRST, data, ["k"], unknown=["y"])
-    with pytest.raises(ValueError, match="got nan at index 1"):
-        fl.TimeRecord([0.5, 1.0], {"x": [0.0, np.nan]})
-    with pytest.raises(ValueError, match="one state at least"):
-        fl.TimeRecord([0.5, 1.0], {})
-    with pytest.raises(ValueError, match="each one once"):
-        fl.fit(FIRST, data, ["k", "k"])
-    with pytest.raises(ValueError, match="each one once"):
-        fl.fit(FIRST, data, ["k"], unknown=["x", "x"])
-    with pytest.raises(ValueError, match="did you mean 'stick'"):
-        fl.fit(FIRST, fl.EventTimes([1.0], "sticks"), ["k"])
-    with pytest.raises(KeyError, match="no parameter 'c'"):
-        _ = fl.fit(TRUTH, data, ["k"], segments=1)["c"]
-
-
-@pytest.mark.parametrize(
-    ("bounds", "message"),
-    [
-        ({"m": (0.5, 2.0)}, "parameters that are fitted, got one of 'm'"),
-        ({"k": (5.0, 0.1)}, "must be \\(low, high\\)"),
-        ({"k": (20.0, 50.0)}, "where the search begins"),
-        ({"k": (0.1, 1.0, 5.0)}, "must be \\(low, high\\)"),
-        ({"k": "wide"}, "must hold numbers"),
-    ],
-)
-def test_bounds_that_no_search_can_keep_are_refused(bounds, message):
-    data, _ = record(TRUTH, 2.0, 10)
-    with pytest.raises(ValueError, match=message):
-        fl.fit(FIRST, data, ["k"], bounds=bounds)
-
-
-@pytest.mark.parametrize("values", [{-1: 1.0}, {"x": 1.0}, {0: -1.0}, {0: np.nan}])
-def test_frequencies_are_positive_numbers_of_modes(values):
-    with pytest.raises(ValueError, match="must be"):
-        fl.Frequencies(values)
-
-
-def test_frequencies_of_more_modes_than_the_model_has_are_refused():
-    with pytest.raises(ValueError, match="must be below 1"):
-        fl.fit(FIRST, fl.Frequencies({5: 13.5}), ["k"])

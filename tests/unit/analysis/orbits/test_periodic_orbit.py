@@ -269,17 +269,6 @@ def test_a_guess_of_other_parameters_will_do():
     assert orbit.period == pytest.approx(again.period, rel=1e-12)
 
 
-def test_bad_arguments_are_told_before_any_work():
-    with pytest.raises(ValueError, match=r"period must be a finite number, above 0, got -1\.0"):
-        fl.periodic_orbit(BELT, [0.0, 0.2], period=-1.0)
-    with pytest.raises(ValueError, match=r"guess must be .* a finite number for each of x, v, got"):
-        fl.periodic_orbit(BELT, [0.0])
-    with pytest.raises(TypeError, match="model must be a model such as SliderOnBelt"):
-        fl.periodic_orbit("slider", [0.0])
-    with pytest.raises(ValueError, match="guess must have the model's states"):
-        fl.periodic_orbit(FLAT, fl.solve(BELT, 20.0, x0=[0.0, 0.2]))
-
-
 def test_what_is_no_orbit_says_what_was_reached():
     at_rest = fl.steady_state(ball(), [1.0, 0.0], transient=5.0, window=5.0, progress=False)
     with pytest.raises(ValueError, match="guess must be periodic, the steady state is 'equilibrium'"):

@@ -48,16 +48,3 @@ def test_a_bound_that_holds_is_named():
     found = fl.optimum(fl.MassOnBelt(), fl.EquilibriumCoordinate("x"), {"k": (0.5, 2.0)})  # mu_k N/k
     assert (found["k"], found.value) == (pytest.approx(2.0), pytest.approx(0.25))
     assert found.active == ("k at most 2",)
-
-
-def test_bad_arguments_are_refused():
-    model = fl.MassOnBelt()
-    with pytest.raises(TypeError, match="quantity must be one such as"):
-        fl.optimum(model, fl.critical_value, {"k": (0.5, 2.0)})
-    with pytest.raises(ValueError, match="goal must be"):
-        fl.optimum(model, fl.GrowthRate(), {"k": (0.5, 2.0)}, goal="best")
-    with pytest.raises(ValueError, match="one parameter at least"):
-        fl.optimum(model, fl.GrowthRate(), {})
-    place = fl.EquilibriumCoordinate("x")
-    with pytest.raises(ValueError, match="constraints must be met"):
-        fl.optimum(model, place, {"k": (0.5, 2.0)}, [(place, 5.0, FREE)])

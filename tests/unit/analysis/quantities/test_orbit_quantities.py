@@ -37,7 +37,7 @@ def richardson(quantity, model, name, levels=LEVELS):
 
 
 CASES = [
-    pytest.param(model, make, marks=pytest.mark.slow) if model is TILTING else (model, make)
+    pytest.param(model, make, marks=pytest.mark.slow) if model in (SLIDER, TILTING) else (model, make)
     for model, names in ((STICK_SLIP, "x"), (SLIDER, "x1 y1"), (TILTING, "x1 phi"), (IMPACTS, "x"))
     for make in (fl.OrbitPeriod, fl.OrbitIntensity, *((fl.OrbitAmplitude, name) for name in names.split()))
     if not (model is IMPACTS and make is fl.OrbitIntensity)  # it has no equilibrium to measure from
@@ -114,9 +114,8 @@ FOLDS = {
 }
 
 
-@pytest.mark.parametrize(
-    "case", ["tilting", "snapping", pytest.param("on a rigid belt", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("case", FOLDS)
 def test_every_derivative_of_a_fold_is_that_of_differences(case):
     model, quantity = FOLDS[case]
     found = fl.sensitivity(model, quantity)

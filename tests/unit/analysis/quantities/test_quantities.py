@@ -7,7 +7,6 @@ import pytest
 import sympy
 
 import frictionlab as fl
-from frictionlab import plotting
 
 ONSET = fl.CriticalValue("mu_k", (0.0, 4.0))
 SLIDER = fl.SliderOnBelt(mu_k=1.4)
@@ -112,16 +111,6 @@ def test_where_the_equilibrium_ends_there_is_no_loss():
     automaton = automaton_of_rates([x], [p - a + x**2], {p: 0.5, a: 1.0})
     with pytest.raises(ValueError, match="stability must be lost"):
         fl.sensitivity(automaton, fl.CriticalValue("p", (0.0, 2.0)))
-
-
-def test_the_largest_comes_first_and_is_drawn_at_the_top():
-    found = fl.sensitivity(SLIDER, ONSET)
-    shares = np.abs(found.normalised)
-    assert (np.diff(shares) <= 1e-15).all()
-    bars = plotting.plot_sensitivity(found, most=5)
-    assert [bar.get_width() for bar in bars] == pytest.approx(found.normalised[:5])
-    table = found.to_dataframe()
-    assert table.loc["F", "derivative"] == found["F"]
 
 
 def test_a_quantity_is_a_study():

@@ -5,7 +5,6 @@ import pytest
 from scipy import stats
 
 import frictionlab as fl
-from frictionlab import plotting
 
 QUIET = {"progress": False}
 SLIDER = fl.SliderOnBelt(mu_k=1.4)
@@ -128,58 +127,3 @@ def test_where_stability_is_never_lost_there_is_no_value():
     assert f"{never.sum()} without" in repr(found)
     with pytest.raises(ValueError, match="must exist at all points to have indices"):
         fl.sobol_indices(SLIDER, onset, {"F": stats.uniform(150.0, 100.0)}, n=16, **QUIET)
-
-
-def test_what_was_done_is_kept_in_a_file(tmp_path):
-    path, calls = tmp_path / "points.jsonl", []
-
-    def load(model):
-        calls.append(model.F)
-        return model.F
-
-    keywords = {"n": 16, "resume": path, "workers": 2, **QUIET}
-    first = fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, **keywords)
-    path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:7]))
-    again = fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, **keywords)
-    assert len(calls) == 16 + 10
-    assert np.array_equal(first.values, again.values)
-    with pytest.raises(ValueError, match=r"differs in .*points"):
-        fl.uncertainty(SLIDER, load, {"F": stats.uniform(1.0, 9.0)}, seed=1, **keywords)
-
-
-@pytest.mark.parametrize(
-    ("changes", "kind", "message"),
-    [
-        ({"n": 100}, ValueError, "n must be a power of two, got 100: give 64"),
-        ({"n": 8}, ValueError, "n must be"),
-        ({"seed": -1}, ValueError, "seed must be"),
-        ({"quantity": "F"}, TypeError, "quantity must be a function"),
-        ({"distributions": {"F": 3.0}}, TypeError, "must have a quantile function"),
-        ({"distributions": {}}, ValueError, "one parameter at least"),
-        ({"distributions": {"G": stats.norm(1, 1)}}, TypeError, "'G'"),
-        ({"distributions": {"M": stats.norm(0.1, 1.0)}}, ValueError, "cut the distribution off"),
-    ],
-)
-def test_bad_arguments_are_refused(changes, kind, message):
-    given = {"quantity": fl.GrowthRate(), "distributions": {"F": stats.uniform(100.0, 1.0)}, "n": 16}
-    given |= changes
-    with pytest.raises(kind, match=message):
-        fl.uncertainty(
-            SLIDER,
-            given["quantity"],
-            given["distributions"],
-            **QUIET,
-            **{k: v for k, v in given.items() if k in ("n", "seed")},
-        )
-
-
-def test_pictures_show_the_numbers():
-    ranges = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
-    found = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=64, **QUIET)
-    curve, *lines = plotting.plot_uncertainty(found)
-    assert curve.get_ydata()[-1] == 1.0
-    assert lines[0].get_xdata()[0] == found.quantile(0.5)
-    assert len(found.to_dataframe()) == 64
-    indices = fl.sobol_indices(SLIDER, fl.GrowthRate(), ranges, n=64, **QUIET)
-    alone, _ = plotting.plot_sobol_indices(indices)
-    assert sorted(bar.get_width() for bar in alone) == pytest.approx(sorted(indices.first_order))

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.steady_state.poincare_sections import (
@@ -11,49 +10,10 @@ from frictionlab.analysis.steady_state.poincare_sections import (
     stick_onsets,
     turning_section,
 )
-from frictionlab.tape.arguments import read_expression
 from tests.helpers.automata import oscillator
 
 MODEL = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 AUTOMATON = MODEL.automaton()
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("x1'", "x1'"),
-        ("x1' - x2'", "x1' - x2'"),
-        ("2.5e-1*x1 + 1", "0.25*x1 + 1"),
-        ("(y2 - y1)/3 - mu_k*x1**2", "(y2 - y1)/3 - mu_k*x1**2"),
-    ],
-)
-def test_an_expression_has_the_automatons_symbols(text, expected):
-    found = read_expression(AUTOMATON, text, "section")
-    assert found.free_symbols <= {*AUTOMATON.states, *AUTOMATON.parameters}
-    assert str(sp.sympify(str(found).replace("'", "_"))) == str(sp.sympify(expected.replace("'", "_")))
-
-
-def test_an_output_is_its_name():
-    assert section_function(AUTOMATON, ("penetration", -1)) == {"section": ("penetration", -1)}
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "__import__('os')",
-        "x1.__class__",
-        "x1[0]",
-        "x1 if x1 else y1",
-        "",
-        "x1 = 2",
-        "x1,",
-        "x1(2)",
-        "9**9**9",
-    ],
-)
-def test_what_is_no_expression_is_refused(text):
-    with pytest.raises(ValueError, match="section"):
-        section_function(AUTOMATON, text)
 
 
 @pytest.mark.parametrize("direction", [-1, 0, 1])

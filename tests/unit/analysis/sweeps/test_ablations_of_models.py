@@ -80,27 +80,6 @@ def test_every_scene_is_the_model_that_one_would_make(case):
     assert list(table.index.names) == list(switches)
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_workers_and_files_change_nothing(case, tmp_path):
-    model, switches, study, _ = CASES[case]
-    calls, path = [], tmp_path / "scenes.jsonl"
-
-    def counted(one):
-        calls.append(one)
-        return study(one)
-
-    one = fl.ablation(model, counted, switches, workers=1, resume=path, **QUIET)
-    count = len(one.results)
-    assert len(calls) == count
-    lines = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join(lines[:2]))  # as it is after the first scene
-    again = fl.ablation(model, counted, switches, workers=2, resume=path, **QUIET)
-    assert len(calls) == 2 * count - 1
-    assert again.results == one.results
-    effects = (found.effects() for found in (one, again))
-    assert np.array_equal(*(e.values for e in effects))
-
-
 def test_what_sets_the_amplitude_is_answered_by_name():
     """X = sqrt(a^2 + v^2/w^2), a = (mu_s - mu_k) N/k: effects are differences of it."""
     switches = {"mu_s": [0.8, 1.2], "v": [0.10, 0.15], "m": [1.0, 1.05]}

@@ -110,13 +110,6 @@ def test_tables(one_worker):
     assert np.array_equal(states, one_worker.sections[2][:, 0])
 
 
-def test_the_model_comes_back(one_worker, tmp_path):
-    again = fl.load_bifurcation(one_worker.save(tmp_path / "b.jsonl"))
-    assert again.model == one_worker.model == FLAT
-    assert (again.parameter, again.kinds) == ("mu_k", one_worker.kinds)
-    assert np.array_equal(again.periods, one_worker.periods, equal_nan=True)
-
-
 def test_what_ends_early_is_said_and_hinders_nothing():
     linear = FLAT.without("cubic", "nonsmooth")
     found = fl.bifurcation(
@@ -125,36 +118,6 @@ def test_what_ends_early_is_said_and_hinders_nothing():
     assert found.kinds[0] == "ended early"
     assert found.kinds[1] in ("not settled yet", "equilibrium")
     assert np.isnan(found.intensities[0])
-
-
-@pytest.mark.parametrize(
-    ("arguments", "options", "error", "message"),
-    [
-        (("mu_q", [1.0]), {}, TypeError, "no parameter 'mu_q': did you mean 'mu_s'"),
-        (("mu_k", []), {}, ValueError, "values must hold at least one number"),
-        (("mu_k", [np.nan]), {}, ValueError, "mu_k must be a finite number"),
-        (("mu_k", [1.0, 4.0]), {}, ValueError, "raise mu_s or lower mu_k"),
-        (("mu_k", [1.0], "contine"), {}, ValueError, "did you mean 'continue'"),
-        (("mu_k", [1.0], np.zeros(3)), {}, ValueError, "for each of the states"),
-        (("mu_k", [1.0]), {"section": "x1 +"}, ValueError, "must be an expression"),
-        (("mu_k", [1.0]), {"workers": 0}, ValueError, "workers must be an integer, at least 1"),
-        (("mu_k", [1.0]), {"window": 0.0}, ValueError, "window must be"),
-        (("mu_k", [1.0]), {"t_max": -1.0}, ValueError, "t_max must be"),
-        (("mu_k", [1.0]), {"method": "talor"}, ValueError, "did you mean 'taylor'"),
-        (("mu_k", [1.0]), {"resume": "/no/such/place"}, OSError, "resume must be a file that can be written"),
-        (("F", [-5.0], "near"), {}, ValueError, "there must be an equilibrium"),
-    ],
-)
-def test_bad_arguments_are_refused_before_any_work(arguments, options, error, message, tmp_path):
-    path = tmp_path / "untouched"
-    with pytest.raises(error, match=message):
-        fl.bifurcation(FLAT, *arguments, **{"transient": 1e9, "resume": path, **options})
-    assert not path.exists()
-
-
-def test_a_class_is_no_model():
-    with pytest.raises(TypeError, match=r"got the class SliderOnBelt: write SliderOnBelt\(\)"):
-        fl.bifurcation(fl.SliderOnBelt, "mu_k", [1.0])
 
 
 def test_values_side_by_side_give_what_each_gives_alone():

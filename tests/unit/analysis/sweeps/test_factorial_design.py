@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab import plotting
 
 QUIET = {"progress": False}
 SLIDER = fl.SliderOnBelt()
@@ -129,63 +128,3 @@ def test_several_studies_over_a_parameter_are_one_table():
     assert len(effects.to_dataframe()) == 6
     with pytest.raises(ValueError, match="quantity must be one of 'onset'"):
         found.effects("onsett")
-
-
-def test_steady_states_have_kind_and_intensity():
-    found = fl.ablation(
-        fl.ModeCoupling(c=0.1), lambda m: fl.steady_state(m, transient=5.0, window=2.0, **QUIET), **QUIET
-    )
-    assert "intensity" in found.quantities
-
-
-@pytest.mark.parametrize(
-    ("switches", "error"),
-    [
-        (["geomtry"], "did you mean"),
-        ([], "must name one at least"),
-        ({"contact": [fl.LinearContact()]}, "two alternatives at least"),
-        ({"contact": fl.LinearContact()}, "two alternatives at least"),
-        ({"F": [1.0, np.nan]}, "F must be a finite number"),
-        ({"friction": None}, "must be nonlinearities"),
-    ],
-)
-def test_bad_switches_are_refused(switches, error):
-    with pytest.raises(ValueError, match=error):
-        fl.ablation(SLIDER, additive, switches, **QUIET)
-    with pytest.raises(TypeError, match="switches must be names"):
-        fl.ablation(SLIDER, additive, "geometry", **QUIET)
-
-
-def test_what_was_done_is_kept_in_a_file(tmp_path):
-    path, calls = tmp_path / "study.jsonl", []
-
-    def force(model, start):
-        calls.append(start)
-        return model.F
-
-    keywords = {"over": {"F": [100.0, 200.0]}, "x0": ["rest"], "resume": path, **QUIET}
-    first = fl.ablation(SLIDER, force, ["geometry"], **keywords)
-    assert len(calls) == 4
-    path.write_bytes(b"".join(path.read_bytes().splitlines(keepends=True)[:3]))
-    again = fl.ablation(SLIDER, force, ["geometry"], **keywords)
-    assert len(calls) == 6
-    assert np.array_equal(again.numbers(), first.numbers())
-    with pytest.raises(ValueError, match=r"differs in .*scenes"):
-        fl.ablation(SLIDER, force, ["cubic"], **keywords)
-
-
-def test_pictures_show_the_numbers():
-    found = fl.ablation(SLIDER, pair, **QUIET)
-    effects = found.effects()
-    shapley, largest = plotting.plot_effects(effects)
-    assert [bar.get_width() for bar in shapley] == pytest.approx(effects.shapley[:, 0])
-    assert largest[0].get_width() == 4.0
-    assert len(plotting.plot_scene_lattice(found)) == 12
-    curves = fl.ablation(SLIDER, lambda m: m.F, over={"F": [100.0, 200.0, 300.0]}, **QUIET).plot()
-    assert len(curves.lines) == 8
-    assert curves.lines[3].get_ydata().tolist() == [100.0, 200.0, 300.0]
-    laws = {"contact": [fl.LinearContact(), fl.CubicContact(), fl.HertzContact()]}
-    three = fl.ablation(SLIDER, lambda m: 1.0, laws, **QUIET)
-    with pytest.raises(ValueError, match="two levels each"):
-        plotting.plot_scene_lattice(three)
-    assert len(three.plot().patches) == 3

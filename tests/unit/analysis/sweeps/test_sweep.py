@@ -95,53 +95,6 @@ def test_what_a_file_cannot_hold_is_told(tmp_path):
     assert numbers.results.tolist() == [[200.0]]
 
 
-@pytest.mark.parametrize(
-    ("over", "options", "error", "message"),
-    [
-        ({"mu_q": [1.0]}, {}, TypeError, "did you mean 'mu_s'"),
-        ({"mu_k": []}, {}, ValueError, "over must hold values of each parameter, got none of mu_k"),
-        ({}, {}, ValueError, "got none of any"),
-        ({"mu_k": [5.0]}, {}, ValueError, "raise mu_s or lower mu_k"),
-        ({"mu_k": [1.0]}, {"x0": ["rset"]}, ValueError, "did you mean 'rest'"),
-        ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, "for each of the states"),
-        ({"mu_k": [1.0]}, {"x0": [[1.0]]}, ValueError, r"got \[1.0\]: give 10 numbers, in this order"),
-        (
-            {"mu_k": [1.0]},
-            {"x0": "rest"},
-            ValueError,
-            r"x0 must be a sequence .* got 'rest': write \['rest'\]",
-        ),
-        (["mu_k"], {}, ValueError, r"over must be a mapping, got \['mu_k'\]: give each its values"),
-        ({"mu_k": "a"}, {}, ValueError, r"over\['mu_k'\] must hold numbers, got 'a': give"),
-        ({"mu_k": [1.0]}, {"workers": -1}, ValueError, "workers must be"),
-        ({"mu_k": [1.0]}, {"resume": "/no/such/place"}, OSError, "resume must be a file"),
-    ],
-)
-def test_bad_arguments_are_refused_before_any_work(over, options, error, message):
-    def never(*arguments):
-        raise AssertionError("work was done")
-
-    with pytest.raises(error, match=message):
-        fl.sweep(MODEL, never, over, **{**QUIET, **options})
-
-
-@pytest.mark.parametrize(
-    "model", [fl.SliderOnBelt, MODEL.automaton(), product], ids=["class", "automaton", "f"]
-)
-@pytest.mark.parametrize("study", [fl.ablation, fl.sweep])
-def test_what_is_no_model_is_refused(study, model):
-    over = () if study is fl.ablation else ({"F": [1.0]},)
-    with pytest.raises(TypeError, match=r"model must be a model .* got .*: write .*\("):
-        study(model, product, *over, **QUIET)
-
-
-def test_what_is_no_function_is_refused_before_any_work():
-    with pytest.raises(TypeError, match="study must be a function of a model, got 'x': give one such as"):
-        fl.ablation(MODEL, "x", **QUIET)
-    with pytest.raises(TypeError, match=r"function must be .* got 'x': write sweep\(model, function"):
-        fl.sweep(MODEL, "x", {"F": [1.0]}, **QUIET)
-
-
 def test_work_is_done_in_several_threads():
     def thread(model):
         time.sleep(0.05)
@@ -171,13 +124,6 @@ def test_results_by_what_is_left_out(critical):
     assert critical[()] == fl.critical_value(MODEL, "mu_k", (0.0, 4.0))
     with pytest.raises(KeyError, match="no switch 'geomtry': name one of cubic, nonsmooth, geometry"):
         critical["geomtry"]
-
-
-def test_an_ablation_is_a_table(critical):
-    lines = str(critical).splitlines()
-    assert len(lines) == 8
-    assert lines[0].split() == ["with", "all", "three", str(critical[()])]
-    assert lines[-1].startswith("without cubic, nonsmooth, geometry")
 
 
 def test_a_study_that_fails_names_its_scene():
