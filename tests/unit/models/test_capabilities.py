@@ -69,6 +69,7 @@ def test_ablation_has_a_scene_for_each_choice(model):
     assert found[names] <= found[()]
 
 
+@pytest.mark.slow
 def test_it_is_animated(run):
     animation = fl.animate(run, fps=2)
     assert animation.to_jshtml().count("data:image/png") > 10

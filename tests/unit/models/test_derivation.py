@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import pytest
 import sympy
 
-import frictionlab as fl
 from frictionlab.components import (
-    ContactLaw,
     FixedLoad,
-    Interface,
     PlasticImpact,
     RestitutionImpact,
     SlidingOnly,
-    SlidingSeparation,
-    StickSlip,
-    StickSlipSeparation,
 )
-from frictionlab.models import MechanicalModel, SliderOnBelt, with_signature
+from frictionlab.models import SliderOnBelt
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 
 TOGGLES = [names for size in range(4) for names in combinations(("cubic", "nonsmooth", "geometry"), size)]
-INTERFACES = [StickSlipSeparation(), StickSlip(), SlidingSeparation(), SlidingOnly()]
 
 
 def numbers(automaton, expressions, state):
@@ -69,43 +61,6 @@ def test_a_text_is_no_energy_load_or_contact(given):
     """sympy would run it as Python."""
     with pytest.raises(TypeError, match="must be expressions, got the text"):
         Mechanics(**given)
-
-
-def test_loads_that_are_no_mapping_and_a_contact_without_brackets_are_refused():
-    with pytest.raises(TypeError, match="loads must map coordinates to forces, got 3"):
-        Mechanics(kinetic=0, loads=3)
-    with pytest.raises(TypeError, match="contacts must be a tuple, got the Stop alone"):
-        Mechanics(kinetic=0, contacts=Stop(1, PlasticImpact()))
-    with pytest.raises(TypeError, match="contacts must be of the class Friction or Stop, got PlasticImpact"):
-        Mechanics(kinetic=0, contacts=(PlasticImpact(),))
-
-
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
-class Mass(MechanicalModel):
-    """One mass, of which each variant states something else that is wrong."""
-
-    variant: str = "load"
-    coordinates = ("x",)
-
-    def mechanics(self, q, v):
-        """An energy, and what is wrong."""
-        if self.variant == "load":
-            return Mechanics(kinetic=v.x**2 / 2, loads={"X": 1.0})
-        return Mechanics(kinetic=v.y**2 / 2) if self.variant == "coordinate" else None
-
-
-@pytest.mark.parametrize(
-    ("variant", "error", "message"),
-    [
-        ("load", ValueError, "loads of Mass must be on its coordinates, got one on 'X': did you mean 'x'"),
-        ("coordinate", AttributeError, "there is no coordinate 'y': known are x"),
-        ("nothing", TypeError, "mechanics of Mass must return a Mechanics, got None"),
-    ],
-)
-def test_mechanics_that_do_not_fit_the_model_are_refused(variant, error, message):
-    with pytest.raises(error, match=message):
-        fl.simulate(Mass(variant=variant), 1.0)
 
 
 @pytest.fixture
@@ -171,18 +126,6 @@ def test_event_functions():
             assert functions["cone+"] == limit - out["friction_force"]
             assert functions["cone-"] == limit + out["friction_force"]
         assert functions["gap"] == (-1 if mode.name == "separation" else 1) * out["penetration"]
-
-
-@pytest.mark.parametrize("interface", INTERFACES)
-def test_interfaces_assemble(interface):
-    automaton = SliderOnBelt(interface=interface).automaton()
-    limits = [mode.name for mode in automaton.modes if mode.limit]
-    assert automaton.names == (*interface.modes, *limits)
-    assert limits == (["chatter"] if "separation" in interface.modes else [])
-    targets = {name for mode in automaton.modes for event in mode.events for name in event.targets}
-    assert targets <= set(interface.modes)
-    has_gap = any(event.name == "gap" for mode in automaton.modes for event in mode.events)
-    assert has_gap == ("separation" in interface.modes)
 
 
 @pytest.mark.parametrize("names", TOGGLES)
@@ -293,34 +236,3 @@ def test_restitution_reverses_the_gap_rate(state):
     x1, _, x2, _, phi, dx1, dy1, dx2, dy2, dphi = state
     before = dy2 - (x1 - x2) * dphi - dy1 - (dx1 - dx2) * phi
     assert rates_after(model, recontact(model).reset, state)[1] == pytest.approx(-0.4 * before)
-
-
-@dataclass(frozen=True)
-class Exponential(ContactLaw):
-    """A student's contact law."""
-
-    stiff: float = 5e3
-    depth: float = 0.01
-
-    def force(self, gap):
-        """Grows exponentially."""
-        return self.stiff * self.depth * (sympy.exp(gap / self.depth) - 1)
-
-
-def test_a_students_law_assembles_and_joins_the_namespace():
-    model = SliderOnBelt(contact=Exponential(), depth=0.02)
-    automaton = model.automaton()
-    assert model.parameters["depth"] == 0.02
-    gap = automaton.modes[0].outputs["penetration"]
-    assert automaton.modes[0].outputs["normal_force"].has(sympy.exp(gap / sympy.Symbol("depth", real=True)))
-    assert model.replace(depth=0.03).automaton().modes is automaton.modes
-    assert r"e^{" in model.equations("slip").latex()
-
-
-def test_an_interface_with_an_unknown_mode_is_refused():
-    @dataclass(frozen=True)
-    class Rolling(Interface):
-        modes = ("roll",)
-
-    with pytest.raises(ValueError, match="no mode is called 'roll': an interface may list stick"):
-        SliderOnBelt(interface=Rolling()).automaton()

@@ -204,30 +204,3 @@ def test_bilateral_contact_has_no_condition_on_the_normal_force():
         ValueError, match="mode must be one of 'stick', 'slip\\+', 'slip-', 'slip', got 'impact'"
     ):
         model.equations("impact")
-
-
-def test_an_unknown_mode_is_said():
-    with pytest.raises(ValueError, match="got 'sticks': did you mean 'stick'"):
-        SliderOnBelt().equations("sticks")
-
-
-def test_equations_iterate_and_substitute():
-    equations = SliderOnBelt().equations("stick")
-    assert len(equations) == len(list(equations)) == 5 + 2 + 1 + 3
-    assert all(isinstance(e, sympy.Eq) for e in equations)
-    assert {"x1", "F_N", "F_T", "v_r", "mu_k", "t"} <= set(equations.symbols)
-    assert equations.motion[1].lhs.subs(equations.symbols["F"], 0).has(F) is False
-    assert "k_nl" in repr(equations)
-
-
-@pytest.mark.parametrize("mode", [*MODES, "impact"])
-def test_latex_has_dots_and_the_papers_letters(mode):
-    latex = SliderOnBelt().equations(mode)._repr_latex_()
-    assert latex.startswith(r"$\displaystyle \begin{aligned}")
-    assert r"\dot{\varphi}" in latex
-    assert "Derivative" not in latex
-    assert "(t)" not in latex
-    assert r"\phi" not in latex
-    if mode != "impact":
-        assert r"\ddot{x}_{1}" in latex
-        assert r"F_{\mathrm{N}}" in latex

@@ -263,42 +263,6 @@ def test_caps_hold_for_each():
     assert (ends.steps == 100).all()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (([], 1.0), "models must hold at least one model, got none"),
-        (([FULL, FULL.without("cubic")], 1.0), r"models\[1\] differs from models\[0\]"),
-        (([FULL], -1.0), "t_end must be"),
-    ],
-)
-def test_bad_arguments(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        fl.ensemble(*arguments)
-
-
-@pytest.mark.parametrize("models", [FULL, FULL.automaton(), 5], ids=["model", "automaton", "number"])
-def test_one_model_alone_is_no_sequence(models):
-    with pytest.raises(TypeError, match=r"models must be a sequence of models, got .*: write \[model\]"):
-        fl.ensemble(models, 1.0)
-
-
-def test_a_class_is_no_model():
-    with pytest.raises(TypeError, match=r"models\[1\]: .*the class SliderOnBelt: write SliderOnBelt\(\)"):
-        fl.ensemble([FULL, fl.SliderOnBelt, 5], 1.0)
-
-
-def test_a_parameter_of_an_automaton_without_a_value_is_refused():
-    with pytest.raises(ValueError, match="the parameter F must be a finite number, got 'a'"):
-        fl.ensemble([FULL.automaton().replace(F="a")], 1.0)
-
-
-def test_bad_states_and_methods():
-    with pytest.raises(ValueError, match="x0 must hold a state for each of the 2 models, got 3"):
-        fl.ensemble([FULL] * 2, 1.0, x0=np.zeros((3, 10)))
-    with pytest.raises(ValueError, match="method must be 'taylor'"):
-        fl.ensemble([FULL], 1.0, method="rk4")
-
-
 @pytest.mark.plain_python
 def test_a_law_that_is_no_number_ends_the_runs():
     model = fl.MassOnBelt(friction=Undefined(mu_k=0.3, mu_s=0.5, limit=0.0), v=1.0)

@@ -150,14 +150,6 @@ def test_a_tableau_and_its_steps_are_one_method():
     np.testing.assert_array_equal(one.final_state, other.final_state)
 
 
-def test_a_method_that_says_nothing_of_its_steps_is_told_what_to_say():
-    class Nothing(fl.OneStepMethod):
-        name = "nothing"
-
-    with pytest.raises(NotImplementedError, match="give it a tableau, or take_step"):
-        fl.simulate(MODEL, 0.1, method=Nothing())
-
-
 @pytest.mark.parametrize("stages", [((),), ((0.5,), (1.0,)), ((), (0.5, 0.5))])
 def test_a_tableau_that_is_not_explicit_is_refused(stages):
     class Wrong(fl.OneStepMethod):

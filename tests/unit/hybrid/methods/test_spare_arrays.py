@@ -9,7 +9,8 @@ import frictionlab as fl
 from frictionlab.hybrid.methods.base import SPARE_RECORDS, SPARE_SCRATCH
 from tests.helpers.explorers import MODELS
 
-METHODS = [fl.Taylor(), fl.Taylor(tol=1e-6), fl.RK4(step=1e-3), fl.Scipy("RK45")]
+SLOW = pytest.mark.slow
+METHODS = [fl.Taylor(), fl.Taylor(tol=1e-6), fl.RK4(step=1e-3), pytest.param(fl.Scipy("RK45"), marks=SLOW)]
 POWER = fl.SliderOnBelt(contact=fl.HertzContact(), mu_k=1.4)
 ON_DEMAND = fl.SliderOnBelt(mu_k=1.4, k_nl=1e9)
 

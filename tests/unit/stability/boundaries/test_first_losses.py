@@ -24,7 +24,9 @@ def lines_of(model, shares, count):
     return {n: model.parameters[n] * (a + (b - a) * column) for (n, (a, b)), column in columns}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n in ("undamped", "slider") else ()) for n in CASES]
+)
 def test_they_are_those_of_scans(name):
     model, bounds, shares = CASES[name]
     count = 256
@@ -56,7 +58,9 @@ def random_oscillators(seed):
     return fl.HybridAutomaton((*x, *v), (fl.Mode("flow", (*v, *forces)),), {p: 0.0, a: 0.0, b: 0.0}, n)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(s, marks=pytest.mark.slow if s in (1, 2, 4, 5, 7) else ()) for s in range(8)]
+)
 def test_random_oscillators_lose_stability_where_scans_say(seed):
     """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
     problem, count = equilibrium_problem(random_oscillators(seed)), 256

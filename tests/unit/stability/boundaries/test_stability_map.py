@@ -126,26 +126,6 @@ def test_where_there_is_no_equilibrium():
     assert np.isnan(found.growth[:, 0]).all()
 
 
-@pytest.mark.parametrize(
-    ("x", "y", "message"),
-    [
-        (("F", [1, 1]), ("mu_k", [0, 1]), "values of x must ascend"),
-        (("F", [1, 2]), ("mu_k", [0]), "values of y must ascend, two at least"),
-        (("F", [1, 2]), ("mu_k", [-1, 1]), "mu_k must be at least 0"),
-        (("F", [1, 2]), ("F", [1, 2]), "different parameters"),
-        ("F", ("mu_k", [0, 1]), "x must be a parameter and its values"),
-    ],
-)
-def test_bad_arguments(x, y, message):
-    with pytest.raises(ValueError, match=message):
-        fl.stability_map(fl.SliderOnBelt(), x, y)
-
-
-def test_an_unknown_parameter_is_refused():
-    with pytest.raises(TypeError, match="SliderOnBelt has no parameter 'Force'"):
-        fl.stability_map(fl.SliderOnBelt(), ("Force", [1, 2]), ("mu_k", [0, 1]))
-
-
 def test_the_island_of_the_stiff_contact_is_one_closed_curve():
     """Table 1 with k_nl = 1e7: flutter near mu_k 0.2 for preloads about 170 N, far below the first loss."""
     model = fl.SliderOnBelt(k_nl=1e7)

@@ -191,10 +191,3 @@ def test_one_value_and_the_same_value_twice():
     np.testing.assert_array_equal(twice.values[0], twice.values[1])
     np.testing.assert_array_equal(fl.root_locus(S(), "mu_k", 1.4).values[0], twice.values[0])
     assert (np.diff(twice.frequencies[0]) > 0).all()
-
-
-@pytest.mark.parametrize("values", [[], ["a"], "mu_k"])
-def test_values_that_are_no_numbers_are_refused(values):
-    rule = r"values must (be one number or more|hold numbers), got .*: give those of mu_k"
-    with pytest.raises(ValueError, match=rule):
-        fl.root_locus(fl.SliderOnBelt(), "mu_k", values)

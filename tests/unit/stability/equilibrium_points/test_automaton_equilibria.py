@@ -193,7 +193,9 @@ def lorenz(rho):
     return automaton(flow, states=(X, Y, W), coordinates=0, rho=rho)
 
 
-@pytest.mark.parametrize("rho", [0.5, 10.0, 20.0, 28.0])
+@pytest.mark.parametrize(
+    "rho", [0.5, *(pytest.param(rho, marks=pytest.mark.slow) for rho in (10.0, 20.0)), 28.0]
+)
 @pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
 def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
     """Whether or not they exist at the model's own value, and at the lower bound."""

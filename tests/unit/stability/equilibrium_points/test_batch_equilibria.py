@@ -146,7 +146,7 @@ LAWS = [
 
 
 @pytest.mark.parametrize("laws", LAWS)
-@pytest.mark.parametrize("toggles", [(), ("geometry",)])
+@pytest.mark.parametrize("toggles", [pytest.param((), marks=pytest.mark.slow), ("geometry",)])
 def test_own_laws(laws, toggles):
     model = S(mu_k=0.4, **laws).without(*toggles)
     assert compare(model, grid(F=[-50.0, 0.0, 3.0, 200.0, 1e3], v=[-1.0, 0.0, 0.5])) >= 6
