@@ -20,7 +20,7 @@ PERIODS = 6.0
 # Masses that depend on time (17, 24); several contacts that come to rest at one instant (25); a contact that
 # turns back while another sticks, and could slip as well (112); an exponential function times 1e95 (286); a
 # contact that comes to rest while another sticks, where either may go on to stick (71, 10).
-CASES = ((1, 17), (1, 24), (1, 25), (7001, 112), (7001, 286), (71, 10))
+CASES = ((1, 17), (1, 24), (1, 25), pytest.param(7001, 112, marks=pytest.mark.slow), (7001, 286), (71, 10))
 
 
 @pytest.mark.parametrize(("seed", "number"), CASES)

@@ -154,16 +154,6 @@ def test_it_can_be_drawn_and_saved(model, tmp_path):
     assert all(ax.get_xlabel() for ax in figure.axes[:4])
 
 
-def test_it_can_be_explored(model):
-    name = varied(model)
-    explorer = fl.explore(model)
-    assert explorer.error is None
-    explorer.controls[name].value = 0.9 * getattr(model, name)
-    assert explorer.error is None
-    assert getattr(explorer.model, name) == pytest.approx(0.9 * getattr(model, name))
-    explorer.close()
-
-
 def test_a_model_without_nonlinearities_by_name_says_so():
     assert dict(VanDerPol().nonlinearities) == {}
     assert VanDerPol().without() == VanDerPol()

@@ -37,9 +37,8 @@ def heavy_modules_after(statement: str) -> list[str]:
     return json.loads(answer.stdout)
 
 
-@pytest.mark.parametrize("statement", ["import frictionlab", "import frictionlab as fl; dir(fl)"])
-def test_import_loads_nothing_heavy(statement):
-    assert heavy_modules_after(statement) == []
+def test_import_loads_nothing_heavy():
+    assert heavy_modules_after("import frictionlab as fl; dir(fl)") == []
 
 
 def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
@@ -65,13 +64,6 @@ print(json.dumps([[m for m in {never!r} if m in sys.modules], "sympy" in sys.mod
 
 def test_the_probe_sees_what_is_loaded():
     assert heavy_modules_after("import sympy") == ["sympy"]
-
-
-@pytest.mark.plain_python
-@pytest.mark.parametrize("name", PUBLIC)
-def test_public_name_resolves_and_is_listed(name):
-    assert name in dir(fl)
-    assert getattr(fl, name) is not None
 
 
 @pytest.mark.plain_python

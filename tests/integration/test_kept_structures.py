@@ -125,6 +125,7 @@ def structure_files(folder):
     return sorted(folder.rglob("*.structure"))
 
 
+@pytest.mark.slow
 def test_a_second_process_has_the_same_bits_without_sympy(filled):
     folder, derived, first = filled
     files = {path: path.read_bytes() for path in structure_files(folder)}
@@ -136,6 +137,7 @@ def test_a_second_process_has_the_same_bits_without_sympy(filled):
     assert len(files) >= len(MODELS)
 
 
+@pytest.mark.slow
 def test_a_damaged_file_is_derived_anew(filled, tmp_path):
     *_, first = filled
     model = MODELS[:1]
@@ -166,6 +168,7 @@ serialisation.ARCHIVE = Path({path!r})
 """
 
 
+@pytest.mark.slow
 def test_a_first_process_reads_what_a_wheel_carries(filled, tmp_path):
     """No sympy, the same bits, and nothing is written; of other sources it is not read."""
     *_, first = filled
@@ -189,7 +192,7 @@ def damaged(path):
     path.write_bytes(path.read_bytes()[:-100])
 
 
-def test_a_wheel_carries_the_models_of_the_table(filled):
+def test_a_wheel_carries_the_models_of_the_table():
     """With their switches."""
     calls = [row.call for row in fl.list_models()]
     chosen = [repr(model) for model in shipped_models()]

@@ -33,15 +33,6 @@ def readme_blocks(language: str) -> list[str]:
     return blocks(README, language)
 
 
-def test_the_readmes_first_commands_run_a_scene_and_the_tests():
-    fences = re.findall(r"^```(\w+)$", README, flags=re.MULTILINE)
-    assert fences[:2] == ["sh", "sh"]
-    commands = readme_blocks("sh")[:2]
-    assert all("-m venv" in command and "pip install" in command for command in commands)
-    assert "frictionlab run" in commands[0]
-    assert "pytest" in commands[1]
-
-
 def test_every_session_of_nox_is_run():
     tree = ast.parse((ROOT / "noxfile.py").read_text(encoding="utf-8"))
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
@@ -111,6 +102,7 @@ def test_python_of_the_readme_is_a_script_that_leaves_a_picture(tmp_path):
         assert len(image.convert("RGB").getcolors(1_000_000)) > 50  # something is drawn
 
 
+@pytest.mark.slow
 def test_python_of_the_first_steps_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # it saves pictures
     exec("\n".join(blocks(STARTING, "python")), {})
@@ -177,10 +169,6 @@ def test_no_text_is_run_as_python():
     # A law's own repr in its check; the call of a kernel with the names of its own arguments, where kernels
     # are compiled ahead of time.
     assert runs == {("testing.py", "eval"), ("flat_functions.py", "exec")}
-
-
-def test_there_is_a_notebook():
-    assert NOTEBOOKS
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.name)
