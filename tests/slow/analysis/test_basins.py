@@ -1,13 +1,10 @@
 """Basins of attraction against published shares and closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab import plotting
 from frictionlab.analysis.basins import tasks as module
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import bistable
@@ -180,63 +177,3 @@ def test_random_states_are_saved_and_loaded(tmp_path):
                 tmp_path / "other"
             )
         )
-
-
-def test_the_picture_has_a_colour_for_each_attractor():
-    grid = np.linspace(-1.2, 1.2, 9)
-    found = fl.basins(rings(), ("x", grid), ("v", grid), **QUIET)
-    artists = plotting.plot_basins(found)
-    ax = artists.mesh.axes
-    assert np.array_equal(artists.mesh.get_array(), found.labels)
-    assert len({tuple(artists.mesh.cmap(i)) for i in range(2)}) == 2
-    assert [line.get_label() for line in artists.attractors] == [a.name for a in found.attractors]
-    texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert texts == [f"{name}: {share:.1%}" for name, share in found.fractions.items()]
-    shares = fl.basin_stability(wells(), {"x": (-1.0, 1.0)}, 20, **QUIET)
-    bars = plotting.plot_basin_stability(shares)
-    assert [bar.get_height() for bar in bars] == [*shares.fractions.values()]
-    lengths = [np.ptp(segment[:, 1]) for segment in bars.errorbar[2][0].get_segments()]
-    assert lengths == pytest.approx([2 * error for error in shares.errors.values()])
-
-
-def test_rest_has_one_colour_whatever_is_found_first():
-    grid = np.linspace(-1.2, 1.2, 9)
-    found = fl.basins(rings(), ("x", grid), ("v", grid), **QUIET)
-    kinds = [attractor.kind for attractor in found.attractors]
-    assert sorted(kinds) == ["equilibrium", "periodic"]
-    turned = replace(found, attractors=found.attractors[::-1], labels=1 - found.labels)
-    meshes = [plotting.plot_basins(one).mesh for one in (found, turned)]
-    assert np.array_equal(*(mesh.cmap(mesh.norm(mesh.get_array())) for mesh in meshes))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ((("q", [0.0]), ("v", [0.0])), "x must be one of 'x', 'v', got 'q'"),
-        ((("x", []), ("v", [0.0])), "x must hold finite values"),
-        ((("x", [0.0]), ("x", [0.0])), "x and y must be two states"),
-        (("x", ("v", [0.0])), "x must be a name and its values"),
-        (("x1", ("v", [0.0])), r"x must be a name and its values, got 'x1': for instance \('x', \[0, 1\]\)"),
-        ((("x", "a"), ("v", [0.0])), "the values of x must hold numbers, got 'a': for instance"),
-        ((("x", [0.0]), ("v", [0.0]), lambda z: [1.0]), "x0 must give a finite number for each of x, v"),
-        ((("x", [0.0]), ("v", [0.0]), [1.0]), "x0 must hold a finite number"),
-    ],
-)
-def test_bad_arguments(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        fl.basins(wells(), *arguments, **QUIET)
-
-
-def test_bad_samples_ranges_and_methods():
-    with pytest.raises(ValueError, match="samples must be an integer, at least 1"):
-        fl.basin_stability(wells(), {"x": (0, 1)}, 0)
-    with pytest.raises(ValueError, match="the range of x must be two numbers in ascending order"):
-        fl.basin_stability(wells(), {"x": (1, 0)})
-    with pytest.raises(ValueError, match="ranges must hold at least one state"):
-        fl.basin_stability(wells(), {})
-    with pytest.raises(ValueError, match=r"ranges must be a mapping, got \['x'\]: give states"):
-        fl.basin_stability(wells(), ["x"])
-    with pytest.raises(ValueError, match="rtol must be"):
-        fl.basins(wells(), ("x", [0.0]), ("v", [0.0]), rtol=0.0)
-    with pytest.raises(ValueError, match="method must be 'taylor'"):
-        fl.basins(wells(), ("x", [0.0]), ("v", [0.0]), method="rk4")

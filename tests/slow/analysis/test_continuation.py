@@ -5,7 +5,6 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab import plotting
 from tests.helpers.assertions import assert_all
 from tests.helpers.automata import V, X, automaton, coulomb
 from tests.helpers.known_motions import FLAT, TILTED, bistable, logistic, thrown
@@ -196,39 +195,6 @@ def test_ctrl_c_keeps_what_there_is(monkeypatch):
     branch = fl.partial_result()
     assert "interrupted" in branch.ends
     assert len(branch.orbits) > 5
-
-
-def test_bad_arguments_are_told_before_any_work():
-    orbit = fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2])
-    with pytest.raises(TypeError, match="orbit must be a PeriodicOrbit"):
-        fl.continue_orbit("orbit", "belt", (0.1, 0.3))
-    with pytest.raises(TypeError, match="HybridAutomaton has no parameter 'bel': did you mean 'belt'"):
-        fl.continue_orbit(orbit, "bel", (0.1, 0.3))
-    with pytest.raises(ValueError, match=r"bounds\[0\] must be .* at most 0\.2, got 0\.3"):
-        fl.continue_orbit(orbit, "belt", (0.3, 0.4))
-    with pytest.raises(ValueError, match=r"bounds\[1\] must be .* at least 0\.2"):
-        fl.continue_orbit(orbit, "belt", (0.1, 0.15))
-    with pytest.raises(ValueError, match="step must be a finite number, above 0"):
-        fl.continue_orbit(orbit, "belt", (0.1, 0.3), step=0.0)
-    circle = fl.periodic_orbit(automaton(fl.Mode("only", (V, -sp.Symbol("k") * X)), k=1.0), [0.3, 0.4])
-    with pytest.raises(ValueError, match="one of a family"):
-        fl.continue_orbit(circle, "k", (0.5, 2.0))
-
-
-def test_plots_tell_stable_from_unstable():
-    start = fl.periodic_orbit(lobes(1.0), [np.sqrt(1 + np.sqrt(2.0)), 0.0], period=2 * np.pi)
-    branch = followed(start, "s", (-3.0, 2.0))
-    lines = plotting.plot_orbit_branch(branch, name="x")
-    assert [line.get_label() for line in lines] == ["unstable", "stable", "Hopf", "fold"]
-    assert lines[0].get_linestyle() == "--"
-    assert lines[1].get_linestyle() == "-"
-    assert lines[3].get_xydata()[0] == pytest.approx([-1.0, 1.0], abs=1e-3)
-    (period,) = plotting.plot_orbit_branch(
-        followed(fl.periodic_orbit(coulomb(0.2, 1.0, 0.5), [0.0, 0.2]), "belt", (0.1, 0.3))
-    )
-    assert period.axes.get_ylabel() == "period (s)"
-    with pytest.raises(ValueError, match="name must be one of x, v, or None for the period, got 'q'"):
-        plotting.plot_orbit_branch(branch, name="q")
 
 
 @pytest.mark.parametrize(("k_nl", "hopf"), [(0.0, 1.5), (1e4, 1.5), (1e7, 0.6)])

@@ -78,20 +78,6 @@ def test_a_file_that_was_cut_off_within_a_line_is_completed(x0, lines, tmp_path)
     assert path.read_bytes() == whole
 
 
-def test_what_is_in_the_file_is_not_computed_again(tmp_path):
-    calls = []
-
-    def count(model):
-        calls.append(model.mu_k)
-        return model.mu_k
-
-    path = tmp_path / "sweep.jsonl"
-    for values in ([0.1, 0.2], [0.1, 0.2]):
-        found = fl.sweep(MODEL, count, {"mu_k": values}, resume=path, progress=False)
-    assert sorted(calls) == [0.1, 0.2]
-    assert found.to_array().tolist() == [0.1, 0.2]
-
-
 def test_a_file_of_another_sweep_is_refused_and_kept(tmp_path):
     path = tmp_path / "sweep.jsonl"
     fl.bifurcation(MODEL, "mu_k", [0.5], resume=path, **SETTINGS)

@@ -63,32 +63,6 @@ def test_in_jupyter_code_and_output_of_a_solution_are_hidden(path):
     assert all(c["metadata"]["jupyter"] == {"source_hidden": True, "outputs_hidden": True} for c in code)
 
 
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_the_index_agrees_with_the_notebook(path):
-    (title,) = [source(c) for c in cells_of(path) if c["id"] == "title"]
-    said = re.search(r"\*\*Time:\*\* (\d+) minutes to read", title)[1]
-    (row,) = [line for line in source(cells_of(INDEX)[0]).splitlines() if f"({path.name})" in line]
-    assert f"| {said} min |" in row
-    exercises = next(source(c) for c in cells_of(path) if c["id"] == "exercises")
-    count = len(re.findall(r"^\d+\. ", exercises, flags=re.MULTILINE))
-    assert row.endswith(f"| {count} |")
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_sittings_that_a_notebook_names_take_all_of_its_sections(path):
-    cells = cells_of(path)
-    sections = [c for c in cells if source(c).startswith("## ") and not c["id"].startswith("exercise")]
-    sittings = re.findall(r"(\d+) to (\d+) \(\d+ minutes\)", source(cells[0]))
-    told = [n for first, last in sittings for n in range(int(first), int(last) + 1)]
-    assert told in ([], [*range(1, len(sections) + 1)])
-
-
-def test_goals_stand_at_the_top_of_every_notebook():
-    for path in NOTEBOOKS:
-        title = source(cells_of(path)[0])
-        assert "After this notebook you can\n\n* " in title
-
-
 class Seen(HTMLParser):
     """The text of a page outside of what is closed."""
 
@@ -196,12 +170,3 @@ def test_nbconvert_makes_these_slides_without_solutions(name):
     assert page.count("<section>") == len(slides_of(path)) + stacks
     assert "Solution 1" not in page
     assert "assert " not in page
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_cells_are_folded_on_the_site_and_in_jupyterlab_alike(path):
-    """The site reads the tag, JupyterLab the entry: a cell that one of them folds is folded in both."""
-    for one in cells_of(path):
-        if one["cell_type"] == "code" and not one["id"].startswith("solution"):
-            folded = "hide-input" in one["metadata"].get("tags", [])
-            assert folded == one["metadata"].get("jupyter", {}).get("source_hidden", False), one["id"]

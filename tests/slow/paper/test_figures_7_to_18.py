@@ -5,7 +5,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.paper import scenes
-from frictionlab.paper.results import FIGURES, STEADY
+from frictionlab.paper.results import STEADY
 from frictionlab.paper.scenes import Setting, in_range, intervals_text, regime_changes
 
 GRIDS = {
@@ -83,35 +83,6 @@ def test_a_sweep_that_was_cut_off_is_no_figure(tiny, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         fl.paper.figure(9, progress=False)
     assert not scenes.CACHE
-
-
-@pytest.mark.parametrize("number", FIGURES)
-def test_linear_stability_has_no_algorithm(number):
-    with pytest.raises(ValueError, match=rf"algorithm must be 'exact', got 'paper': Fig. {number} needs"):
-        fl.paper.figure(number, algorithm="paper")
-    with pytest.raises(ValueError, match=rf"impact must be 'paper', .* Fig. {number} has no impacts"):
-        fl.paper.figure(number, impact="full gap rate")
-
-
-@pytest.mark.parametrize("number", [13, 14])
-def test_without_the_moving_load_there_is_no_choice_of_an_impact_law(number):
-    with pytest.raises(ValueError, match="no moving load"):
-        fl.paper.figure(number, impact="full gap rate")
-
-
-@pytest.mark.parametrize("options", [{"algorithm": "rk4"}, {"impact": "full"}])
-def test_unknown_choices_are_refused(options):
-    with pytest.raises(ValueError, match=r"must be one of '(exact', 'paper'|paper', 'full gap rate')"):
-        fl.paper.figure(9, **options)
-
-
-def test_times_follow_the_cost_of_a_motion():
-    paper, full = Setting(), Setting(impact="full gap rate")
-    assert scenes.times_of(scenes.USUAL, paper) == scenes.USUAL_TIMES
-    assert scenes.times_of(scenes.USUAL, full) == scenes.USUAL_TIMES
-    assert scenes.times_of(scenes.STIFF, paper) == scenes.STIFF_TIMES
-    assert scenes.times_of(scenes.STIFF.without("nonsmooth"), paper) == scenes.USUAL_TIMES
-    assert scenes.times_of(scenes.STIFF, Setting(algorithm="paper")) == scenes.FIXED_STEP_TIMES
 
 
 def test_grids_hold_what_the_text_names():

@@ -5,9 +5,6 @@ import pytest
 import frictionlab as fl
 from frictionlab.paper.checks import nonsmooth
 from frictionlab.paper.results import (
-    CLAIMS,
-    EVERY_CLAIM,
-    STEADY_CLAIMS,
     ClaimCheck,
     Finding,
     Verdict,
@@ -83,13 +80,6 @@ def test_the_stiff_structure_loses_stability_where_the_paper_says():
     assert nonsmooth.critical_mu_k() == pytest.approx(1.735, abs=5e-4)
 
 
-def test_claims_of_steady_states_are_asked_for_by_name():
-    assert [*EVERY_CLAIM] == [f"C{i}" for i in range(1, 26)]
-    assert {*CLAIMS}.isdisjoint(STEADY_CLAIMS)
-    with pytest.raises(ValueError, match=r"or all, got 'C26'"):
-        fl.paper.claims("C26")
-
-
 def checked(exact, full, paper, *, impacts=True):
     """A claim whose parts hold as said, in each way."""
     ways = {("exact", "paper"): exact, ("exact", "full gap rate"): full, ("paper", "paper"): paper}
@@ -116,22 +106,6 @@ YES, HALF, NO = (True, True), (True, False), (False, False)
 )
 def test_the_exact_solver_decides(exact, full, paper, verdict):
     assert checked(exact, full, paper).verdict is verdict
-
-
-def test_a_row_says_what_does_not_hold_and_by_which_step():
-    row = checked(HALF, NO, YES)
-    assert row.computed == "exact solver, Eq. (13)"
-    assert row.full_gap_rate == "exact solver, full gap rate"
-    assert row.paper_algorithm.startswith("step 0.0002 s: ")
-    assert "By the exact solver this does not hold: it is thus." in row.note
-    assert "By the full gap rate none of it holds." in row.note
-    assert "E5" in row.note
-    assert row.paper_algorithm in str(row)
-
-
-def test_a_claim_that_all_agree_on_needs_no_explanation():
-    row = checked(YES, YES, YES, impacts=False)
-    assert row.note == row.full_gap_rate == ""
 
 
 def test_c18_compares_cycles(monkeypatch):

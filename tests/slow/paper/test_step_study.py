@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-import frictionlab as fl
-from frictionlab.paper import report, scenes, step_sizes
+from frictionlab.paper import scenes, step_sizes
 from frictionlab.paper.scenes import Setting
 
 STEPS = (5e-4, 2e-4)
@@ -47,29 +46,3 @@ def test_errors_are_large_only_where_flights_are_shorter_than_a_step(study):
     assert set(printed) == set(full) == set(STEPS)
     assert printed[2e-4].max() > 1.0
     assert full[2e-4].max() < 0.1
-
-
-def test_the_picture(study):
-    figure = study.plot()
-    above, other, below, _ = figure.axes
-    assert [above.get_title(), other.get_title()] == list(step_sizes.IMPACT_LAW_NAMES.values())
-    assert above.get_yscale() == "log"
-    assert below.get_ylabel().endswith("(Hz)")
-    assert len(above.lines) == 3
-    drawn = above.lines[-1].get_ydata()
-    assert np.isnan(drawn[0])
-    assert drawn[1] == study.of("paper")[-1].intensity[1]
-
-
-def test_the_page(study):
-    text = report.step_size_page(study, "images/x.png")
-    assert "![Intensity and strongest frequency against mu_k](images/x.png)" in text
-    assert "| every event located | Eq. (13) as printed | periodic | 0.0137" in text
-    assert text.count("| fixed step 0.0002 s |") == 2
-    assert "nan" not in text
-
-
-def test_public_name_and_bad_steps():
-    assert fl.paper.step_study is step_sizes.step_study
-    with pytest.raises(ValueError, match="step must be a finite number, above 0, got -1"):
-        fl.paper.step_study([-1.0])

@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 
 import page_figures
@@ -56,25 +55,6 @@ def test_a_missed_event_is_not_a_small_error(landing):
     assert fixed.moments[1] > 1e3 * fixed.moments[0]
     for course, size in zip(located, (1e-6, 1e-12), strict=True):
         assert course.error.max() < size
-
-
-def test_the_picture_of_the_cost_has_the_rows(rows):
-    ax = page_figures.cost(rows).axes[0]
-    ours, rk4, slope = ax.lines
-    assert len(ours.get_xdata()) == sum(row.family == "frictionlab" for row in rows)
-    assert rk4.get_ydata().tolist() == [row.error for row in rows if row.family == "RK4"]
-    assert np.polyfit(np.log(slope.get_xdata()), np.log(slope.get_ydata()), 1)[0] == pytest.approx(-4)
-
-
-def test_the_bars_are_the_rows_sorted(switched):
-    ax = page_figures.draw_nonlinearity_costs(switched).axes[0]
-    widths = [bar.get_width() for bar in ax.patches]
-    assert widths == sorted(1e-3 * row.nanoseconds for row in switched)
-    names = [label.get_text() for label in ax.get_yticklabels()]
-    assert sorted(names)[0] == "cubic"
-    full = next(row for row in switched if not row.without)
-    label = ax.texts[names.index("cubic + nonsmooth + geometry")].get_text()
-    assert label == f"{full.operations} operations, {full.products} products, 8 guards, 10 states"
 
 
 def test_the_page_and_its_pictures(tmp_path, rows, switched):
