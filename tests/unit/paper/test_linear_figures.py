@@ -98,11 +98,6 @@ def test_the_notch_in_fig_4_is_a_second_window_of_instability(figures):
     assert ((inside > 0.15) & (inside < 0.25)).all()
 
 
-def test_the_critical_value_of_fig_17():
-    model = fl.SliderOnBelt(F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)
-    assert fl.critical_value(model, "mu_k", (0.0, 4.0)) == pytest.approx(1.735143, abs=5e-7)
-
-
 def test_fig_6(figures):
     data = figures[6].data
     changes = {name: [c.value for c in found] for name, found in data.changes.items()}

@@ -24,19 +24,6 @@ def test_critical_friction(model, value, digits):
     assert fl.critical_value(model, "mu_k", bounds=(0, 4)) == pytest.approx(value, abs=0.51 * digits)
 
 
-def test_figure_6_with_geometry():
-    changes = fl.stability_changes(S(F=1000, l1=0.1, l2=0.3), "mu_k", (0, 3))
-    assert [c.unstable for c in changes] == [(0, 1), (1, 2), (2, 1)]
-    assert [c.value for c in changes] == pytest.approx([0.69, 1.19, 2.09], abs=0.005)
-    assert {c.kind for c in changes} == {"flutter"}
-
-
-def test_figure_6_without_geometry():
-    (change,) = fl.stability_changes(S(F=1000, l1=0.1, l2=0.3).without("geometry"), "mu_k", (0, 3))
-    assert change.unstable == (0, 1)
-    assert change.value == pytest.approx(1.87, abs=0.005)
-
-
 def test_the_root_against_thirty_digits():
     """Eq. (18) and Eq. (19) again, in mpmath: the real part vanishes at the critical value to 1e-12 of it."""
     model = S()
@@ -117,39 +104,9 @@ def test_ten_thousand_are_those_of_single_models():
     assert np.abs(np.diff(locus.values, axis=0)).max() < 1.0
 
 
-def test_a_locus_does_not_depend_on_the_values_asked_for():
-    coarse, fine = (fl.root_locus(S(F=100), "mu_k", np.linspace(0, 3, n)) for n in (7, 601))
-    np.testing.assert_allclose(coarse.values, fine.values[::100], rtol=1e-11)
-
-
-def test_a_mode_keeps_its_column_through_a_crossing():
-    """Without friction and geometry the belt's horizontal motion is on its own, and crosses the others."""
-    model = S(mu_k=0.0).without("geometry")
-    stiffness = np.linspace(2e3, 4e4, 30)
-    locus = fl.root_locus(model, "k4", stiffness)
-    (alone,) = np.flatnonzero(locus.participation[0, 2] > 0.999)
-    np.testing.assert_allclose(locus.participation[:, 2, alone], 1.0, atol=1e-9)
-    np.testing.assert_allclose(np.abs(locus.values[:, alone]), np.sqrt(stiffness), rtol=1e-9)
-    ranks = np.argsort(np.argsort(locus.frequencies, axis=1), axis=1)[:, alone]
-    assert len(set(ranks)) > 1  # sorting by frequency would have lost it
-
-
 def test_participation_is_the_share_of_kinetic_energy():
     model = S(mu_k=0.0, c1=0, c2=0, c4=0, c5=0, c6=0, M=2.0, J=0.3).without("geometry")
     locus = fl.root_locus(model, "k4", [1e4])
     masses = np.array([2.0, 2.0, 1.0, 1.0])
     energy = masses[:, None] * np.abs(locus.shapes[0]) ** 2
     np.testing.assert_allclose(locus.participation[0], energy / energy.sum(axis=0), atol=1e-10)
-
-
-def test_errors_name_what_is_wrong():
-    with pytest.raises(TypeError, match="SliderOnBelt has no parameter 'mu': did you mean 'm"):
-        fl.root_locus(S(), "mu", [0, 1])
-    with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
-        fl.critical_value(S(), "mu_k", (3, 0))
-    with pytest.raises(ValueError, match="mu_k must be at least 0"):
-        fl.critical_value(S(), "mu_k", (-1, 3))
-    with pytest.raises(ValueError, match="there must be an equilibrium with F_N > 0 at a value of F"):
-        fl.root_locus(S(), "F", [-20.0, -10.0])
-    with pytest.raises(TypeError, match="model must be a model such as SliderOnBelt or a HybridAutomaton"):
-        fl.root_locus("slider", "mu_k", [0, 1])

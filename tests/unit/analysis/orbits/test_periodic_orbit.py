@@ -7,26 +7,10 @@ from scipy.special import ellipk
 
 import frictionlab as fl
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
-from tests.helpers.known_motions import FLAT, TILTED, C, S, W, bistable
+from tests.helpers.known_motions import FLAT, TILTED, W, bistable
 from tests.helpers.mode_coupling_cycle import by_differences, cycle
 
 BELT = coulomb(0.2, 1.0, 0.5)
-
-
-def den_hartog(ratio, friction):
-    """x'' + x + f sgn x' = cos(r t); cos and sin are states that are drawn to the unit circle."""
-    r, f = sp.symbols("r f")
-    drawn = 1 - C**2 - S**2
-    clock = (-r * S + C * drawn, r * C + S * drawn)
-
-    def slip(name, sign, targets):
-        event = fl.Event("v", sign * V, targets, fl.Reset({V: sp.S.Zero}))
-        return fl.Mode(name, (V, C - X - sign * f, *clock), (event,))
-
-    ends = fl.Event("cone+", f - (C - X), ("+",)), fl.Event("cone-", f + (C - X), ("-",))
-    stick = fl.Mode("stick", (V, sp.S.Zero, *clock), ends, (V,))
-    modes = stick, slip("+", 1, ("stick", "-")), slip("-", -1, ("stick", "+"))
-    return automaton(*modes, states=(X, V, C, S), r=ratio, f=friction)
 
 
 def circle(direction):
@@ -85,24 +69,6 @@ def test_the_bistable_oscillator_sticks_as_long_as_it_should():
     assert orbit.multipliers == pytest.approx([1.0, 0.0, 0.0], abs=1e-10)
     v = orbit.state[1]
     assert orbit.state[2] == pytest.approx(np.exp(-2 * abs(v - 1.5)), rel=1e-12)
-
-
-HARTOG = {(0.8, 0.3): 2.626104875723, (1.3, 0.4): 1.200900612358, (0.7, 0.5): 1.744253936249}
-
-
-@pytest.mark.parametrize(("ratio", "friction"), HARTOG)
-def test_den_hartogs_amplitude(ratio, friction):
-    scene = den_hartog(ratio, friction)
-    orbit = fl.periodic_orbit(scene, fl.solve(scene, 100.0, x0=[0.0, 0.1, 1.0, 0.0]))
-    period, amplitude = 2 * np.pi / ratio, HARTOG[ratio, friction]
-    response, damping = 1 / (1 - ratio**2), np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
-    assert amplitude == pytest.approx(np.sqrt(response**2 - (friction * damping) ** 2), abs=1e-12)
-    assert orbit.period == pytest.approx(period, abs=1e-12)
-    assert np.sort(orbit.trajectory.events.state[:, 0]) == pytest.approx([-amplitude, amplitude], abs=1e-12)
-    # The clock's second multiplier is that of radius' = radius (1 - radius^2); two are the oscillator's.
-    found = multipliers(orbit)
-    assert orbit.stable
-    assert np.abs(found - np.exp(-2 * period)).min() < 1e-9
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
