@@ -1,8 +1,6 @@
 """What a user does with results: print them, ask them for values, make tables of them."""
 
-import dataclasses
 import inspect
-import pickle
 
 import numpy as np
 import pytest
@@ -43,55 +41,6 @@ def test_every_public_class_of_results_is_printed_here():
         "Spectrum",
     }
     assert drawn | others <= kinds
-
-
-def grown(name):
-    """The result with all of its arrays a hundred times as long, but for a matrix of as many states."""
-    found = result(name)
-    longer = {}
-    for field in dataclasses.fields(found):
-        value = getattr(found, field.name)
-        if isinstance(value, np.ndarray) and value.ndim and field.name != "monodromy":
-            longer[field.name] = np.concatenate([value] * 100)
-        elif isinstance(value, tuple) and field.name != "unstable":  # two numbers
-            longer[field.name] = value * 100
-    return dataclasses.replace(found, **longer)
-
-
-LARGE = """
-    locus, curve, map, boundary, ends, bifurcation, exponents, tangent flow, basins, shares of basins, events,
-    branch, orbit, attractor, ablation
-"""
-
-
-@pytest.mark.parametrize("name", LARGE.replace("\n", " ").strip().split(", "))
-def test_the_summary_does_not_grow_with_the_result(name):
-    lines = repr(grown(name.strip())).split("\n")
-    assert len(lines) <= MAX_LINES
-    assert max(map(len, lines)) <= 2 * MAX_CHARACTERS
-
-
-def test_eigenvalues_of_many_modes_print_in_a_line():
-    n = 200
-    values = np.concatenate([np.arange(n) * 1j - 1.0, -np.arange(n) * 1j - 1.0])
-    found = fl.Eigenvalues(values, np.eye(2 * n, dtype=complex), result("equilibrium"))
-    assert len(repr(found)) < 400
-    assert "more" in repr(found)
-
-
-def test_summaries_say_what_was_found():
-    expected = {
-        "bifurcation": "v 0.2 to 2.5",
-        "sweep": "preload over F",
-        "locus": "mu_k 0.5 to 2",
-        "map": "mu_k 0.5 to 1.5",
-        "Hopf point": "subcritical at mu_k = 1.51378",
-        "equilibrium": "F_N 121.5 N",
-        "ends": "2 finished",
-        "spectrum": "strongest 0.1",
-    }
-    for name, text in expected.items():
-        assert text in repr(result(name)), repr(result(name))
 
 
 def test_one_time_gives_one_value_and_times_keep_their_shape():
@@ -234,8 +183,3 @@ def test_without_the_package_the_command_is_named(name, table, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, package, None)
     with pytest.raises(ImportError, match=rf"{table} needs {package}: pip install 'frictionlab\[data\]'"):
         getattr(result(name), table)()
-
-
-def test_a_pickled_spectrum_keeps_its_class():
-    again = pickle.loads(pickle.dumps(result("spectrum")))
-    assert repr(again) == repr(result("spectrum"))
