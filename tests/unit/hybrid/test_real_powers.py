@@ -1,11 +1,16 @@
 """Powers whose base becomes negative, and numbers that floats cannot hold, in equations of users."""
 
+from dataclasses import dataclass
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.components import FrictionLaw
 from frictionlab.hybrid.solve import RunOptions, run_automaton
+from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
 from tests.helpers.automata import V, X, automaton
 
 P = sp.Symbol("p")
@@ -104,3 +109,34 @@ def test_a_parameter_may_have_the_name_of_a_function(name):
     run = fl.solve(scene, 1.0, x0=[0.0, 0.0], progress=False)
     assert run.f == pytest.approx(2 * (run["x"] + 3) ** 1.5 * np.exp(run["x"]), rel=1e-14)
     assert [one.state[0] for one in fl.equilibria(scene)] == [pytest.approx(np.exp(2.0), rel=1e-14)]
+
+
+@with_signature
+@dataclass(frozen=True, init=False, repr=False)
+class Row(MechanicalModel):
+    """Four blocks on the ground, of which the first is drawn by -9 - x^1.5 to zero and beyond."""
+
+    friction: FrictionLaw = fl.Coulomb(mu_k=0.1, mu_s=0.1)
+    roles = MappingProxyType({"friction": FrictionLaw})
+    coordinates = ("x1", "x2", "x3", "x4")
+
+    def mechanics(self, q, v):
+        kinetic = sum(each**2 for each in v) / 2
+        return Mechanics(
+            kinetic=kinetic,
+            potential=9 * q.x1 + q.x1**2.5 / 2.5,
+            contacts=tuple(Friction(-each, 1.0, self.friction) for each in v),
+        )
+
+
+def test_runs_with_modes_on_demand_end_where_single_runs_do():
+    """The modes are those that runs come to, so that the program grows as they go on."""
+    model = Row()
+    assert model.automaton().on_demand
+    starts = [[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], [9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0]]
+    ends = fl.ensemble([model] * 2, 1.0, x0=starts, progress=False)
+    for i, start in enumerate(starts):
+        run = run_automaton(model.automaton(), 1.0, np.array(start), fl.Taylor(), RunOptions(progress=False))
+        assert ends.status[i] is run.status
+        np.testing.assert_array_equal(ends.states[i], run.raw.state)
+    assert [status.name for status in ends.status] == ["NOT_FINITE", "FINISHED"]
