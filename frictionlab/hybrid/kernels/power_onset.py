@@ -44,10 +44,12 @@ def bound_affine_onset(code, magnitudes, op, order, h, J, bounds):
 
 @inlined
 def range_of_power(exponent, base, d):
-    """How far a power goes if its base goes `d`.  The base may reach zero or go beyond it."""
+    """How far a power goes if its base goes `d`.  The power is zero while the base is negative."""
     if d == 0.0:
         return 0.0
-    return power(base + d, exponent) if exponent > 0.0 else power_range(exponent, base, d)
+    if exponent > 0.0:
+        return power(max(base + d, 0.0), exponent)
+    return power_range(exponent, max(base, 0.0), d)
 
 
 @kernel
@@ -70,7 +72,7 @@ def bound_operation_onset(system, op, out, order, h, J, bounds):
         rest += multiple(abs(J[out, 0]) + reach, bounds[b, REST])
         return reach, rest / least if least > 0.0 else math.inf
     if kind == POWER and not has_series(J, a, order, order):
-        reach = range_of_power(numbers.constants[op], max(J[a, 0], 0.0), d)
+        reach = range_of_power(numbers.constants[op], J[a, 0], d)
         return reach, reach + series_range(J, out, order, h)
     reach = operation_range(code, numbers, op, out, order, d, d, J)
     if rest > 0.0:
