@@ -61,7 +61,8 @@ def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
     """The expression above for one mode; without a value where its rates have no derivatives at zero."""
     reals = [sp.Dummy(state.name, real=True) for state in states]  # where |x| has a derivative
     index, at_zero = {x: i for i, x in enumerate(reals)}, dict.fromkeys(reals, 0)
-    flow = [sp.sympify(rate).xreplace(dict(zip(states, reals, strict=True))) for rate in mode.flow]
+    real = dict(zip(states, reals, strict=True))
+    flow = [sp.sympify(rate, strict=True).xreplace(real) for rate in mode.flow]
     jacobian = {
         (i, index[x]): rate.diff(x).subs(at_zero)
         for i, rate in enumerate(flow)

@@ -35,8 +35,8 @@ class Problem:
 
     Two flights in a row shorter than `chatter` (s) are replaced by the limit mode, if there is one.
 
-    Where modes are derived on demand, `derive` takes a combination of regimes and returns the program and its
-    numbers with the mode of that combination added.  The modes already in the program keep their indices.
+    Where modes are derived on demand, `derive` takes combinations of regimes and returns the program and its
+    numbers with their modes added.  The modes already in the program keep their indices.
     """
 
     program: Program
@@ -44,13 +44,20 @@ class Problem:
     x0: np.ndarray
     t_end: float
     mode: int | None = None
-    derive: Callable[[tuple[int, ...]], tuple[Program, Numbers]] | None = None
+    derive: Callable[[Sequence[tuple[int, ...]]], tuple[Program, Numbers]] | None = None
     chatter: float = 0.0
 
     def with_mode(self, combination: np.ndarray) -> Problem:
         """The problem with the mode of one more combination."""
         assert self.derive is not None
-        program, numbers = self.derive(tuple(combination.tolist()))
+        program, numbers = self.derive([tuple(combination.tolist())])
+        return replace(self, program=program, numbers=numbers)
+
+    def with_derived_modes(self) -> Problem:
+        """The problem with all modes that runs have had derived meanwhile."""
+        if self.derive is None:
+            return self
+        program, numbers = self.derive([])
         return replace(self, program=program, numbers=numbers)
 
 

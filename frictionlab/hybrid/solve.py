@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, TypedDict, Unpack
@@ -324,9 +324,10 @@ def problem_of(
         program, numbers = program_of(automaton, *asked)
         return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode))
 
-    def derive(combination: tuple[int, ...]) -> tuple[Program, Numbers]:
+    def derive(combinations: Sequence[tuple[int, ...]]) -> tuple[Program, Numbers]:
         modes: Any = automaton.modes
-        modes.mode(combination)
+        for combination in combinations:
+            modes.mode(combination)
         return program_of(automaton, *asked, complete=False)
 
     if mode is not None:

@@ -95,7 +95,7 @@ def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> 
         now, end = runs.times[i, :2]
         problem = _problem_of_run(group, i, end - now)
         raw = group.method.integrate(problem, progress)
-        raw = cut_where_undefined(_with_derived_modes(problem), raw)
+        raw = cut_where_undefined(problem.with_derived_modes(), raw)
         runs.states[i], runs.counts[i, run_state.MODE] = raw.state, raw.mode
         runs.times[i, run_state.NOW] = end if raw.status is Status.FINISHED else now + raw.t
         runs.totals[i] += len(raw.step_modes), len(raw.event_times)
@@ -123,12 +123,6 @@ def _cut_where_undefined(group: Batch, before: BatchRuns, progress: Progress) ->
             runs.totals[i] = before.totals[i] + (len(cut.step_modes), len(cut.event_times))
             runs.status[i] = CODE_OF_STATUS[cut.status]
     runs.undefined[:] = 0
-
-
-def _with_derived_modes(problem: Problem) -> Problem:
-    """The problem with all modes that runs have had derived meanwhile, in which they may be."""
-    demand = problem.program.demand
-    return problem if demand is None else problem.with_mode(demand.combinations[0])
 
 
 def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
