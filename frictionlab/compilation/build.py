@@ -50,6 +50,7 @@ PACKAGES = "numba", "llvmlite", "ziglang"  # by whose versions the machine code 
 # With more targets it pays to do once the optimisations that hold for all processors; this takes as long as
 # one target.
 MOST_WITHOUT_SIMPLIFICATION = 2
+ALIGNMENT = 5  # 2^5 bytes, of blocks that are jumped to: else it is by chance how fast a loop is
 OPTIMISATION = 2  # level 3 makes objects larger and no run faster
 COMMON = TARGETS[1]  # x86-64 without extensions
 # Kernels that are not inlined: they take longer than a call and are called in many places.
@@ -213,6 +214,7 @@ def object_file(instructions: str, exports: list[str], target: Target) -> bytes:
 
 def emit_object(instructions: str, exports: list[str], target: Target) -> bytes:
     """Object file of a target, in which only the exports are visible from outside."""
+    llvm.set_option("frictionlab", f"--align-all-nofallthru-blocks={ALIGNMENT}")
     machine = _machine(target)
     return machine.emit_object(_optimised(instructions, exports, target, machine, vectorise=True))
 
