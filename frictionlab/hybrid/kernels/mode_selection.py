@@ -288,6 +288,13 @@ def has_failed(system, guard, rounding, order, scratch):
 
 
 @kernel
+def is_at_zero(code, guard, rounding, scratch):
+    """Whether a guard is zero up to rounding at this instant."""
+    slot = code.function_slots[guard]
+    return leading_order(scratch.jets[slot], scratch.bounds[slot], 0, 0, rounding.share) > 0
+
+
+@kernel
 def add_change(demand, guard, row, joint):
     """Make in `joint` the changes that the first target of a guard's event makes to the combination `row`."""
     if demand.listed[guard] < demand.listed[guard + 1]:
@@ -313,15 +320,21 @@ def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, orde
     """Queue the targets of the events that keep the mode tried last from being entered; the new count.
 
     The combination with the changes of all these events comes next, those with the change of one come last.
-    The first `own` combinations, the targets of the event itself, are tried before all these: another contact
-    leaves stick only if it has to.
+    The first `own` combinations are the targets of the event itself.  They are tried before all these, as
+    another contact leaves stick only if it has to, unless another event falls on this instant.
     """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
+    place = max(tried, own)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             add_change(queue.demand, g, row, joint)
-    count = insert_candidate(queue, max(tried, own), joint, count)
+            if zeros_by_construction(code, scratch, g) == 0 and is_at_zero(code, g, rounding, scratch):
+                place = tried
+    for i in range(row.shape[0]):
+        if tried < own and joint[i] != row[i] and queue.rows[tried, i] != row[i]:
+            place = own
+    count = insert_candidate(queue, place, joint, count)
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
         if has_failed(system, g, rounding, order, scratch):
             count = add_targets(queue, g, count)
