@@ -80,13 +80,13 @@ def _expressions(key: StructureKey) -> list[list[Any]]:
 
 @cache
 def _only_slide(key: StructureKey) -> tuple[bool, ...]:
-    """Whether each contact has slip in one direction as its only regime."""
+    """Whether each contact slides in the direction that its belt gives, and in no other."""
 
     def only_slide() -> list[bool]:
         from .equations_of_motion import system_of
 
         contacts = system_of(key).mechanics.contacts
-        return [isinstance(one, Friction) and tuple(one.modes) == ("slip",) for one in contacts]
+        return [isinstance(one, Friction) and "slip" in one.modes for one in contacts]
 
     return tuple(derivations_of(key, key.parameters).value("contacts that only slide", only_slide))
 
@@ -115,5 +115,5 @@ def check_sliding(model: MechanicalModel, which: Sequence[bool] | None = None) -
             raise ValueError(
                 f"contact {i} of {type(model).__name__} must rub a belt that moves where it only slides, got "
                 "one at rest, which gives friction no direction: give the belt a speed, or keep stick, as "
-                "with interface=StickSlip()"
+                "with interface=StickSlipSeparation()"
             )
