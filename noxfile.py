@@ -1,4 +1,6 @@
-"""What a change has to pass, one session for each step: `nox --list` names them, `.ci/run` runs all of them.
+"""What a change has to pass, one session for each step: `nox --list` names them.
+
+`.ci/run` runs those that every change has to pass, `.ci/thorough` the long ones.
 
 Each session has an environment of its own; `nox --no-venv -s lint types` takes the one it is started in, such
 as the README's second command makes.  What follows ``--`` goes to the command:
@@ -41,6 +43,7 @@ import importlib.util
 from frictionlab.compilation import machine_code
 assert importlib.util.find_spec("numba") is None and machine_code.LOADED is not None
 """
+NOTEBOOKS = "tests/slow/docs/test_tutorials.py"
 NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "page_frames", "axe")]
 WITHOUT_SYMPY = """
 import sys
@@ -80,18 +83,25 @@ def tests(session: nox.Session) -> None:
 
 
 @nox.session
-def slow(session: nox.Session) -> None:
-    """What takes minutes: notebooks, gallery, chaos, basins, stress; many random examples."""
+def notebooks(session: nox.Session) -> None:
+    """Every notebook of the course, from its first to its last cell."""
     install(session)
-    chosen = "-m", "(slow or hypothesis) and not browser", "--hypothesis-profile", "thorough"
-    run(session, "pytest", "-n", "auto", *chosen, env=EXECUTED)
+    run(session, "pytest", "-n", "auto", "-m", "slow", NOTEBOOKS, env=EXECUTED)
+
+
+@nox.session
+def slow(session: nox.Session) -> None:
+    """What takes minutes: gallery, chaos, basins, stress; many random examples; all front ends in Chromium."""
+    install(session)
+    chosen = "-m", "slow or hypothesis", "--hypothesis-profile", "thorough", "--deselect", NOTEBOOKS
+    run(session, "pytest", "-n", "auto", *chosen)
 
 
 @nox.session
 def browser(session: nox.Session) -> None:
-    """Explorers, canvas and app in a Chromium that is installed."""
+    """An explorer, the app and an exported page in a Chromium that is installed."""
     install(session)
-    run(session, "pytest", "-n", "auto", "-m", "browser")
+    run(session, "pytest", "-n", "auto", "-m", "browser and not slow")
 
 
 @nox.session(python="3.11")
