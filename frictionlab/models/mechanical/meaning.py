@@ -124,10 +124,11 @@ class _Check:
 
         What is in `positive` is not; parameters count as positive, as their values are not known here.
         """
+        vary = self.states.union(*(one.free_symbols for one in positive))
         for power in sympy.sympify(given, strict=True).atoms(sympy.Pow):
             base, exponent = power.base, power.exp
             by_parameter = integer_exponent(power) is None and exponent.free_symbols
-            if not by_parameter or self.states.isdisjoint(base.free_symbols):
+            if not by_parameter or vary.isdisjoint(base.free_symbols):
                 continue
             known = {symbol(name): sympy.Dummy(positive=True) for name in self.names}
             shown = [(one, sympy.Dummy(nonnegative=True)) for one in positive]
@@ -169,6 +170,8 @@ class _Check:
             self.free("normal_force", contact.normal_force, (), "")
             pressed = [] if contact.penetration is None else [contact.penetration]
             self.powers("normal_force", contact.normal_force, pressed)
+        force, sliding = sympy.symbols("normal_force speed", nonnegative=True)
+        self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
         if contact.penetration is not None:
             self.free("penetration", contact.penetration, self.v, place)
         if contact.normal is not None:

@@ -62,7 +62,6 @@ def test_a_run_goes_on_where_a_mode_was_missing(method):
     assert whole.final_state.tolist() == raw.state.tolist()
 
 
-@pytest.mark.slow
 def test_contacts_that_change_at_one_instant():
     """A chain and its mirror image: two contacts slip at once, to which no event leads in one step."""
     half = np.sin(1.0 + np.arange(4))

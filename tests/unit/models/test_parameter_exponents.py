@@ -61,6 +61,27 @@ def test_a_base_that_can_be_negative_is_refused(stated, message):
         fl.simulate(Hardening(stated=stated), 1.0, x0=[-0.5, 0, 0, 0], progress=False)
 
 
+@dataclass(frozen=True, repr=False)
+class Falling(fl.Coulomb):
+    """Friction that falls with a power of the speed's distance from one at which it ends."""
+
+    p: float = fl.parameter(1.5, symbol="p")
+    ends: bool = True
+
+    def kinetic(self, normal_force, speed):
+        """mu_k N (1 - u)^p, or with a law that has a value at every speed, mu_k N / (1 + u)^p."""
+        return self.mu_k * normal_force * ((1 - speed) ** self.p if self.ends else (1 + speed) ** -self.p)
+
+
+def test_the_base_of_a_friction_law_is_looked_at_too():
+    """Without: a run to speeds above 1 has no friction force, which is found along runs only."""
+    message = "the friction law of MassOnBelt must not have the parameter p as exponent of 1 - speed"
+    with pytest.raises(ValueError, match=message):
+        fl.simulate(fl.MassOnBelt(friction=Falling(mu_s=0.4)), 1.0, progress=False)
+    law = Falling(mu_s=0.4, ends=False)
+    assert fl.simulate(fl.MassOnBelt(friction=law), 1.0, progress=False).status.ok
+
+
 @pytest.mark.parametrize("stated", ["pressed", "stop"])
 def test_a_base_that_is_positive_is_no_reason_to_refuse(stated):
     assert fl.simulate(Hardening(stated=stated), 1.0, x0=[0.5, 0, 0, 0], progress=False).status.ok
