@@ -50,6 +50,11 @@ UNDECIDED = -1
 AttractorData = dict[str, Any]  # an attractor as data that JSON can hold
 
 
+def drifting_of(attractor: AttractorData) -> list[int]:
+    """The states that grow or fall for ever in a motion, such as the place of a cart."""
+    return attractor.get("drifting", [])
+
+
 def probe_attractor(automaton: HybridAutomaton, start: Any, settings: BasinSettings) -> AttractorData:
     """One task: the attractor of the motion from one state (n,), with the range of each state on the way."""
     run = _run(automaton, settings["transient"], np.asarray(start), settings)
@@ -76,9 +81,12 @@ def classify_attractor(
     verdict = classify_run(run, section, tolerance)
     kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, settings["rtol"]) else verdict.kind
     end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period
+    drifting: list[int] = []
     if kind in RANGE_RTOL:
-        end = _state_on_attractor(automaton, end, kind, spread, settings)
-    return {"kind": kind, "period": period, "state": end.tolist()}
+        drifting = [] if verdict.drift is None else verdict.drift.places
+        end = _state_on_attractor(automaton, end, kind, drifting, spread, settings)
+    attractor = {"kind": kind, "period": period, "state": end.tolist()}
+    return attractor | ({"drifting": drifting} if drifting else {})
 
 
 def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
@@ -94,16 +102,24 @@ def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
 
 
 def _state_on_attractor(
-    automaton: HybridAutomaton, state: Array, kind: str, spread: Array, settings: BasinSettings
+    automaton: HybridAutomaton,
+    state: Array,
+    kind: str,
+    drifting: list[int],
+    spread: Array,
+    settings: BasinSettings,
 ) -> Array:
     """A state closer to the attractor, which is known to a few digits so far.
 
-    It is the state after one more transient; for an equilibrium after as many as it takes to come to rest.
+    It is the state after one more transient; for an equilibrium after as many as it takes for all but the
+    `drifting` states to come to rest.
     """
     size, moving = attractor_scale([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(MAX_REST_TRANSIENTS if kind == MotionKind.EQUILIBRIUM else 1):
         before, state = state, _run(automaton, settings["transient"], state, settings).final_state
-        if not (np.abs(state - before) / size)[:moving].max() > REST_CHANGE_RTOL:
+        change = np.abs(state - before) / size
+        change[drifting] = 0.0
+        if not change[:moving].max() > REST_CHANGE_RTOL:
             break
     return state
 
@@ -142,8 +158,9 @@ class Attractor:
     Parameters
     ----------
     name : str
-        "equilibrium", "period 6.316 s", "non-periodic"; others of the same name are numbered.  "not settled
-        yet" and "ended early" are no attractors.
+        "equilibrium", "period 6.316 s", "non-periodic", with the addition "with drift" where the motion turns
+        for ever or a place grows; others of the same name are numbered.  "not settled yet" and "ended early"
+        are no attractors.
     kind : str
         As of :func:`frictionlab.steady_state`.
     period : float
@@ -185,26 +202,34 @@ def transient_ranges(probed: Sequence[AttractorData]) -> Array:
 def attractor_scale(attractors: Sequence[AttractorData], spread: Array, coordinates: int) -> Array:
     """The range (n,) of each state over all attractors, or over the motions to them where none is known.
 
-    It is at least a share of the range over those motions: smaller differences tell no attractors apart.
+    It is at least a share of the range over those motions: smaller differences tell no attractors apart.  How
+    far states drift says nothing of a motion.
     """
     known = [a for a in attractors if a["kind"] in RANGE_RTOL]
     size = np.array(spread)
     if known:
         size = np.max([a["high"] for a in known], axis=0) - np.min([a["low"] for a in known], axis=0)
         size = np.maximum(size, MIN_RANGE_SHARE * spread)
+        size[sorted({i for a in known for i in drifting_of(a)})] = 0.0
     for group in state_groups(coordinates):
         size[group] = np.maximum(size[group], MIN_RANGE_SHARE * size[group].max(initial=0.0))
     return np.where(size > 0, size, 1.0)
 
 
 def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> bool:
-    """Whether two attractors are the same: of one kind, one period and one range in each state."""
+    """Whether two attractors are the same: of one kind, one period and one range in each state.
+
+    The states that drift must be the same; where they are does not matter.
+    """
     if one["kind"] != other["kind"] or one["kind"] not in RANGE_RTOL:
         return one["kind"] == other["kind"]
+    if drifting_of(one) != drifting_of(other):
+        return False
     if one["kind"] == MotionKind.PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
         return False
     differences = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
-    return bool(np.max(differences) < RANGE_RTOL[one["kind"]])
+    settled = np.delete(differences, drifting_of(one), axis=1)
+    return bool(settled.max(initial=0.0) < RANGE_RTOL[one["kind"]])
 
 
 class AttractorCatalogue:
@@ -245,7 +270,9 @@ class AttractorCatalogue:
         if index != UNDECIDED:
             return index
         self.attractors.append(attractor)
-        self._trees.append(None if points is None or not len(points) else KDTree(points / self._size))
+        # No state of one motion with a drift is on another; such runs are classified after the transient.
+        told = points is not None and len(points) and not drifting_of(attractor)
+        self._trees.append(KDTree(points / self._size) if told else None)
         return len(self.attractors) - 1
 
     def reached(self, states: Array) -> np.ndarray:
@@ -271,11 +298,9 @@ def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...
 
 
 def _name(attractor: AttractorData) -> str:
-    return (
-        f"period {attractor['period']:.4g} s"
-        if attractor["kind"] == MotionKind.PERIODIC
-        else attractor["kind"]
-    )
+    periodic = attractor["kind"] == MotionKind.PERIODIC
+    name = f"period {attractor['period']:.4g} s" if periodic else str(attractor["kind"])
+    return f"{name} with drift" if drifting_of(attractor) else name
 
 
 def _attractor(name: str, attractor: AttractorData) -> Attractor:

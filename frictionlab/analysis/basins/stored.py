@@ -105,7 +105,7 @@ def _check_attractor(name: str, attractor: Any, states: int, *, probe: bool) -> 
     fields |= {"reach": array(2, states, finite=finite)} if probe else {}
     if kind in RANGE_RTOL:
         fields |= {"low": array(states), "high": array(states), "path": array(None, states)}
-    record(fields)(name, attractor)
+    record(fields, {"drifting": indices(states)})(name, attractor)
 
 
 def _check_group(name: str, group: Any, known: int, size: int, states: int) -> None:

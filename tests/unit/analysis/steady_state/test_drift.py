@@ -117,3 +117,17 @@ def test_a_growth_on_which_the_motion_depends_is_named():
     assert found.kind == "not settled yet"
     assert found.drift == pytest.approx({"clock": 1.0})
     assert "clock drifts by 1/s" in repr(found)
+
+
+def test_drifts_that_differ_in_place_alone_are_one_attractor():
+    """x'' = 1/2 - g sin x - x'/10 turns with x' = 5 where g = 0; with g = 1 it may also rest at arcsin 1/2."""
+    grid = {"x": ("x", np.linspace(-1.0, 1.0, 3)), "y": ("v", np.linspace(-1.0, 6.0, 3))}
+    times = {"transient": 100.0, "window": 60.0, "progress": False}
+    (turning,) = fl.basins(only((V, sp.Rational(1, 2) - V / 10), (X, V)), **grid, **times).attractors
+    assert turning.name == "equilibrium with drift"
+    assert turning.state[1] == pytest.approx(5.0, rel=1e-9)
+    fates = fl.basins(only((V, sp.Rational(1, 2) - sp.sin(X) - V / 10), (X, V)), **grid, **times)
+    kinds = {each.kind: each for each in fates.attractors}
+    assert len(fates.attractors) == 2
+    assert kinds["equilibrium"].state == pytest.approx([np.pi / 6, 0.0], abs=1e-7)
+    assert kinds["periodic"].name.endswith("with drift")
