@@ -271,8 +271,8 @@ class AttractorCatalogue:
             return index
         self.attractors.append(attractor)
         # No state of one motion with a drift is on another; such runs are classified after the transient.
-        told = points is not None and len(points) and not drifting_of(attractor)
-        self._trees.append(KDTree(points / self._size) if told else None)
+        untold = points is None or not len(points) or drifting_of(attractor)
+        self._trees.append(None if untold else KDTree(points / self._size))
         return len(self.attractors) - 1
 
     def reached(self, states: Array) -> np.ndarray:
