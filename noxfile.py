@@ -91,7 +91,7 @@ def notebooks(session: nox.Session) -> None:
 
 @nox.session
 def slow(session: nox.Session) -> None:
-    """What takes minutes: gallery, chaos, basins, stress; many random examples; all front ends in Chromium."""
+    """What takes minutes: gallery, chaos, stress; many random examples; all front ends in Chromium."""
     install(session)
     chosen = "-m", "slow or hypothesis", "--hypothesis-profile", "thorough", "--deselect", NOTEBOOKS
     run(session, "pytest", "-n", "auto", *chosen)

@@ -120,7 +120,7 @@ def test_a_growth_on_which_the_motion_depends_is_named():
 
 
 def test_drifts_that_differ_in_place_alone_are_one_attractor():
-    """x'' = 1/2 - g sin x - x'/10 turns with x' = 5 where g = 0; with g = 1 it may also rest at arcsin 1/2."""
+    """x'' = 1/2 - g sin x - x'/10 turns with x' = 5 where g = 0; with g = 1 it may rest at arcsin 1/2."""
     grid = {"x": ("x", np.linspace(-1.0, 1.0, 3)), "y": ("v", np.linspace(-1.0, 6.0, 3))}
     times = {"transient": 100.0, "window": 60.0, "progress": False}
     (turning,) = fl.basins(only((V, sp.Rational(1, 2) - V / 10), (X, V)), **grid, **times).attractors
