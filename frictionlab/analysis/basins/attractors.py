@@ -271,8 +271,10 @@ class AttractorCatalogue:
             return index
         self.attractors.append(attractor)
         # No state of one motion with a drift is on another; such runs are classified after the transient.
-        untold = points is None or not len(points) or drifting_of(attractor)
-        self._trees.append(None if untold else KDTree(points / self._size))
+        if points is None or not len(points) or drifting_of(attractor):
+            self._trees.append(None)
+        else:
+            self._trees.append(KDTree(points / self._size))
         return len(self.attractors) - 1
 
     def reached(self, states: Array) -> np.ndarray:
