@@ -87,6 +87,7 @@ print(json.dumps(["sympy.core" in sys.modules, rows]))
 """
 
 
+@pytest.mark.slow
 def test_no_model_of_the_table_needs_sympy_in_a_second_process(tmp_path):
     derived, first = in_a_process(TABLE, tmp_path)
     again, second = in_a_process(TABLE, tmp_path)

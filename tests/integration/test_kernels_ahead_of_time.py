@@ -244,6 +244,7 @@ def test_where_the_objects_fit_nothing_is_needed_nor_done(clone, version):
     assert hooked(clone, version) == ([], [], ANY)
 
 
+@pytest.mark.slow
 @HAS_TARGET
 def test_after_an_edit_of_prose_the_wheel_has_a_new_manifest(clone):
     """So that no start has to find out that nothing but prose has changed."""
@@ -257,6 +258,7 @@ def test_after_an_edit_of_prose_the_wheel_has_a_new_manifest(clone):
     assert hooked(clone, "editable") == ([], [], ANY)
 
 
+@pytest.mark.slow
 @HAS_TARGET
 def test_after_an_edit_of_a_kernel_it_is_compiled_for_this_machine(edited_clone):
     """With numba; the wheel is of this system, and a second one needs nothing."""

@@ -125,6 +125,7 @@ def imported_packages(folder: Path) -> set[str]:
     return {name.partition(".")[0] for name in names} - {*sys.stdlib_module_names, "frictionlab"}
 
 
+@pytest.mark.slow
 def test_every_package_that_is_imported_is_declared():
     project = PROJECT["project"]
     extras = project["optional-dependencies"]
@@ -142,6 +143,7 @@ def test_every_package_that_is_imported_is_declared():
     assert imported <= declared
 
 
+@pytest.mark.slow
 def test_no_import_goes_in_circles():
     graph = layout.imports()
     assert "frictionlab.hybrid.solve" in graph["frictionlab.analysis.simulate"]
@@ -149,6 +151,7 @@ def test_no_import_goes_in_circles():
     assert layout.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
 
 
+@pytest.mark.slow
 def test_no_text_is_run_as_python():
     """sympy does so: texts of users go to the parser of `read_expression`, and expressions are no texts."""
     sources = {path: path.read_text(encoding="utf-8") for path in (ROOT / "frictionlab").rglob("*.py")}

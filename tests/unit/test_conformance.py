@@ -39,9 +39,18 @@ def test_every_law(law):
     fl.testing.check_law(law)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=repr)
+# In every run of the tests one law of each role; all laws, with either load, in the slow ones.
+AT_ONCE = {fl.HertzContact(), fl.Stribeck(mu_v=0.05), fl.PlasticImpact("full")}
+
+
 @pytest.mark.parametrize(
-    "off", [(), pytest.param(("geometry",), marks=pytest.mark.slow)], ids=["moving load", "fixed load"]
+    ("law", "off"),
+    [
+        pytest.param(law, off, marks=pytest.mark.slow if off or law not in AT_ONCE else ())
+        for law in LAWS
+        for off in ((), ("geometry",))
+    ],
+    ids=repr,
 )
 def test_every_law_in_the_slider(law, off):
     run = fl.testing.check_model(in_slider(law).without(*off))

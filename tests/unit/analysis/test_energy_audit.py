@@ -143,6 +143,7 @@ def test_a_normal_force_acts_along_the_gradient_of_the_gap():
         fl.MovingLoad("norml")
 
 
+@pytest.mark.slow
 def test_a_normal_force_has_no_chatter_and_its_statics_are_those_of_its_automaton():
     assert NORMAL.automaton().names == ("stick", "slip+", "slip-", "separation")
     model = NORMAL.replace(mu_k=0.3)

@@ -77,7 +77,9 @@ EXPONENTS = {
 }
 
 
-@pytest.mark.parametrize("case", EXPONENTS)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=pytest.mark.slow if c == "contact" else ()) for c in EXPONENTS]
+)
 def test_exponents_move_runs_as_differences_say(case):
     """At the zero of its base, where contact begins and ends, the logarithm of it is no number."""
     model, t_end, named = EXPONENTS[case]

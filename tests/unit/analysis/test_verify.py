@@ -72,7 +72,9 @@ def test_bumps_of_friction_that_are_small_beside_other_forces():
     assert found.error < 1e-9
 
 
-@pytest.mark.parametrize("method", [fl.RK4(step=5e-3), fl.Taylor(tol=1e-3)])
+@pytest.mark.parametrize(
+    "method", [fl.RK4(step=5e-3), pytest.param(fl.Taylor(tol=1e-3), marks=pytest.mark.slow)]
+)
 def test_a_wrong_run_is_not_to_be_trusted(method):
     found = fl.verify(A, 5.0, method=method, progress=False)
     exact = fl.simulate(A, 5.0, progress=False)
@@ -82,13 +84,14 @@ def test_a_wrong_run_is_not_to_be_trusted(method):
     assert str(found).startswith("Do not trust this run: ")
 
 
-@pytest.mark.parametrize("method", ["RK45", fl.RK4(step=2e-4)])
+@pytest.mark.parametrize("method", [pytest.param("RK45", marks=pytest.mark.slow), fl.RK4(step=2e-4)])
 def test_other_methods_that_do_well(method):
     found = fl.verify(A, 2.0, method=method, progress=False)
     assert found.ok
     assert 1e-12 < found.error < 1e-5
 
 
+@pytest.mark.slow
 def test_chatter_gives_no_false_alarm():
     found = fl.verify(fl.SliderOnBelt(mu_k=1.4), 5.0, progress=False)
     assert found.ok

@@ -26,6 +26,7 @@ def small(monkeypatch):
     monkeypatch.setattr(report, "step_study_with", lambda setting: MADE_UP)
 
 
+@pytest.mark.slow
 def test_a_page_with_claims_and_pictures(tmp_path, capsys, small):
     assert command.main(["reproduce", "--quick", "-o", str(tmp_path / "docs"), "-q"]) == 0
     out, err = capsys.readouterr()

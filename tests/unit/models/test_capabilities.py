@@ -191,7 +191,11 @@ class Tilting(fl.MechanicalModel):
         )
 
 
-@pytest.mark.parametrize("impact", [fl.PlasticImpact(), fl.RestitutionImpact(e=0.5)], ids=["plastic", "e"])
+@pytest.mark.parametrize(
+    "impact",
+    [pytest.param(fl.PlasticImpact(), marks=pytest.mark.slow), fl.RestitutionImpact(e=0.5)],
+    ids=["plastic", "e"],
+)
 def test_a_moving_load_an_impact_law_and_chatter_are_for_any_model(impact):
     mine, paper = Tilting(impact=impact), fl.SliderOnBelt(mu_k=1.4, impact=impact)
     assert mine.automaton().names == paper.automaton().names

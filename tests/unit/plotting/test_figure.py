@@ -32,8 +32,14 @@ def without_a_layout():
 
 SETTINGS = {}, {"savefig.dpi": 60}, {"savefig.bbox": "tight"}
 OPTIONS = {}, {"dpi": 50}, {"dpi": "figure"}, {"facecolor": "red"}, {"transparent": True}
-WAYS = [  # either alone at once, both together in the slow tests
-    pytest.param(settings, options, marks=pytest.mark.slow if settings and options else ())
+WAYS = [  # one option and the setting that moves what is drawn at once, all in the slow tests
+    pytest.param(
+        settings,
+        options,
+        marks=()
+        if (settings, options) in (({}, {"dpi": 50}), ({"savefig.bbox": "tight"}, {}))
+        else pytest.mark.slow,
+    )
     for settings in SETTINGS
     for options in OPTIONS
 ]
@@ -54,7 +60,7 @@ def test_the_pixels_are_those_of_matplotlib(make, options, settings, tmp_path):
     assert np.array_equal(pixels(stream), pixels(usual))
 
 
-@pytest.mark.parametrize("style", ["screen", "projector"])
+@pytest.mark.parametrize("style", ["screen", pytest.param("projector", marks=pytest.mark.slow)])
 def test_the_picture_of_a_run_is_that_of_matplotlib(style, tmp_path):
     with fl.style(style):
         of_a_run().savefig(path := str(tmp_path / "ours.PNG"))

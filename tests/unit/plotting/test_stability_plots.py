@@ -102,6 +102,7 @@ def test_critical_curves_have_gaps_and_names(curves):
     assert beside(ax)
 
 
+@pytest.mark.slow
 def test_a_map_of_the_model():
     x, y = ("F", np.linspace(0.0, 1000.0, 9)), ("mu_k", np.linspace(0.0, 3.0, 7))
     plane = fl.stability_map(MODEL, x=x, y=y)

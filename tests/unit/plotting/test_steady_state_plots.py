@@ -90,6 +90,7 @@ def ablated():
     )
 
 
+@pytest.mark.slow
 def test_eight_phase_planes(ablated):
     panels = plotting.plot_ablation(ablated)
     assert len(panels) == 8

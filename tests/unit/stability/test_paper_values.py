@@ -92,6 +92,7 @@ def test_trace_and_determinant(model):
     np.testing.assert_allclose(np.prod(spectra, axis=1), stiffness, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_ten_thousand_are_those_of_single_models():
     values = np.linspace(0, 3, 10_000)
     locus = fl.root_locus(S(F=1000), "mu_k", values)

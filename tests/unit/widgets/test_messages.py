@@ -147,6 +147,7 @@ def test_nothing_is_computed_that_no_panel_asks_for():
     assert "spectrum" not in explorer.result.__dict__
 
 
+@pytest.mark.slow
 def test_reset_takes_everything_back(explorer):
     before, updates = pixels(explorer, "phase"), explorer.updates
     for name, value in {"mu_k": 1.4, "k5": 2e4, "switch-cubic": False, "start": "near"}.items():

@@ -45,6 +45,7 @@ def test_stick_slip():
     assert {"stick", "slip+"} <= set(late)
 
 
+@pytest.mark.slow
 def test_chaos():
     spectrum = fl.lyapunov(MODEL["chaos"], transient=200.0, t_end=3000.0, progress=False)
     assert spectrum.chaotic

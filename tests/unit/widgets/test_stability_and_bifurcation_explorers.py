@@ -112,6 +112,7 @@ def shown(explorer):
     return np.unique(x)
 
 
+@pytest.mark.slow
 def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
     panel = diagram.picture.panels["bifurcation"]
     diagram.controls["range"].value = (0.0, 1.2)
@@ -149,6 +150,7 @@ def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(dia
     assert diagram.model.mu_k == 0.45
 
 
+@pytest.mark.slow
 def test_another_parameter_means_another_diagram(diagram):
     panel = diagram.picture.panels["bifurcation"]
     assert not diagram.controls["F"].continuous_update
@@ -231,6 +233,7 @@ def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
         assert kept == list(last)[: len(kept)]  # nothing is computed twice
 
 
+@pytest.mark.slow
 def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
     async def browser():
         explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
@@ -283,6 +286,7 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
     assert 0 < counts[1] == counts[2] == counts[3] < 300
 
 
+@pytest.mark.slow
 def test_what_nobody_looks_at_waits():
     async def browser():
         explorer, counts = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
@@ -298,6 +302,7 @@ def test_what_nobody_looks_at_waits():
     assert unseen == 0 < seen
 
 
+@pytest.mark.slow
 def test_an_explorer_that_is_closed_computes_no_more():
     async def browser():
         explorer = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5)))

@@ -56,6 +56,7 @@ def test_every_control_gives_back_the_value_that_is_set(model):
     explorer.close()
 
 
+@pytest.mark.slow
 def test_the_range_of_a_diagram_comes_back_from_a_browser_without_a_change():
     explorer = fl.explore_bifurcation(fl.ModeCoupling(), "a1")
     explorer.scheduler.cancel()

@@ -33,6 +33,7 @@ def test_a_mass_that_dry_friction_stops_is_shown_until_it_stops():
     assert (t[0], t[-1]) == (0.0, pytest.approx(1.15 * stop))
 
 
+@pytest.mark.slow
 def test_beside_a_stable_equilibrium_stands_what_this_run_does():
     explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("response", "spectrum"))
     assert explorer.result.eigenvalues.stable

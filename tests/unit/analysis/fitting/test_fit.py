@@ -72,6 +72,7 @@ def test_without_noise_the_truth_is_found_to_rounding():
     assert (found["k"], found["mu_s"]) == (pytest.approx(1.3, rel=1e-8), pytest.approx(0.9, rel=1e-8))
 
 
+@pytest.mark.slow
 def test_impacts_and_an_unknown_start():
     truth = fl.ImpactOscillator(Omega=2.8, e=0.6, d=0.05, c=0.02)
     start = {"x": -0.3, "x'": 0.2}
@@ -187,6 +188,7 @@ def test_spectra_have_exact_gradients(window):
         assert exact.slopes[:, i] == pytest.approx(rows[0], abs=1e-6 * np.abs(rows[0]).max()), i
 
 
+@pytest.mark.slow
 def test_a_spectrum_and_a_record_are_fitted_together():
     data, _ = record(TRUTH, 20.0, 50)
     found = fl.fit(TRUTH.replace(k=1.31), [data, lines_of(TRUTH, 0.01)], ["k", "mu_k"], segments=2)

@@ -30,6 +30,7 @@ def test_ishigamis_indices():
     assert (found.total_errors < 0.05).all()
 
 
+@pytest.mark.slow
 def test_indices_of_the_onset_of_mode_coupling_are_those_of_its_closed_form():
     """By Gauss-Legendre quadrature of mu_c in k1, k2 and k3: V[E(mu_c | p)] and V[E(mu_c | all but p)]."""
     names, half = ("k1", "k2", "k3"), 0.1

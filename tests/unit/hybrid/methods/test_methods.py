@@ -92,7 +92,9 @@ def test_rk4_of_the_oscillator_takes_the_steps_it_was_told():
 # --- scipy
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow if n in ("RK23", "BDF", "Radau") else ()) for n in NAMES]
+)
 def test_scipys_methods_run_by_name(name):
     exact = fl.simulate(A, 0.15)
     run = fl.simulate(A, 0.15, method=name)

@@ -25,7 +25,7 @@ def lines_of(model, shares, count):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n in ("undamped", "slider") else ()) for n in CASES]
+    "name", [pytest.param(n, marks=pytest.mark.slow if n != "near" else ()) for n in CASES]
 )
 def test_they_are_those_of_scans(name):
     model, bounds, shares = CASES[name]
@@ -58,9 +58,7 @@ def random_oscillators(seed):
     return fl.HybridAutomaton((*x, *v), (fl.Mode("flow", (*v, *forces)),), {p: 0.0, a: 0.0, b: 0.0}, n)
 
 
-@pytest.mark.parametrize(
-    "seed", [pytest.param(s, marks=pytest.mark.slow if s in (1, 2, 4, 5, 7) else ()) for s in range(8)]
-)
+@pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.slow if s else ()) for s in range(8)])
 def test_random_oscillators_lose_stability_where_scans_say(seed):
     """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
     problem, count = equilibrium_problem(random_oscillators(seed)), 256
@@ -72,6 +70,7 @@ def test_random_oscillators_lose_stability_where_scans_say(seed):
     assert found.values == pytest.approx(values, rel=1e-8, abs=1e-9, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_fewer_spectra_are_computed(monkeypatch):
     model, bounds, shares = CASES["near"]
     problem, asked = equilibrium_problem(model), []

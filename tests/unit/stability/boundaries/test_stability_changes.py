@@ -278,10 +278,10 @@ def test_where_an_equilibrium_begins_nothing_changes():
 @pytest.mark.parametrize(
     ("model", "over"),
     [
-        (S(), ("F", np.linspace(-50, 1000, 8))),
+        pytest.param(S(), ("F", np.linspace(-50, 1000, 8)), marks=pytest.mark.slow),
         (S(F=1000, l1=0.1, l2=0.3), ("l1", [0.05, 0.1, 0.2, 0.4])),
         (S(), ("k3", [0.0, 1e3, 6e3])),
-        (S(**UNDAMPED), ("k_nl", [0.0, 1e4, 1e7])),
+        pytest.param(S(**UNDAMPED), ("k_nl", [0.0, 1e4, 1e7]), marks=pytest.mark.slow),
         (
             linear([[7.0, sympy.Symbol("k") - 2 * P], [sympy.Symbol("k"), 6.0]], 0.1, k=0.8),
             ("k", [0.2, 0.8, 3.0]),

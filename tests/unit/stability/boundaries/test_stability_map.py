@@ -126,6 +126,7 @@ def test_where_there_is_no_equilibrium():
     assert np.isnan(found.growth[:, 0]).all()
 
 
+@pytest.mark.slow
 def test_the_island_of_the_stiff_contact_is_one_closed_curve():
     """Table 1 with k_nl = 1e7: flutter near mu_k 0.2 for preloads about 170 N, far below the first loss."""
     model = fl.SliderOnBelt(k_nl=1e7)

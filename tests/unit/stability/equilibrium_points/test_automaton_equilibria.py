@@ -72,6 +72,7 @@ def test_a_locus_of_a_mass_on_a_belt():
     np.testing.assert_allclose(locus.participation, 1)
 
 
+@pytest.mark.slow
 def test_the_slider_as_an_automaton():
     """Newton's method, guards and the stick mode's constraint against the polynomial of the model."""
     model = fl.SliderOnBelt(F=1000, l1=0.1, l2=0.3, mu_k=0.9)
@@ -196,7 +197,7 @@ def lorenz(rho):
 @pytest.mark.parametrize(
     "rho", [0.5, *(pytest.param(rho, marks=pytest.mark.slow) for rho in (10.0, 20.0)), 28.0]
 )
-@pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
+@pytest.mark.parametrize("bounds", [pytest.param((15, 30), marks=pytest.mark.slow), (0.1, 100)])
 def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
     """Whether or not they exist at the model's own value, and at the lower bound."""
     point = fl.hopf(lorenz(rho), "rho", bounds)

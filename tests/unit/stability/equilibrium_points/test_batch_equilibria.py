@@ -145,7 +145,9 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize("laws", LAWS)
+@pytest.mark.parametrize(
+    "laws", [*(pytest.param(one, marks=pytest.mark.slow) for one in LAWS[:-1]), LAWS[-1]]
+)
 @pytest.mark.parametrize("toggles", [pytest.param((), marks=pytest.mark.slow), ("geometry",)])
 def test_own_laws(laws, toggles):
     model = S(mu_k=0.4, **laws).without(*toggles)
@@ -163,6 +165,7 @@ def test_several_equilibria():
     compare(model, grid(F=[2000.0, 3000.0, 4000.0], mu_k=np.linspace(0, 3, 9)))
 
 
+@pytest.mark.slow
 def test_a_contact_that_clamps_itself_without_preload():
     """Backwards friction pulls the slider in: there are equilibria with F_N > 0 at F = 0."""
     model = S(k1=1.5e3, k3=2e4, k4=1.4e3, F=0.0, v=-1.0, k_nl=1e6, k2=0.0, mu_s=4.0)

@@ -160,7 +160,7 @@ def test_an_array_of_exponents():
     np.testing.assert_allclose(least(model, n=exponents), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("direction", ["vertical", "normal"])
+@pytest.mark.parametrize("direction", ["vertical", pytest.param("normal", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("contact", [fl.HertzContact(), Bump(width=1e-4), Steep(), fl.CubicContact()])
 def test_a_belt_that_tilts(direction, contact):
     """All changes of sign of the equation on a fine grid, its coordinates solved as linear equations."""

@@ -119,6 +119,7 @@ def test_images_have_the_size_of_a_panel_and_show_their_own():
     assert np.array_equal(corner["left"], corner["below"])
 
 
+@pytest.mark.slow
 def test_a_slow_update_is_marked_while_it_runs():
     waited = []
 
