@@ -12,7 +12,7 @@ import frictionlab as fl
 from tests.browser.screen import faults
 from tests.browser.test_page import exported, opened
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 SITE = Path(os.environ.get("FRICTIONLAB_SITE", Path(__file__).parents[2] / "docs/_build/html"))
 PAGES = ("index.html", "getting-started.html", "models/slider-on-rigid-belt.html", "course/00-one-mass.html")

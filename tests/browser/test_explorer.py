@@ -55,10 +55,15 @@ FRONT_ENDS = {
 }
 CLICKS = "voila-clicked", "lab-clicked"
 
-EVERYWHERE = pytest.mark.parametrize("shown", ["voila", "lab", "app"], indirect=True, scope="module")
-NOTEBOOKS = pytest.mark.parametrize("shown", ["voila", "lab"], indirect=True, scope="module")
-CLICKABLE = pytest.mark.parametrize("shown", CLICKS, indirect=True, scope="module")
-COMMAND = pytest.mark.parametrize("shown", ["app"], indirect=True, scope="module")
+
+def shown_in(*front_ends):
+    """A test that is shown in these; in the app at once, in others with the slow tests."""
+    each = [pytest.param(name, marks=() if name == "app" else pytest.mark.slow) for name in front_ends]
+    return pytest.mark.parametrize("shown", each, indirect=True, scope="module")
+
+
+EVERYWHERE, COMMAND = shown_in("voila", "lab", "app"), shown_in("app")
+NOTEBOOKS, CLICKABLE = shown_in("voila", "lab"), shown_in(*CLICKS)
 
 
 @pytest.fixture(scope="module")
@@ -219,6 +224,7 @@ def test_nothing_overlaps_and_the_picture_stays_in_sight(shown, width, height):
     page.set_viewport_size({"width": 1280, "height": 720})
 
 
+@pytest.mark.slow
 def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
     if find_spec("voila") is None:
         pytest.skip("voila shows the explorer; it is not installed")
@@ -233,6 +239,7 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
         page.close()
 
 
+@pytest.mark.slow
 def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
     if find_spec("voila") is None:
         pytest.skip("voila shows the explorer; it is not installed")

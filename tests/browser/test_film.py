@@ -7,7 +7,7 @@ import pytest
 from tests.browser.screen import PATIENCE
 from tests.browser.servers import ANIMATED, free_port, serving, write_notebook
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 
 def test_a_film_is_shown_and_no_widget_is_missed(browser, tmp_path):

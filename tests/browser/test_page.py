@@ -142,6 +142,7 @@ def test_machine_code_of_functions_and_quotients_has_the_bits_of_the_interpreter
     page.context.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [fl.HertzContact(), fl.PressureDependent(n=0.9)], ids=str)
 def test_machine_code_of_powers_has_the_bits_of_the_interpreter_and_of_simulate(browser, tmp_path, law):
     """Fractional powers, whose series end early where the contact begins and ends."""
@@ -400,6 +401,7 @@ LONG_RUN = """([end]) => {
 }"""
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_its_records_are_full(browser, tmp_path):
     """Under Hertz's law 20 s have more steps than there is room for at first."""
     model = fl.SliderOnBelt(mu_k=1.4, contact=fl.HertzContact())

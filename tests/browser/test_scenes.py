@@ -27,7 +27,7 @@ from tests.browser.servers import (
     write_notebook,
 )
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 ROOT = ".fl-explorer"
 SIZES = {390: 844, 1280: 800, 1920: 1080}

@@ -9,7 +9,7 @@ import frictionlab as fl
 from tests.browser.screen import PATIENCE
 from tests.browser.servers import EVERY_MODEL, free_port, serving, write_notebook
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 COUNT = len(fl.list_models())
 
 # Move each slider by one position, away from the end it may be at, and back; what the fields show before and
