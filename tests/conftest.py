@@ -1,5 +1,6 @@
 """Settings of the whole test run; environment variables, so that subprocesses and notebooks have them too."""
 
+import gc
 import os
 import shutil
 import signal
@@ -28,11 +29,25 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 pytest.register_assert_rewrite("tests.helpers", "tests.differential")  # helpers assert too
 
 
+HERE = Path(__file__).parent
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Folders that the default leaves out as a whole are not imported: that takes seconds in each process."""
+    default = config.option.markexpr == "not slow and not browser"
+    return (default and collection_path in (HERE / "slow", HERE / "browser")) or None
+
+
+def pytest_collection_finish():
+    """What has been imported lives to the end, so no collection of garbage need look through it again."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_collection_modifyitems(items):
     """Tests are slow by folder or mark, and need a browser where they ask for the fixture."""
-    here = Path(__file__).parent
     for item in items:
-        if item.path.is_relative_to(here) and item.path.relative_to(here).parts[0] == "slow":
+        if item.path.is_relative_to(HERE) and item.path.relative_to(HERE).parts[0] == "slow":
             item.add_marker(pytest.mark.slow)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.browser)
