@@ -13,6 +13,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.presentation import FrozenMapping
 from tests.helpers import results
+from tests.helpers.cases import slow_but
 from tests.helpers.own_models import Chain, Fitted
 
 MODEL = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
@@ -86,7 +87,7 @@ def public(result):
 SKIPPED = {"problem", "automaton", "normal_form", "stats", "wall_time"}
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", slow_but(["pickle"], WAYS))  # the others go the same way
 @pytest.mark.parametrize("name", BUILDERS)
 def test_a_copy_is_the_same(name, way):
     given = result(name)

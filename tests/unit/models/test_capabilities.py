@@ -12,6 +12,7 @@ import frictionlab as fl
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.models import Friction, Mechanics, Mechanism, with_signature
 from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
+from tests.helpers.cases import slow_but
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
 CALLS = [row.call for row in fl.list_models()]
@@ -93,6 +94,7 @@ def test_it_is_heard(model, run):
     assert np.abs(sound.samples).max() == pytest.approx(0.9)
 
 
+@pytest.mark.parametrize("model", slow_but([CALLS[0], CALLS[-1]], CALLS), indirect=True)
 def test_it_is_explored_with_a_switch_for_each_nonlinearity_and_its_mechanism(model):
     explorer = fl.explore(model, panels=("response", "mechanism"))
     assert explorer.error is None

@@ -79,7 +79,7 @@ def contrasts(figure):
     return found
 
 
-QUICK = "run", "map", "animation", "Hopf point"
+QUICK = "run", "map"
 DARK = [pytest.param("dark_background", n, marks=[] if n in QUICK else pytest.mark.slow) for n in FIGURES]
 DARK += [("dark", "overview"), *(pytest.param("dark", n, marks=pytest.mark.slow) for n in ("map", "basins"))]
 

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 from tests.helpers.results import BUILDERS, result
 
 MODEL = fl.ModeCoupling(c=0.1)
@@ -19,7 +20,10 @@ QUIET = {"progress": False}
 PARTS_OF_RESULTS = {"stability change", "boundary", "special orbit", "attractor", "events", "section points"}
 
 
-@pytest.mark.parametrize("name", [name for name in BUILDERS if name not in PARTS_OF_RESULTS])
+WHOLE = [name for name in BUILDERS if name not in PARTS_OF_RESULTS]
+
+
+@pytest.mark.parametrize("name", slow_but(WHOLE[::3], WHOLE))  # most have tests of what is drawn
 def test_a_result_draws_itself(name):
     found = result(name)
     alone = found.plot()

@@ -10,6 +10,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.result import QUICK_METHOD
+from tests.helpers.cases import slow_but
 from tests.helpers.explorers import lines, made, pixels
 
 
@@ -169,8 +170,9 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("model", SCENES.values(), ids=SCENES)
-def test_the_snippet_gives_the_model_and_the_run_again(model):
+@pytest.mark.parametrize("scene", slow_but(["changed", "own law"], SCENES))
+def test_the_snippet_gives_the_model_and_the_run_again(scene):
+    model = SCENES[scene]
     explorer = made(model, ("response",))
     names = {"Hertz": Hertz}
     code = re.sub(

@@ -22,14 +22,16 @@ def told_by_browser(control):
     return control.value
 
 
-@pytest.fixture(params=MODELS, ids=MODELS)
-def model(request):
-    return MODELS[request.param]
+@pytest.fixture(params=MODELS, ids=MODELS, scope="module")
+def explorer(request):
+    explorer = fl.explore(MODELS[request.param], panels=("eigenvalues",))
+    assert explorer.model == MODELS[request.param]
+    yield explorer
+    explorer.close()
 
 
-def test_showing_an_explorer_changes_nothing(model):
-    explorer = fl.explore(model, panels=("eigenvalues",))
-    settings, updates = explorer.settings, explorer.updates
+def test_showing_an_explorer_changes_nothing(explorer):
+    model, settings, updates = explorer.model, explorer.settings, explorer.updates
     for name, control in explorer.controls.items():
         if not hasattr(control, "value"):
             continue
@@ -41,11 +43,10 @@ def test_showing_an_explorer_changes_nothing(model):
             control.value = told
     assert (explorer.settings, explorer.updates) == (settings, updates)
     assert explorer.model == model
-    explorer.close()
 
 
-def test_every_control_gives_back_the_value_that_is_set(model):
-    explorer = fl.explore(model, panels=("eigenvalues",))
+def test_every_control_gives_back_the_value_that_is_set(explorer):
+    model = explorer.model
     with explorer.scheduler.batch():
         for control in explorer.parameters.sliders.values():
             before = control.value
@@ -53,7 +54,6 @@ def test_every_control_gives_back_the_value_that_is_set(model):
                 control.value = value
                 assert told_by_browser(control) == control.field.value == value
     assert explorer.model == model
-    explorer.close()
 
 
 @pytest.mark.slow

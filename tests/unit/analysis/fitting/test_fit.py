@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 import frictionlab as fl
 from frictionlab.analysis.fitting.predictions import Pieces, motion_misfit
+from tests.helpers.cases import slow_but
 
 fit_module = import_module("frictionlab.analysis.fitting.fit")
 TRUTH = fl.MassOnBelt(k=1.3, mu_s=0.9, mu_k=0.45, c=0.03)
@@ -154,7 +155,7 @@ def test_a_spectrum_determines_friction_and_spring(segments):
     assert np.isnan(found.times).all()
 
 
-@pytest.mark.parametrize("window", ["rectangular", "hann"])
+@pytest.mark.parametrize("window", slow_but(["hann"], ["rectangular", "hann"]))
 def test_spectra_have_exact_gradients(window):
     """Residuals and their derivatives by parameters and all states at the seams, by Richardson."""
     model, names = TRUTH, ("k", "mu_s", "c")

@@ -12,6 +12,7 @@ from frictionlab.hybrid.ensemble.arrays import select_runs
 from frictionlab.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
+from tests.helpers.cases import slow_but
 from tests.helpers.laws import Undefined
 
 FULL = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full"))
@@ -36,7 +37,7 @@ def compiled(model):
 
 
 @pytest.mark.plain_python
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", slow_but(["stick, slip and separation", "chatter", "linear"], SCENES))
 def test_each_run_is_what_it_would_be_alone(name):
     compiled(SCENES[name])
     models = [SCENES[name].replace(mu_k=float(mu)) for mu in MU]

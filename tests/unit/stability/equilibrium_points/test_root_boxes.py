@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 import frictionlab as fl
 from frictionlab.stability.equilibrium_points.intervals import Interval
+from tests.helpers.cases import slow_but
 
 X, Y, Z, V, W = sympy.symbols("x y z v w")
 A, B, P = sympy.symbols("a b p")
@@ -81,8 +82,8 @@ def test_where_there_is_none_it_is_known():
         assert repr(found) == "Equilibria(none exists)"
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 5])
-@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e6])
+@pytest.mark.parametrize("order", slow_but([2, 5], [1, 2, 3, 5]))
+@pytest.mark.parametrize("scale", slow_but([1e-3, 1e6], [1.0, 1e-3, 1e6]))
 def test_a_pole_is_no_equilibrium(order, scale):
     """3 + 1/(x/s - 1)^n: one zero beside the pole for odd n, none for even n; of 1/(x/s - 1)^n alone none."""
     pole = (X / A - 1) ** -order

@@ -1,0 +1,9 @@
+"""Cases of parametrised tests, of which some run at once and the others in the slow leg."""
+
+import pytest
+
+
+def slow_but(at_once, cases):
+    """The names or values `cases`, those that are not in `at_once` marked as slow."""
+    assert set(at_once) <= set(cases)
+    return [case if case in at_once else pytest.param(case, marks=pytest.mark.slow) for case in cases]
