@@ -86,7 +86,7 @@ def tests(session: nox.Session) -> None:
 def notebooks(session: nox.Session) -> None:
     """Every notebook of the course, from its first to its last cell."""
     install(session)
-    run(session, "pytest", "-n", "auto", "-m", "slow", NOTEBOOKS, env=EXECUTED)
+    run(session, "pytest", "-n", "auto", "--dist", "worksteal", "-m", "slow", NOTEBOOKS, env=EXECUTED)
 
 
 @nox.session
