@@ -38,7 +38,7 @@ def test_a_random_mechanism_moves_as_the_reference(seed, number):
 
 # A current and a filter on a pad (6), and between a wall and a contact that is lost (13); a temperature that
 # softens friction (18); bristles (19).
-@pytest.mark.parametrize("number", [13, *(pytest.param(n, marks=pytest.mark.slow) for n in (6, 18, 19))])
+@pytest.mark.parametrize("number", slow_but([13], [6, 13, 18, 19]))
 def test_a_random_mechanism_with_further_states_moves_as_the_reference(number):
     one = generate_further(41, number)
     verdict = judge(one, PERIODS * one.period)

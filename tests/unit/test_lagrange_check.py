@@ -11,6 +11,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.models import MechanicalModel, with_signature
 from frictionlab.models.mechanical.mechanics import Mechanics
 from frictionlab.models.symbols import symbol
+from tests.helpers.cases import slow_but
 
 
 @with_signature
@@ -52,9 +53,7 @@ def test_the_flow_of_the_energies_passes():
     fl.testing.check_model(Dripping(), t_end=3.0)
 
 
-@pytest.mark.parametrize(
-    "lacking", ["place", *(pytest.param(one, marks=pytest.mark.slow) for one in ("time", "damping"))]
-)
+@pytest.mark.parametrize("lacking", slow_but(["place"], ["time", "place", "damping"]))
 def test_a_flow_that_lacks_a_term_fails(lacking):
     with pytest.raises(AssertionError, match=r"must keep Lagrange's equation of '[xy]'"):
         fl.testing.check_model(Dripping(lacking=lacking), t_end=3.0)

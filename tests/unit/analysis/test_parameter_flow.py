@@ -8,6 +8,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.analysis.parameter_flow import parameter_flow, sampled_flow, varied_names
+from tests.helpers.cases import slow_but
 
 MODEL = fl.MassOnBelt(c=0.05)
 START = np.array([1.5, 0.0])
@@ -77,9 +78,7 @@ EXPONENTS = {
 }
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=pytest.mark.slow if c == "contact" else ()) for c in EXPONENTS]
-)
+@pytest.mark.parametrize("case", slow_but({*EXPONENTS} - {"contact"}, EXPONENTS))
 def test_exponents_move_runs_as_differences_say(case):
     """At the zero of its base, where contact begins and ends, the logarithm of it is no number."""
     model, t_end, named = EXPONENTS[case]

@@ -10,6 +10,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.compilation.machine_code import cache_folder
 from tests.helpers.assertions import assert_same_times
+from tests.helpers.cases import slow_but
 
 X, V = sp.symbols("x v")
 FULL = fl.PlasticImpact("full")
@@ -92,9 +93,7 @@ def test_rk4_of_the_oscillator_takes_the_steps_it_was_told():
 # --- scipy
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n in ("RK23", "BDF", "Radau") else ()) for n in NAMES]
-)
+@pytest.mark.parametrize("name", slow_but({*NAMES} - {"RK23", "BDF", "Radau"}, NAMES))
 def test_scipys_methods_run_by_name(name):
     exact = fl.simulate(A, 0.15)
     run = fl.simulate(A, 0.15, method=name)

@@ -9,6 +9,7 @@ import frictionlab as fl
 from frictionlab.stability.boundaries.first_losses import MIN_LINES, first_losses
 from frictionlab.stability.boundaries.stability_changes import changes_on_lines, first_loss_change
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
+from tests.helpers.cases import slow_but
 
 CASES = {
     "near": (fl.ModeCoupling(c=0.1), (0.0, 4.0), {"k1": (0.9, 1.1), "k3": (0.9, 1.1), "c": (0.5, 1.5)}),
@@ -24,9 +25,7 @@ def lines_of(model, shares, count):
     return {n: model.parameters[n] * (a + (b - a) * column) for (n, (a, b)), column in columns}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n != "near" else ()) for n in CASES]
-)
+@pytest.mark.parametrize("name", slow_but(["near"], CASES))
 def test_they_are_those_of_scans(name):
     model, bounds, shares = CASES[name]
     count = 256
@@ -58,7 +57,7 @@ def random_oscillators(seed):
     return fl.HybridAutomaton((*x, *v), (fl.Mode("flow", (*v, *forces)),), {p: 0.0, a: 0.0, b: 0.0}, n)
 
 
-@pytest.mark.parametrize("seed", [pytest.param(s, marks=pytest.mark.slow if s else ()) for s in range(8)])
+@pytest.mark.parametrize("seed", slow_but([0], range(8)))
 def test_random_oscillators_lose_stability_where_scans_say(seed):
     """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
     problem, count = equilibrium_problem(random_oscillators(seed)), 256

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import frictionlab as fl
 from tests.helpers.assertions import assert_all
+from tests.helpers.cases import slow_but
 from tests.helpers.linear_automata import P, linear, rotated
 
 pytestmark = pytest.mark.blas
@@ -61,9 +62,7 @@ def test_a_driven_mode_crosses_those_that_drive_it():
         np.testing.assert_allclose(others, np.tile(others[:1], (number, 1)), rtol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "coupling", [1e-1, *(pytest.param(c, marks=pytest.mark.slow) for c in (1e-2, 1e-3, 1e-4, 1e-6)), 1e-8]
-)
+@pytest.mark.parametrize("coupling", slow_but([1e-1, 1e-8], [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8]))
 @pytest.mark.parametrize("bounds", [(0.0, 1.0), (0.013, 0.971), (1.0, 0.0)])
 def test_a_veering_is_no_crossing(coupling, bounds):
     """However weak the coupling and coarse the values: the lower frequency stays the lower one."""

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import frictionlab as fl
 from frictionlab.components import ContactLaw, FrictionLaw
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
+from tests.helpers.cases import slow_but
 
 S = fl.SliderOnBelt
 
@@ -145,9 +146,7 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize(
-    "laws", [*(pytest.param(one, marks=pytest.mark.slow) for one in LAWS[:-1]), LAWS[-1]]
-)
+@pytest.mark.parametrize("laws", slow_but(LAWS[-1:], LAWS))
 @pytest.mark.parametrize("toggles", [pytest.param((), marks=pytest.mark.slow), ("geometry",)])
 def test_own_laws(laws, toggles):
     model = S(mu_k=0.4, **laws).without(*toggles)
