@@ -10,6 +10,8 @@ from collections import Counter
 from functools import partial
 from multiprocessing import Pool
 
+from tqdm import tqdm
+
 from tests.doors import automata
 from tests.doors.further import generate_further
 from tests.doors.generate import generate
@@ -36,11 +38,12 @@ def main() -> None:
     numbers = range(options.first, options.first + options.count)
     count: Counter[str] = Counter()
     with Pool(options.jobs) as pool:
-        for number, found in zip(numbers, pool.imap(partial(door, options), numbers), strict=True):
+        judged = pool.imap(partial(door, options), numbers)
+        for number, found in zip(numbers, tqdm(judged, total=len(numbers), unit="case"), strict=True):
             for kind, words in found:
                 count[kind] += 1
                 if words:
-                    print(f"{number}: {kind}, {words[:300]}", flush=True)
+                    tqdm.write(f"{number}: {kind}, {words[:300]}")
     print(dict(count))
 
 

@@ -12,6 +12,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
+from sympy.matrices import dotprodsimp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
@@ -203,10 +204,17 @@ def _held_by_forces(
 
 def _products(matrix: Any, right: Any, sign: int) -> Iterator[tuple[Any, Any]]:
     """By Cramer's rule the determinant of this sign, and its product with each unknown."""
+    compliance = _expand(sign * _determinant(matrix))
     for i in range(matrix.rows):
         replaced = matrix.copy()
         replaced[:, i] = right
-        yield _expand(sign * matrix.det()), _expand(sign * replaced.det())
+        yield compliance, _expand(sign * _determinant(replaced))
+
+
+def _determinant(matrix: Any) -> Any:
+    """Without divisions, and without looking for common factors, which may take hours."""
+    with dotprodsimp(False):
+        return matrix.det(method="berkowitz")
 
 
 def _sparse_product(one: Any, other: Any) -> Any:
