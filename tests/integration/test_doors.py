@@ -20,8 +20,8 @@ from tests.helpers.cases import slow_but
 PERIODS = 6.0
 # Masses that depend on time (17, 24); several contacts that come to rest at one instant (25); a contact that
 # turns back while another sticks, and could slip as well (112); an exponential function times 1e95 (286); a
-# contact that comes to rest while another sticks, where either may go on to stick (71, 10); three contacts that
-# hold a body whose mass depends on its place, of which sympy sought common factors for hours (71, 110).
+# contact that comes to rest while another sticks, where either may go on to stick (71, 10); three contacts
+# that hold a body whose mass depends on its place, of which sympy sought common factors for hours (71, 110).
 CASES = [
     (1, 24),
     (71, 10),
