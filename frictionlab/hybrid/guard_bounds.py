@@ -2,10 +2,11 @@
 
 Nothing of the search for events is used: neither series of guards, nor their roots, nor the lengths of the
 run's steps.  A piece is the polynomial of the states on an interval of time, by its Chebyshev coefficients.
-One pass through the tape gives ranges of the values and of the rates of all functions on it.  Where these do
-not show that a guard stays positive, the piece is halved.  So a function that changes fast against the step
-is resolved to any depth, and only where it may be zero.  Source: R. E. Moore, R. B. Kearfott, M. J. Cloud,
-Introduction to Interval Analysis, SIAM 2009, chapters 6 and 8.
+One pass through the tape gives intervals of the values and of the rates of all functions on it
+(:mod:`frictionlab.tape.intervals`).  Where these do not show that a guard stays positive, the piece is
+halved.  So a function that changes fast against the step is resolved to any depth, and only where it may be
+zero.  Source: R. E. Moore, R. B. Kearfott, M. J. Cloud, Introduction to Interval Analysis, SIAM 2009,
+chapters 6 and 8.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.tape import functions as kinds
+from frictionlab.tape.formulas import ALONG_RUNS
+from frictionlab.tape.intervals import Interval
 from frictionlab.tape.program import Code, Numbers
 
 Array = Any
@@ -29,111 +32,6 @@ HIDDEN = 1e-11  # share of a state's size: what functions that change much on a 
 SCALE = 1.0  # of a function: the most by which its argument may change on a piece
 RATIO = 2.0  # of powers, quotients and logarithms: the largest ratio of the argument's ends on a piece
 POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
-
-
-class Interval(NamedTuple):
-    """Ranges, each from `low` to `high`; infinite where nothing is known."""
-
-    low: Array
-    high: Array
-
-    def __add__(self, other: Any) -> Interval:  # type: ignore[override]  # a tuple's + and * are others
-        return Interval(self.low + other.low, self.high + other.high)
-
-    def __neg__(self) -> Interval:
-        return Interval(-self.high, -self.low)
-
-    def __mul__(self, other: Any) -> Interval:  # type: ignore[override]  # a tuple's + and * are others
-        (a, b), (c, d) = self, other
-        ac, ad, bc, bd = a * c, a * d, b * c, b * d
-        low = np.minimum(np.minimum(ac, ad), np.minimum(bc, bd))
-        return _known(low, np.maximum(np.maximum(ac, ad), np.maximum(bc, bd)))
-
-    def scaled(self, factor: float) -> Interval:
-        """The ranges times a number."""
-        ends = self.low * factor, self.high * factor
-        return _known(*(ends if factor >= 0.0 else ends[::-1]))
-
-    def squared(self) -> Interval:
-        """The squares, none of which is negative."""
-        ends = self.low**2, self.high**2
-        return Interval(np.where(self._holds(0.0), 0.0, np.minimum(*ends)), np.maximum(*ends))
-
-    def inverted(self) -> Interval:
-        """The reciprocals; unknown where a range holds zero."""
-        zero = self._holds(0.0)
-        return Interval(np.where(zero, -np.inf, 1.0 / self.high), np.where(zero, np.inf, 1.0 / self.low))
-
-    def power(self, exponent: float) -> Interval:
-        """A power of a base that is not negative."""
-        ends = [np.maximum(end, 0.0) ** exponent for end in self]
-        return _known(*(ends if exponent >= 0.0 else ends[::-1]))
-
-    @property
-    def width(self) -> Array:
-        """How far the ends are apart."""
-        return self.high - self.low
-
-    @property
-    def spans_ratio(self) -> Array:
-        """Whether the ends differ in sign, or by more than the factor `RATIO`."""
-        ends = np.abs(self.low), np.abs(self.high)
-        return (np.maximum(*ends) > RATIO * np.minimum(*ends)) | (self.low * self.high < 0.0)
-
-    def _holds(self, number: float) -> Array:
-        return (self.low <= number) & (self.high >= number)
-
-
-def _known(low: Array, high: Array) -> Interval:
-    return Interval(np.fmax(low, -np.inf), np.fmin(high, np.inf))  # NaN becomes infinite
-
-
-def _increasing(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
-    return lambda a: _known(function(a.low), function(a.high))
-
-
-def _even(function: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
-    """The range of an even function that falls, or grows, with the distance from zero."""
-
-    def of(a: Interval) -> Interval:
-        near = np.where((a.low <= 0.0) & (a.high >= 0.0), 0.0, np.minimum(np.abs(a.low), np.abs(a.high)))
-        ends = function(near), function(np.maximum(np.abs(a.low), np.abs(a.high)))
-        return _known(np.minimum(*ends), np.maximum(*ends))
-
-    return of
-
-
-def _cos(a: Interval) -> Interval:
-    ends, turn = (np.cos(a.low), np.cos(a.high)), 2.0 * np.pi
-    top = np.floor(a.high / turn) >= np.ceil(a.low / turn)
-    bottom = np.floor((a.high - np.pi) / turn) >= np.ceil((a.low - np.pi) / turn)
-    finite = np.isfinite(a.low) & np.isfinite(a.high)
-    low, high = np.where(bottom, -1.0, np.minimum(*ends)), np.where(top, 1.0, np.maximum(*ends))
-    return Interval(np.where(finite, low, -1.0), np.where(finite, high, 1.0))
-
-
-def _sin(a: Interval) -> Interval:
-    return _cos(Interval(a.low - 0.5 * np.pi, a.high - 0.5 * np.pi))
-
-
-def _tan(a: Interval) -> Interval:
-    pole = np.floor(a.high / np.pi + 0.5) > np.floor(a.low / np.pi + 0.5)
-    return _known(np.where(pole, -np.inf, np.tan(a.low)), np.where(pole, np.inf, np.tan(a.high)))
-
-
-RANGES: dict[int, Callable[[Interval], Interval]] = {
-    kinds.EXP: _increasing(np.exp),
-    kinds.LOG: _increasing(lambda x: np.log(np.maximum(x, 0.0))),
-    kinds.SIN: _sin,
-    kinds.COS: _cos,
-    kinds.TAN: _tan,
-    kinds.TANH: _increasing(np.tanh),
-    kinds.SINH: _increasing(np.sinh),
-    kinds.COSH: _even(np.cosh),
-    kinds.ATAN: _increasing(np.arctan),
-    kinds.ASINH: _increasing(np.arcsinh),
-    kinds.SECH2: _even(lambda x: 1.0 / np.cosh(np.minimum(x, 350.0)) ** 2),
-}
 
 
 class Tape:
@@ -162,24 +60,22 @@ class Tape:
         """The slots of the guards, then those of the constraints."""
         return [*self.guards, *self.held]
 
-    def ranges(self, states: list[Interval]) -> list[Interval]:
-        """Ranges of all slots."""
+    def slots(self, states: Sequence[Any]) -> list[Any]:
+        """Values of all slots, where states are arrays; their ranges, where states are intervals."""
         known = list(states)
         for kind, a, b, constant in self._operations:
             if kind == kinds.AFFINE:
                 known.append(self._sum(constant, self._terms[a:b], known))
-            elif kind == kinds.PRODUCT:
+            elif kind in (kinds.PRODUCT, kinds.SQUARE):
                 known.append(known[a] * known[b])
-            elif kind == kinds.SQUARE:
-                known.append(known[a].squared())
             elif kind == kinds.QUOTIENT:
-                known.append(known[a] * known[b].inverted())
+                known.append(known[a] / known[b])
             elif kind == kinds.POWER:
-                known.append(known[a].power(constant))
+                known.append(_power(known[a], constant))
             elif kind == kinds.RATE:  # belongs to the recurrence of the next operation
                 known.append(known[a])
             else:
-                known.append(RANGES[kind](known[a]))
+                known.append(ALONG_RUNS.functions[kind](known[a]))
         return known
 
     def rates(self, known: list[Interval], states: list[Interval]) -> list[Interval]:
@@ -191,11 +87,11 @@ class Tape:
             elif kind == kinds.PRODUCT:
                 rates.append(rates[a] * known[b] + known[a] * rates[b])
             elif kind == kinds.SQUARE:
-                rates.append((known[a] * rates[a]).scaled(2.0))
+                rates.append(2.0 * (known[a] * rates[a]))
             elif kind == kinds.QUOTIENT:
-                rates.append((rates[a] + -(known[out] * rates[b])) * known[b].inverted())
+                rates.append((rates[a] - known[out] * rates[b]) / known[b])
             elif kind == kinds.POWER:
-                rates.append((known[a].power(constant - 1.0) * rates[a]).scaled(constant))
+                rates.append(constant * (_power(known[a], constant - 1.0) * rates[a]))
             elif kind == kinds.RATE:
                 rates.append(rates[a])
             else:
@@ -218,30 +114,29 @@ class Tape:
             elif kind == kinds.SQUARE:
                 hidden.append(2.0 * _times(known[a], hidden[a]))
             elif kind == kinds.QUOTIENT:
-                part = _times(known[b].inverted(), hidden[a] + _times(known[out], hidden[b]))
-                hidden.append(np.where(known[b].spans_ratio, known[out].width, part))
+                part = _times(known[b].reciprocal(), hidden[a] + _times(known[out], hidden[b]))
+                hidden.append(np.where(_spans_ratio(known[b]), known[out].width, part))
             elif kind == kinds.POWER:
-                part = abs(constant) * _times(known[a].power(constant - 1.0), hidden[a])
-                hidden.append(np.where(known[a].spans_ratio, known[out].width, part))
+                part = abs(constant) * _times(_power(known[a], constant - 1.0), hidden[a])
+                hidden.append(np.where(_spans_ratio(known[a]), known[out].width, part))
             elif kind == kinds.RATE:
                 hidden.append(hidden[a])
             else:
-                wide = known[a].spans_ratio if kind == kinds.LOG else known[a].width > SCALE
+                wide = _spans_ratio(known[a]) if kind == kinds.LOG else known[a].width > SCALE
                 hidden.append(np.where(wide, known[out].width, _times(known[b], hidden[a])))
         return hidden
 
     def values(self, states: Array, slots: Sequence[int] | None = None) -> Array:
         """Values (N, slots) at states (N, states), by default of guards and constraints."""
-        known = self.ranges([Interval(z, z) for z in states.T])
-        values = [0.5 * (known[i].low + known[i].high) for i in self._asked(slots)]
-        return np.array(values).reshape(-1, len(states)).T
+        known = self.slots(list(states.T))
+        return np.array([known[i] for i in self._asked(slots)]).reshape(-1, len(states)).T
 
     def _asked(self, slots: Sequence[int] | None) -> Sequence[int]:
         return self.functions if slots is None else slots
 
     def magnitudes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
         """Sums of the absolute terms (N, slots), as :meth:`values`."""
-        values = [value.low for value in self.ranges([Interval(z, z) for z in states.T])]
+        values = self.slots(list(states.T))
         sums = list(np.abs(states.T))
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
@@ -260,18 +155,27 @@ class Tape:
         return np.array([sums[i] for i in self._asked(slots)]).reshape(-1, len(states)).T
 
     @staticmethod
-    def _sum(constant: float, terms: list[tuple[int, float]], known: list[Interval]) -> Interval:
-        low = high = constant + 0.0 * known[0].low  # an array
+    def _sum(constant: float, terms: list[tuple[int, float]], known: list[Any]) -> Any:
+        total: Any = constant
         for slot, factor in terms:
-            least, most = known[slot] if factor > 0.0 else known[slot][::-1]
-            if factor:  # 0 times infinity would be no number
-                low, high = low + factor * least, high + factor * most
-        return _known(low, high)
+            if factor:
+                total = known[slot] * factor + total
+        return total if any(factor for _, factor in terms) else known[0] * 0.0 + constant
+
+
+def _power(base: Any, exponent: float) -> Any:
+    return ALONG_RUNS.functions[kinds.POWER](base, exponent)
+
+
+def _spans_ratio(values: Interval) -> Array:
+    """Whether the ends differ in sign, or by more than the factor `RATIO`."""
+    ends = np.abs(values.low), np.abs(values.high)
+    return (np.maximum(*ends) > RATIO * np.minimum(*ends)) | (values.low * values.high < 0.0)
 
 
 def _times(values: Interval, hidden: Array) -> Array:
     """What a product hides if one factor has these `values` and the other hides something."""
-    return np.where(hidden > 0.0, np.maximum(np.abs(values.low), np.abs(values.high)) * hidden, 0.0)
+    return np.where(hidden > 0.0, values.magnitude * hidden, 0.0)
 
 
 class Pieces(NamedTuple):
@@ -411,7 +315,7 @@ def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval, Array]:
     rates = tape.rates(known, _ranges(by_x))
     low, high = [], []
     for state, slot in enumerate(tape.flow):
-        steepest = np.maximum(np.abs(rates[slot].low), np.abs(rates[slot].high))
+        steepest = rates[slot].magnitude
         low.append(np.fmax(known[slot].low, flow[:, 1, state] - steepest))
         high.append(np.fmin(known[slot].high, flow[:, 1, state] + steepest))
     hidden = tape.hidden(known)
@@ -429,7 +333,7 @@ def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
     rates = tape.rates(known, _ranges(slopes))
     doubtful = np.zeros(len(pieces.starts), dtype=bool)
     for g, slot in enumerate(functions[:guards]):
-        steepest = np.maximum(np.abs(rates[slot].low), np.abs(rates[slot].high))  # by x, from -1 to 1
+        steepest = rates[slot].magnitude  # by x, from -1 to 1
         least = np.fmax(known[slot].low, values[:, 1, g] - steepest)
         least = np.where(np.isnan(values[:, :, g]).any(axis=1), np.inf, least)  # no number, as sqrt(gap)
         one_way = (rates[slot].low >= 0.0) | (rates[slot].high <= 0.0)
@@ -438,13 +342,10 @@ def _judge(tape: Tape, pieces: Pieces, bounds: Array) -> tuple[Array, Array]:
 
 
 def _known_slots(tape: Tape, pieces: Pieces, slots: list[int]) -> tuple[Array, list[Interval]]:
-    """Values of slots (3 pieces, slots) at POINTS, and the ranges of all slots on the pieces, by one pass."""
+    """Values of slots (3 pieces, slots) at POINTS, and the ranges of all slots on the pieces."""
     basis = chebyshev_basis(pieces.coefficients.shape[1] - 1)
     at = (basis.points @ pieces.coefficients).reshape(-1, pieces.coefficients.shape[2])
-    both = zip(at.T, _ranges(pieces.coefficients), strict=True)
-    known = tape.ranges([Interval(*(np.append(z, end) for end in span)) for z, span in both])
-    points = np.array([known[i].low[: len(at)] for i in slots]).reshape(len(slots), len(at)).T
-    return points, [Interval(low[len(at) :], high[len(at) :]) for low, high in known]
+    return tape.values(at, slots), tape.slots(_ranges(pieces.coefficients))
 
 
 def _ranges(coefficients: Array) -> list[Interval]:

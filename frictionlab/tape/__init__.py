@@ -13,6 +13,8 @@ Models compute their numbers with it, and the solver runs what it makes; it know
 ``formulas``
     `Formulas`: expressions of states and parameters as functions of numbers, arrays and intervals, with their
     derivatives; a tape whose coefficients are numbers.
+``intervals``
+    `Interval`: bounds of a number, which take its place in formulas and in the operations of modes.
 ``undefined_parts``
     Which part of a formula has no real value at some values of the parameters.
 ``program``

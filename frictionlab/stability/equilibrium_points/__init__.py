@@ -9,8 +9,8 @@ equation in the penetration.
     The modes in which equilibria are searched for, as functions.
 ``newton``
     All zeros of a flow: Newton's method from boxes or from many starts; polished and told apart.
-``root_boxes``, ``intervals``
-    Boxes that hold all zeros, by bounds of the flow in each box; the arithmetic of these bounds.
+``root_boxes``
+    Boxes that hold all zeros, by bounds of the flow in each box.
 ``static_equations``, ``real_roots``
     The one equation in the penetration; all its real roots if it is a polynomial.
 ``followed_equilibria``

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.stability.equilibrium_points.intervals import interval
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.root_boxes import (
@@ -44,6 +43,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, kept_formulas
+from frictionlab.tape.intervals import interval
 
 Array = NDArray[np.float64]
 

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_points.intervals import Interval, interval
 from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, root_boxes
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second

@@ -22,9 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_points.intervals import Interval, interval
 from frictionlab.stability.equilibrium_points.real_roots import bracketed_root
 from frictionlab.stability.flow import Flow
+from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
 LARGEST, SMALLEST = 1e30, 1e-30  # sizes of states that are searched; smaller ones count as zero

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from frictionlab.stability.equilibrium_points.intervals import Interval
 from frictionlab.tape.elementary import exponentials
 from frictionlab.tape.formulas import (
     ELEMENTARY,
@@ -17,6 +16,7 @@ from frictionlab.tape.formulas import (
     integer_power,
     real_power,
 )
+from frictionlab.tape.intervals import Interval
 from frictionlab.tape.tape import TapeError
 
 X, Y, P, Q = SYMBOLS = sp.symbols("x y p q", real=True)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import frictionlab as fl
-from frictionlab.stability.equilibrium_points.intervals import Interval
+from frictionlab.tape.intervals import Interval
 from tests.helpers.cases import slow_but
 
 X, Y, Z, V, W = sympy.symbols("x y z v w")

@@ -1,6 +1,7 @@
 """Arithmetic of intervals, by which a function of numbers gives bounds of its values in a box.
 
-An :class:`Interval` takes the place of an array in formulas (:mod:`frictionlab.tape.formulas`).  Results are
+An :class:`Interval` takes the place of an array: in formulas (:mod:`frictionlab.tape.formulas`), by which
+equilibria are searched for, and in the operations of modes, by which a run's guards are bounded.  Results are
 rounded outwards, so that no value in the box is left out.  If a function is defined in a part of the box, it
 is bounded there.  If it is defined nowhere, its bounds are NaN, the empty interval.  R. E. Moore, R. B.
 Kearfott, M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
@@ -8,7 +9,7 @@ Kearfott, M. J. Cloud, "Introduction to Interval Analysis", SIAM 2009.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,19 @@ class Interval:
 
     def __init__(self, low: Any, high: Any) -> None:
         self.low, self.high = low, high
+
+    def __getitem__(self, some: Any) -> Interval:
+        return Interval(self.low[some], self.high[some])
+
+    @property
+    def width(self) -> Any:
+        """How far the ends are apart."""
+        return self.high - self.low
+
+    @property
+    def magnitude(self) -> Any:
+        """The largest absolute value."""
+        return np.maximum(np.abs(self.low), np.abs(self.high))
 
     def __add__(self, other: Any) -> Interval:
         other = interval(other)
@@ -53,16 +67,17 @@ class Interval:
         return interval(other) + -self
 
     def __mul__(self, other: Any) -> Interval:
+        if other is self:
+            return self**2
         if not isinstance(other, Interval) and np.isfinite(other).all() and np.all(other):
             return _outwards(*_ordered(self.low * other, self.high * other))
         other = interval(other)
         products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
-        empty = np.isnan(self.low) | np.isnan(other.low)
-        # Zero times a number however large is zero.
-        one, two, three, four = (np.where(np.isnan(each), 0.0, each) for each in products)
-        low = np.minimum(np.minimum(one, two), np.minimum(three, four))
-        high = np.maximum(np.maximum(one, two), np.maximum(three, four))
-        if empty.any():
+        low, high = _extremes(products)
+        if np.isnan(low).any():
+            empty = np.isnan(self.low) | np.isnan(other.low)
+            # Zero times a number however large is zero.
+            low, high = _extremes([np.where(np.isnan(each), 0.0, each) for each in products])
             low, high = np.where(empty, np.nan, low), np.where(empty, np.nan, high)
         return _outwards(low, high)
 
@@ -164,6 +179,13 @@ def _ordered(one: Any, other: Any) -> tuple[Any, Any]:
     return np.minimum(one, other), np.maximum(one, other)
 
 
+def _extremes(numbers: Sequence[Any]) -> tuple[Any, Any]:
+    """The least and the greatest of four, NaN where one is."""
+    one, two, three, four = numbers
+    low = np.minimum(np.minimum(one, two), np.minimum(three, four))
+    return low, np.maximum(np.maximum(one, two), np.maximum(three, four))
+
+
 def _outwards(low: Any, high: Any, ulps: int = 1) -> Interval:
     for _ in range(ulps):
         low, high = np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
@@ -206,7 +228,10 @@ def _sine(x: Interval, shift: float = 0.0) -> Interval:
 
 
 def _tangent(x: Interval) -> Interval:
-    return _sine(x) * _sine(x, np.pi / 2).reciprocal()
+    """It ascends between poles, which are zeros of the cosine."""
+    pole = _sine(x, np.pi / 2).contains_zero()
+    between = _ascending(np.tan)(x)
+    return Interval(np.where(pole, -np.inf, between.low), np.where(pole, np.inf, between.high))
 
 
 def _jump(x: Interval, below: float, middle: Any) -> Interval:
