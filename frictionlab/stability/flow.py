@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.tape.formulas import Formulas
+from frictionlab.tape.intervals import Interval
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -138,6 +139,15 @@ class Flow:
     def bounds(self, x: Sequence[Any], values: Sequence[Any]) -> Sequence[Any]:
         """x' where states are numbers or intervals."""
         return self.rates.arrays(*x, *values)
+
+    def slopes(self, x: Sequence[Any], values: Sequence[Any]) -> dict[tuple[int, int], Any]:
+        """Bounds of the Jacobian in boxes, by places; infinite where a rate may jump."""
+        entries = self.derivative.bounds(x, values)
+        for (row, column), jumps in self.rates.jumps(*x, *values).items():
+            if column < self.size:
+                wide = Interval(np.where(jumps, -np.inf, 0.0), np.where(jumps, np.inf, 0.0))
+                entries[row, column] = entries.get((row, column), 0.0) + wide
+        return entries
 
     def margin(self, x: Any, values: Sequence[Any]) -> Array:
         """The least of the margins, (...)."""

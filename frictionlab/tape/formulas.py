@@ -23,9 +23,10 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import product
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -46,6 +47,7 @@ from frictionlab.tape.functions import (
     SQUARE,
     Function,
 )
+from frictionlab.tape.intervals import Interval, crosses_negative_axis, interval, select
 from frictionlab.tape.tape import AffineTerms, Tape, TapeBuilder, TapeError
 
 # Operations that only formulas have, as kernels have no series of them.
@@ -185,11 +187,9 @@ ARRAYS = Arithmetic(
         AND: np.logical_and,
         OR: np.logical_or,
     },
-    np.where,
+    select,
 )
-ALONG_RUNS = Arithmetic(
-    {**ARRAYS.functions, POWER: nonnegative_power, REAL_POWER: nonnegative_power}, np.where
-)
+ALONG_RUNS = Arithmetic({**ARRAYS.functions, POWER: nonnegative_power, REAL_POWER: nonnegative_power}, select)
 
 
 def _array_power(x: Any, y: Any) -> Any:
@@ -312,7 +312,10 @@ def _functions_of_formulas() -> dict[Any, int]:
 
 
 COMPARISONS = frozenset({LESS, LESS_OR_EQUAL, EQUAL, AND, OR})  # of zero derivative
-STEPS = COMPARISONS | {function.kind for function in OTHER_FUNCTIONS if function.slope is _flat}
+# Operations that jump: their derivatives do not tell of it.
+JUMPS = frozenset({LESS, LESS_OR_EQUAL, EQUAL, SIGN, FLOOR, CEILING, STEP, ATAN2})
+AT_JUMPS = {SIGN: 0.0, STEP: 0.5}  # values of those that have one of their own there
+MOST_BRANCHES = 64  # with more, steps that come late count as unknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -402,11 +405,72 @@ class Formulas:
     @cached_property
     def step_dependences(self) -> list[frozenset[int]]:
         """For each function the inputs on which steps in it depend: signs, whole parts, conditions."""
-        found: list[frozenset[int]] = [frozenset()] * self.tape.inputs
+        known = self._dependences_of_slots
+        return [frozenset().union(*(known[slot] for slot in steps)) for steps in self._steps_of_outputs]
+
+    @cached_property
+    def _steps_of_outputs(self) -> list[frozenset[int]]:
+        """For each function the slots of the steps in it."""
+        steps: list[frozenset[int]] = [frozenset()] * self.tape.inputs
         for i, (kind, _, _) in enumerate(self.tape.ops):
-            steps = frozenset().union(*(found[slot] for slot in operands(self.tape, i)))
-            found.append(self._dependences_of_slots[self.tape.inputs + i] if kind in STEPS else steps)
-        return [found[slot] for slot in self.outputs]
+            own = {self.tape.inputs + i} if kind in JUMPS else ()
+            steps.append(frozenset(own).union(*(steps[slot] for slot in operands(self.tape, i))))
+        return [steps[slot] for slot in self.outputs]
+
+    @cached_property
+    def _step_slots(self) -> list[int]:
+        return sorted(frozenset().union(*self._steps_of_outputs))
+
+    def steps(self, *inputs: Any) -> list[Any]:
+        """The values of all steps in the functions: signs, whole parts, conditions."""
+        values = self._values(ARRAYS, inputs)
+        return [values[slot] for slot in self._step_slots]
+
+    def jumps(self, *inputs: Any) -> dict[tuple[int, int], Any]:
+        """By function and input: in which boxes the function may jump along that input; inputs are intervals.
+
+        Functions and inputs along which there are no jumps are left out.
+        """
+        jumps: dict[tuple[int, int], Any] = {}
+        values = self._values(ARRAYS, inputs) if self._step_slots else []
+        jumping = {slot: where for slot in self._step_slots if np.any(where := self._may_jump(slot, values))}
+        for row, steps in enumerate(self._steps_of_outputs):
+            for slot in steps & jumping.keys():
+                for column in self._dependences_of_slots[slot]:
+                    jumps[row, column] = jumps.get((row, column), False) | jumping[slot]
+        return jumps
+
+    def branches(self, *inputs: Any) -> Iterator[list[Any]]:
+        """Bounds of the functions in boxes, for each way in which steps may turn out that are open there.
+
+        A step from -1 to 1 is -1, 0 or 1.  So bounds tell that a function has no zero where it jumps past it.
+        """
+        values = self._values(ARRAYS, inputs) if self._step_slots else []
+        waiting: dict[int, int] = {}  # in how many ways each step may turn out
+        for slot in self._step_slots:
+            kind = self.tape.ops[slot - self.tape.inputs][0]
+            ways = 3 if kind in AT_JUMPS else 2
+            few = math.prod(waiting.values()) * ways <= MOST_BRANCHES
+            if few and kind != ATAN2 and np.any(self._may_jump(slot, values)):
+                waiting[slot] = ways
+        for ways in product(*map(range, waiting.values())):
+            chosen = dict(zip(waiting, ways, strict=True))
+            values = [*inputs, *[None] * len(self.tape.ops)]
+            for slot, step in self._steps(ARRAYS):
+                values[slot] = step(values)
+                if slot in chosen:
+                    kind = self.tape.ops[slot - self.tape.inputs][0]
+                    values[slot] = _outcome(kind, interval(values[slot]), chosen[slot])
+            yield [values[slot] for slot in self.outputs]
+
+    def _may_jump(self, slot: int, values: Sequence[Any]) -> Any:
+        """In which boxes a step is not the same everywhere."""
+        kind, a, b = self.tape.ops[slot - self.tape.inputs]
+        if not isinstance(values[slot], Interval):
+            return False
+        if kind == ATAN2:
+            return crosses_negative_axis(interval(values[a]), interval(values[b]))
+        return values[slot].low != values[slot].high
 
     @cached_property
     def _dependences_of_slots(self) -> list[frozenset[int]]:
@@ -476,6 +540,16 @@ def _along(formulas: Formulas, inputs: tuple[int, ...]) -> Formulas:
     moved = (slot if slot < count else slot + len(inputs) for slot in formulas.outputs)
     slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in moved)
     return Formulas(builder.tape, slots)
+
+
+def _outcome(kind: int, step: Interval, way: int) -> Interval:
+    """One of the values that a step may have: the least, the greatest, and that at the jump itself."""
+    low, high = step.low, step.high
+    if way == 2:
+        middle = np.clip(AT_JUMPS[kind], low, high)
+        return Interval(middle, middle)
+    one = high - low <= 1.0 if kind in (FLOOR, CEILING) else True  # across many whole numbers it stays open
+    return Interval(np.where(one & (way == 1), high, low), np.where(one & (way == 0), low, high))
 
 
 def formulas_from_data(data: Data) -> Formulas:

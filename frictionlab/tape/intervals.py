@@ -97,7 +97,9 @@ class Interval:
         return interval(other) * self.reciprocal()
 
     def __pow__(self, exponent: Any) -> Interval:
-        if isinstance(exponent, Interval) or not np.isrealobj(exponent):
+        if isinstance(exponent, Interval):
+            return self._varying_power(exponent)
+        if not np.isrealobj(exponent):
             raise TypeError(f"an interval to the power of {exponent!r} has no bounds")
         exponent = np.asarray(exponent, float)
         whole, odd = exponent == np.floor(exponent), exponent % 2 == 1
@@ -116,6 +118,11 @@ class Interval:
         low, high = _ordered(least**exponent, np.where(whole, self.high, positive.high) ** exponent)
         low = np.where(~odd & (least <= 0) & (self.high >= 0), exponent == 0, low)
         return _outwards(low, high, FUNCTION_ULPS).cut(np.where(odd, -np.inf, 0.0), np.inf)
+
+    def _varying_power(self, exponent: Interval) -> Interval:
+        """A power by its logarithm; unknown where the base may be negative, as a whole exponent may be."""
+        power, known = np.exp(exponent * np.log(self)), self.low >= 0
+        return Interval(np.where(known, power.low, -np.inf), np.where(known, power.high, np.inf))
 
     def __rpow__(self, base: Any) -> Interval:
         if isinstance(base, Interval) or not np.all(np.asarray(base) > 0):
@@ -242,6 +249,51 @@ def _jump(x: Interval, below: float, middle: Any) -> Interval:
     return Interval(np.where(empty, np.nan, low), np.where(empty, np.nan, high))
 
 
+def _angle(y: Interval, x: Interval) -> Interval:
+    """The angle of a point in a rectangle: from corner to corner, unless that meets the negative axis."""
+    low, high = _extremes([np.arctan2(b, a) for b in (y.low, y.high) for a in (x.low, x.high)])
+    around = crosses_negative_axis(y, x)
+    whole = _outwards(np.where(around, -np.pi, low), np.where(around, np.pi, high), FUNCTION_ULPS)
+    empty = np.isnan(x.low) | np.isnan(y.low)
+    return Interval(np.where(empty, np.nan, whole.low), np.where(empty, np.nan, whole.high))
+
+
+def crosses_negative_axis(y: Interval, x: Interval) -> Any:
+    """Whether a rectangle may meet the half line y = 0, x <= 0, where angles jump."""
+    return y.contains_zero() & (x.low <= 0)
+
+
+def _less(x: Interval, y: Interval) -> Interval:
+    return _truth(x.high < y.low, x.low < y.high)
+
+
+def _less_or_equal(x: Interval, y: Interval) -> Interval:
+    return _truth(x.high <= y.low, x.low <= y.high)
+
+
+def _equal(x: Interval, y: Interval) -> Interval:
+    meet = (x.low <= y.high) & (y.low <= x.high)
+    return _truth(meet & (x.low == x.high) & (y.low == y.high), meet)
+
+
+def _truth(sure: Any, possible: Any) -> Interval:
+    """0 or 1, or both where it is not known."""
+    return Interval(np.asarray(sure, float), np.asarray(possible, float))
+
+
+def select(condition: Any, a: Any, b: Any) -> Any:
+    """`a` where a condition holds and `b` elsewhere; of intervals both where that is not known."""
+    if not any(isinstance(each, Interval) for each in (condition, a, b)):
+        return np.where(condition, a, b)
+    holds, a, b = map(interval, (condition, a, b))
+    both = [np.fmin(a.low, b.low), np.fmax(a.high, b.high)]
+    ends = zip((a.low, a.high), both, (b.low, b.high), strict=True)
+    low, high = (
+        np.where(holds.low > 0, one, np.where(holds.high > 0, union, other)) for one, union, other in ends
+    )
+    return Interval(low, high)
+
+
 def _largest(x: Interval, y: Interval) -> Interval:
     return Interval(np.maximum(x.low, y.low), np.maximum(x.high, y.high))
 
@@ -256,6 +308,15 @@ OPERATIONS: dict[Any, Callable[..., Interval]] = {
     np.absolute: Interval.__abs__,
     np.sign: lambda x: _jump(x, -1.0, 0.0),
     np.heaviside: lambda x, middle: _jump(x, 0.0, middle.low),
+    np.floor: lambda x: Interval(np.floor(x.low), np.floor(x.high)),
+    np.ceil: lambda x: Interval(np.ceil(x.low), np.ceil(x.high)),
+    np.less: _less,
+    np.less_equal: _less_or_equal,
+    np.equal: _equal,
+    np.logical_and: lambda x, y: -_largest(-x, -y),
+    np.logical_or: _largest,
+    np.logical_not: lambda x: Interval(1.0 - x.high, 1.0 - x.low),
+    np.arctan2: _angle,
     np.maximum: _largest,
     np.minimum: lambda x, y: -_largest(-x, -y),
     np.exp: _ascending(np.exp, 0.0),

@@ -275,7 +275,7 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
             return Zeros(boxes.starts, True)
         random = np.random.default_rng(0)
         x, scale = _starts(flow, values, random)
-        sure = np.zeros((flow.size, 0))
+        sure = boxes.starts[:, boxes.on_jump]
         if boxes.complete and not flow.linear:
             inside = _zeros_in_boxes(flow, values, boxes, scale)
             if inside.complete:
@@ -309,11 +309,14 @@ def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale
     met = near.any(axis=1) if zeros.shape[1] else np.zeros(len(boxes.flat), bool)
     # A zero of a higher odd order is where a rate changes its sign, and Newton's method does not reach it.
     left = boxes.flat & ~met
-    flat = boxes.starts[:, left]
+    flat, on_jump = boxes.starts[:, left], boxes.starts[:, boxes.on_jump]
     points = distinct_zeros(
-        np.hstack([zeros, flat]), np.hstack([unknown, BOX_RTOL * np.abs(flat) + SCALE_ROUNDING * scale])
+        np.hstack([on_jump, zeros, flat]),
+        np.hstack(
+            [MACHINE_EPSILON * np.abs(on_jump), unknown, BOX_RTOL * np.abs(flat) + SCALE_ROUNDING * scale]
+        ),
     )
-    doubtful = ~met & ~left
+    doubtful = ~met & ~left & ~boxes.on_jump
     why = "rates come within rounding of zero elsewhere" if doubtful.any() else ""
     return Zeros(points, not doubtful.any(), why)
 
@@ -325,7 +328,7 @@ def _credible(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Ar
         rows = flow.bounds([Interval(*ends) for ends in zip(x - room, x + room, strict=True)], values)
         held: Any = [np.broadcast_to(interval(row).contains_zero(), x.shape[1]) for row in rows]
         return x[:, np.all(held, axis=0)]
-    except (TypeError, ValueError, AttributeError):  # a function without bounds
+    except TypeError:  # a function without bounds
         return x
 
 

@@ -9,13 +9,16 @@ Then boxes are bisected in decades, from 1e-30 to 1e30, whatever the units.  A b
 of an equation in it do not hold zero.  Krawczyk's operator says that a box holds one zero only, or none.  R.
 Krawczyk, Computing 4 (1969) 187-201.
 
+Where an equation jumps it is bounded for each way in which its steps may turn out.  So a box is left out if
+the equation jumps past zero in it.  A zero exactly on a jump counts, and is looked for among floats.
+
 What the search says is proved up to the rounding of the elimination.  If the budget of boxes is used up, or a
 function has no bounds, it says that it does not know.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -83,10 +86,10 @@ class RootBoxes:
         A state in each box, or cluster of boxes, that may hold a zero.
     room : array (m, N)
         How far from that state a zero in the box may be; infinite for states that depend on others.
-    alone : bool array (N,)
-        Whether the box holds one zero for sure.
     flat : bool array (N,)
         Whether the start is a zero at which the one equation changes its sign with zero slope.
+    on_jump : bool array (N,)
+        Whether the start is a zero at which an equation jumps.
     complete : bool
         Whether all zeros lie in these boxes.
     why : str
@@ -95,8 +98,8 @@ class RootBoxes:
 
     starts: Array
     room: Array
-    alone: NDArray[np.bool_]
     flat: NDArray[np.bool_]
+    on_jump: NDArray[np.bool_]
     complete: bool
     why: str = ""
 
@@ -113,7 +116,7 @@ def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
             if isinstance(reduced, str):
                 return replace(nowhere, complete=False, why=reduced)
             return _search(ReducedFlow(flow, values, reduced))
-    except (TypeError, ValueError, AttributeError, NotImplementedError):  # a function without bounds
+    except TypeError:  # a power of a negative number, whose exponent varies
         return replace(nowhere, complete=False, why="a function has no bounds")
 
 
@@ -124,10 +127,9 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     """The elimination; None if linear rows contradict each other, so that there is no zero; a text that says
     why nothing is known."""
     m, origin = flow.size, np.zeros(flow.size)
-    entries = _entries(flow, [Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
+    entries = flow.slopes([Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
     constant = {place: _constant(entry) for place, entry in entries.items()}
     rows = np.array([None not in [c for (r, _), c in constant.items() if r == i] for i in range(m)])
-    rows &= [not steps & {*flow.stepped} for steps in flow.rates.step_dependences]
     matrix = np.zeros((m, m))
     for (i, j), entry in constant.items():
         matrix[i, j] = 0.0 if entry is None else entry
@@ -137,11 +139,11 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     solved = _solve_rows(matrix[rows], -rates[rows])
     if solved is None:
         return None
-    # Derivatives tell nothing of steps, unless linear rows hold their states at zero, as velocities.
-    if any(start[j] != 0.0 or free[j].any() for start, free in [solved] for j in flow.stepped):
-        return "rates jump where a sign, a whole part or a condition changes"
+    held: Any = np.all(solved[1] == 0.0, axis=1)
+    if flow.rates.jumps(*map(_rounded, solved[0], held), *values):
+        return "rounding decides on which side of a jump the linear rates hold a state"
     left = np.flatnonzero(~rows)
-    sums, left = _linear_sums(flow, values, left)
+    sums, left = _linear_sums(flow, values, left, held)
     if len(sums):
         with_sums = np.vstack([matrix[rows], sums @ flow.jacobian(origin, values)])
         solved = _solve_rows(with_sums, -np.append(rates[rows], sums @ rates))
@@ -151,7 +153,7 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     unknowns = basis.shape[1]
     # Linear rows may have made columns of the others constant.
     there = [_combination(origin[j], basis[j], [_whole()] * unknowns) for j in range(m)]
-    entries = _entries(flow, there, values)
+    entries = flow.slopes(there, values)
     columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in left]
     linear = np.array([all(_constant(row[k]) is not None for row in columns) for k in range(unknowns)], bool)
     coefficients = np.array([[_constant(row[k]) for k in np.flatnonzero(linear)] for row in columns], float)
@@ -168,34 +170,39 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     return elimination
 
 
+def _rounded(state: float, held: bool) -> Any:
+    """A state that linear rows hold, up to rounding; zero is exact, as for velocities."""
+    return Interval(*np.sort(state * (1 + PIVOT_RTOL * np.array([-1.0, 1.0])))) if held and state else state
+
+
 def _linear_sums(
-    flow: Flow, values: Sequence[float], rows: NDArray[np.intp]
+    flow: Flow, values: Sequence[float], left: NDArray[np.intp], held: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Sums (s, m) of rows in which all that is nonlinear cancels, and the rows that are left."""
-    none = np.zeros((0, flow.size))
+    """Sums (s, m) of rows in which all that is nonlinear cancels, and the rows that are left.
+
+    Rows that jump where states are not held are no part of them: derivatives do not tell of jumps.
+    """
+    none, free = np.zeros((0, flow.size)), {*np.flatnonzero(~held)}
+    rows = np.array([i for i in left if not free & flow.rates.step_dependences[i]], dtype=np.intp)
     if len(rows) < 2:
-        return none, rows
+        return none, left
     random = np.random.default_rng(0)
     sizes = 10.0 ** random.uniform(-2, 2, size=(flow.size, SAMPLES))
     at = sizes * random.choice([-1.0, 1.0], size=sizes.shape)
     change = np.diff(flow.jacobian(at, values)[:, rows], axis=0)
     change = change[np.isfinite(change).all(axis=(1, 2))]
     if len(change) < SAMPLES // 2:  # a function is defined on one side only, or overflows
-        return none, rows
+        return none, left
     columns = change.transpose(1, 0, 2).reshape(len(rows), -1)
     size = np.abs(columns).max(axis=0)
     cancelled, used = _rows_without(columns[:, size > 0] / size[size > 0])
     sums = np.zeros((len(cancelled), flow.size))
     sums[:, rows] = cancelled
-    return sums, rows[used]
+    return sums, np.setdiff1d(left, rows[~used])
 
 
 def _whole() -> Interval:
     return Interval(np.full(1, -LARGEST), np.full(1, LARGEST))
-
-
-def _entries(flow: Flow, x: Sequence[Any], values: Sequence[float]) -> dict[tuple[int, int], Any]:
-    return flow.derivative.bounds(x, values)
 
 
 def _constant(entry: Any) -> float | None:
@@ -310,6 +317,10 @@ class ReducedFlow:
         """The states that the unknowns are."""
         return self.by.unknowns
 
+    def steps(self, w: float) -> list[float]:
+        """The values of all steps at a value of the one unknown."""
+        return list(map(float, self.flow.rates.steps(*self._states([w]), *self.values)))
+
     def of(self, owners: NDArray[np.intp]) -> ReducedFlow:
         """The flow for boxes of these owners: of each parameter a box has its owner's value."""
         if all(np.ndim(value) == 0 for value in self.values):
@@ -317,7 +328,7 @@ class ReducedFlow:
         values = [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in self.values]
         return replace(self, values=values)
 
-    def _states(self, w: Sequence[Interval]) -> list[Any]:
+    def _states(self, w: Sequence[Any]) -> list[Any]:
         u: list[Any] = [0.0] * self.by.basis.shape[1]
         for k, one in zip(self.by.nonlinear.tolist(), w, strict=True):
             u[k] = one
@@ -342,14 +353,29 @@ class ReducedFlow:
             totals.append(interval(total))
         return totals
 
-    def rates(self, w: Sequence[Interval]) -> list[Interval]:
+    def rates(self, w: Sequence[Any]) -> list[Interval]:
         """The equations (k,)."""
         every = self.flow.bounds(self._states(w), self.values)
         return self._sums([every[i] for i in self.by.rows])
 
+    def branches(self, w: Sequence[Interval]) -> Iterator[list[Interval]]:
+        """The equations for each way in which steps may turn out that are open in the boxes."""
+        for every in self.flow.rates.branches(*self._states(w), *self.values):
+            yield self._sums([every[i] for i in self.by.rows])
+
+    def may_vanish(self, w: Sequence[Interval], count: int) -> NDArray[np.bool_]:
+        """In which of `count` boxes the equations may have a zero."""
+        return np.any([_vanishes(rows, count) for rows in self.branches(w)], axis=0)
+
+    def jumps(self, w: Sequence[Interval], count: int) -> NDArray[np.bool_]:
+        """In which of `count` boxes an equation may jump."""
+        places = self.flow.rates.jumps(*self._states(w), *self.values)
+        own = [where for (row, _), where in places.items() if row in self.by.rows]
+        return np.any([np.broadcast_to(where, count) for where in [False, *own]], axis=0)
+
     def jacobian(self, w: Sequence[Interval]) -> list[list[Interval]]:
         """Their derivatives: for each of the states the k equations."""
-        entries = _entries(self.flow, self._states(w), self.values)
+        entries = self.flow.slopes(self._states(w), self.values)
         columns = (self.by.basis[:, k] for k in self.by.nonlinear)
         return [self._sums([_column(entries, i, column) for i in self.by.rows]) for column in columns]
 
@@ -441,19 +467,61 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     starts = reduced.full_states(np.where(np.abs(middle) > SMALLEST, middle, 0.0))
     room = np.full(starts.shape, np.inf)
     room[list(reduced.unknowns)] = every[1] - every[0]
-    alone, flat = np.zeros((2, starts.shape[1]), dtype=bool)
-    alone[: starts.shape[1] - clusters.shape[2]] = True
+    flat, on_jump = np.zeros((2, starts.shape[1]), dtype=bool)
+    first = starts.shape[1] - clusters.shape[2]
+    jumping = np.flatnonzero(reduced.jumps(_intervals(clusters), clusters.shape[2]))
+    for i in first + jumping:
+        zero = _zero_on_jump(reduced, every[:, :, i])
+        if zero is not None:
+            on_jump[i], starts[:, i] = True, reduced.full_states(zero[:, None])[:, 0]
     if k == 1:
-        _bracket(reduced, clusters, starts, flat)
-    left = len(search.undecided.owners)
+        smooth = np.setdiff1d(np.arange(first, len(flat)), first + jumping)
+        _bracket(reduced, every, smooth, starts, flat)
+    left, doubtful = len(search.undecided.owners), starts[:, first + jumping][:, ~on_jump[first + jumping]]
     why = f"{left} of {search.spent} boxes stay undecided" if left else ""
-    return RootBoxes(starts, room, alone, flat, not left, why)
+    if doubtful.size and not left:
+        why = f"rates may come to zero beside a jump, near {doubtful[reduced.unknowns[0], 0]:.6g}"
+    return RootBoxes(starts, room, flat, on_jump, not why, why)
+
+
+def _zero_on_jump(reduced: ReducedFlow, box: Array) -> Array | None:
+    """A zero (k,) in a narrow box (2, k) in which an equation jumps: in its middle, or on the jump itself.
+
+    Up to rounding the equation may be zero on one side alone, where it comes to zero without being it.
+    """
+    middle = box.mean(axis=0)
+    places = [np.where(np.abs(middle) > SMALLEST, middle, 0.0)]
+    if len(middle) == 1:
+        places += [np.array([x]) for x in _ends_of_jump(reduced, *box[:, 0])]
+    for place in places:
+        if not any(row.low.any() for row in reduced.rates(list(place))):
+            return place
+    sides = places[1:]
+    return sides[0] if sides and all(_rounds_to_zero(reduced, side) for side in sides) else None
+
+
+def _ends_of_jump(reduced: ReducedFlow, low: float, high: float) -> tuple[float, float]:
+    """The neighbouring floats between which a step changes."""
+    before = reduced.steps(low)
+    while low < (middle := (low + high) / 2) < high:
+        low, high = (middle, high) if reduced.steps(middle) == before else (low, middle)
+    return low, high
+
+
+def _rounds_to_zero(reduced: ReducedFlow, w: Array) -> bool:
+    """Whether the equations are zero at a point (k,), up to rounding on its own side of the jump."""
+    values = [row.low for row in reduced.rates(list(w))]
+    for rows in reduced.branches([Interval(x, x) for x in w]):
+        own = all(row.low <= value <= row.high for row, value in zip(rows, values, strict=True))
+        if own and _vanishes(rows, 1).all():
+            return True
+    return False
 
 
 def _prune(reduced: ReducedFlow, boxes: Boxes) -> tuple[Boxes, Boxes]:
     """The boxes that may hold zeros, each as small as is known; and those that hold one."""
-    rates = reduced.of(boxes.owners).rates(_intervals(boxes.ends))
-    boxes = boxes.take(_vanishes(rates, len(boxes.owners)))
+    possible = reduced.of(boxes.owners).may_vanish(_intervals(boxes.ends), len(boxes.owners))
+    boxes = boxes.take(possible)
     if not len(boxes.owners):
         return boxes, boxes
     # Zeros at the edge of a box are inside a box that is a little larger.
@@ -558,7 +626,7 @@ def _finest(reduced: ReducedFlow, low: Array, high: Array) -> Any:
     no width is worth it.
     """
     finest = np.full(low.shape[1], FINEST)
-    zero = _vanishes(reduced.rates([Interval(c, c) for c in (low + high) / 2]), len(finest))
+    zero = reduced.may_vanish([Interval(c, c) for c in (low + high) / 2], len(finest))
     if zero.any():
         rounding = _is_rounding(reduced, low, high)
         finest[zero] = np.where(rounding[zero], np.inf, ROUNDED)
@@ -626,19 +694,21 @@ def _clusters(boxes: Array) -> Array:
     return np.stack(clusters, axis=2) if clusters else boxes
 
 
-def _bracket(reduced: ReducedFlow, clusters: Array, starts: Array, flat: NDArray[np.bool_]) -> None:
-    """Put roots where the one equation changes its sign across a cluster: they are of odd multiplicity."""
+def _bracket(
+    reduced: ReducedFlow, boxes: Array, which: NDArray[np.intp], starts: Array, flat: NDArray[np.bool_]
+) -> None:
+    """Put roots where the one equation changes its sign across a box: they are of odd multiplicity."""
 
     def rate(w: float) -> float:
         value = reduced.rates([Interval(np.array([w]), np.array([w]))])[0]
         return float(np.ravel(value.low + value.high)[0] / 2)
 
-    first = starts.shape[1] - clusters.shape[2]
-    for i, (low, high) in enumerate(clusters[:, 0].T):
+    for i in which:
+        low, high = boxes[:, 0, i]
         room = high - low + ROUNDED * max(abs(low), abs(high)) + SMALLEST
-        centre = float(starts[reduced.unknowns[0], first + i])
+        centre = float(starts[reduced.unknowns[0], i])
         ends = float(low - room), float(high + room)
         root = centre if rate(centre) == 0 else bracketed_root(rate, *ends)
         if root is not None and abs(rate(root)) <= min(abs(rate(end)) for end in ends):  # no pole
-            starts[:, first + i] = reduced.full_states(np.array([[root]]))[:, 0]
-            flat[first + i] = True
+            starts[:, i] = reduced.full_states(np.array([[root]]))[:, 0]
+            flat[i] = True

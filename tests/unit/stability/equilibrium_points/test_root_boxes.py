@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import frictionlab as fl
-from frictionlab.tape.intervals import Interval
+from frictionlab.tape.intervals import Interval, select
 from tests.helpers.cases import slow_but
 
 X, Y, Z, V, W = sympy.symbols("x y z v w")
@@ -149,6 +150,12 @@ FUNCTIONS = [
     lambda x: x ** np.array([0.7]) - x ** np.array([-2.0]),
     lambda x: np.float64(3.0) ** x - np.array([0.5]) ** x,
     lambda x: 2.0**x - np.float64(3.0) * np.cosh(x) + np.arcsinh(x),
+    lambda x: np.floor(x) * np.ceil(0.7 * x),
+    lambda x: np.arctan2(x - 1.0, 2.0 - x) + np.arctan2(x, x - 3.0),
+    lambda x: select(np.less(x, 1.0), x * x - 3.0, select(np.less_equal(x, 4.0), np.sqrt(x - 2.0), 1.0 / x)),
+    lambda x: select(np.logical_and(np.less(-2.0, x), np.logical_not(np.less(3.0, x))), np.exp(x), -x),
+    lambda x: select(np.logical_or(np.equal(x, np.floor(x)), np.less(x, 0.0)), x, np.sin(x)) * x,
+    lambda x: np.exp(x / 9.0) ** np.tanh(x) - x**x,
 ]
 
 
@@ -163,26 +170,87 @@ def test_bounds_hold_all_values(which, middle, decade):
     assert (values <= bounds.high).all()
 
 
-STEPS = {
-    "Heaviside": (sympy.Heaviside(X) - sympy.Rational(1, 2) - X / 4, [-2.0, 2.0]),
-    "constants": (sympy.Piecewise((-1, X < 0), (1, True)) - X / 2, [-2.0, 2.0]),
+CORNERS_AND_JUMPS = {
+    "half at the jump": (sympy.Heaviside(X) - sympy.Rational(1, 2) - X / 4, [-2.0, 0.0, 2.0]),
+    "past zero": (sympy.Piecewise((-1, X < 0), (1, True)) - X / 2, [-2.0, 2.0]),
     "pieces": (sympy.Piecewise((-X - 2, X < 0), (1 - X, True)), [-2.0, 1.0]),
-    "sign": (sympy.sign(X - 3) + 2 - X, [1.0]),
     "floor": (sympy.floor(X) + sympy.Rational(1, 2) - 2 * X, [-0.25, 0.25]),
+    "ceiling": (sympy.ceiling(X) - X**2, [0.0, 1.0, np.sqrt(2)]),
+    "sign": (sympy.sign(X) - X**3, [-1.0, 0.0, 1.0]),
+    "zero at one point": (sympy.Piecewise((-1, X < 2), (0, sympy.Eq(X, 2)), (1, True)), [2.0]),
+    "two conditions": (sympy.Piecewise((2, (X > 0) & (X < 1)), (-1, True)) - X, [-1.0]),
+    "corner": (sympy.Piecewise((3 * X - 1, sympy.Rational(1, 3) > X), (6 * X - 2, True)), [1 / 3]),
+    "greatest": (sympy.Max(X, 1) - 2, [2.0]),
+    "least": (sympy.Min(X, 3 * X) - 1, [1.0]),
+    "absolute": (sympy.Abs(X - 1) - sympy.Rational(1, 2), [0.5, 1.5]),
+    "play": (sympy.Max(-5 * X - 5, 0) - sympy.Max(3 * X - 3, 0) + sympy.Rational(1, 10) - X / 7, [0.7]),
+    "angle": (sympy.atan2(X - 1, X + 2) - sympy.Rational(1, 2), [(1 + 2 * np.tan(0.5)) / (1 - np.tan(0.5))]),
 }
 
 
-@pytest.mark.parametrize("law", STEPS)
-def test_steps_are_not_linear(law):
-    """Their derivative is zero: by it the flow is linear, and other zeros are excluded."""
-    rate, exact = STEPS[law]
+@pytest.mark.parametrize("law", CORNERS_AND_JUMPS)
+def test_corners_and_jumps(law):
+    """Derivatives do not tell of jumps; by these alone the flow would be linear."""
+    rate, exact = CORNERS_AND_JUMPS[law]
+    found = equilibria([rate], (X,), 0)
+    assert found.complete
+    assert sorted(float(e.q[0]) for e in found) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rate", "exact", "jump"),
+    [
+        (sympy.sign(X - 3) + 2 - X, [1.0], "near 3"),
+        (sympy.floor(X) - X / 2, [0.0], "near 2"),
+        (sympy.Piecewise((X - 3, X < 3), (X, True)), [], "near 3"),
+        (sympy.atan2(X, -1), [], "near 0"),
+    ],
+)
+def test_a_rate_that_comes_to_zero_beside_a_jump(rate, exact, jump):
+    """Floats do not tell whether it gets there."""
     found = equilibria([rate], (X,), 0)
     assert sorted(float(e.q[0]) for e in found) == pytest.approx(exact, rel=1e-12)
-    assert not found.complete
-    assert found.why in {
-        "in only rates jump where a sign, a whole part or a condition changes",
-        "in only a function has no bounds",
-    }
+    assert found.why.startswith("in only rates may come to zero beside a jump")
+    assert found.why.endswith(jump)
+
+
+@settings(max_examples=30)
+@given(
+    st.lists(st.integers(-12, 12), min_size=1, max_size=3, unique=True),
+    st.lists(st.tuples(st.integers(-3, 3), st.integers(-8, 8)), min_size=4, max_size=4),
+)
+def test_zeros_of_pieces_are_those_of_each_piece(borders, lines):
+    """Straight lines between jumps: each has its zero, which counts if it lies on its own piece."""
+    borders = [Fraction(border, 4) for border in sorted(borders)]
+    ends = [-np.inf, *borders, np.inf]
+    lines = [(slope, Fraction(2 * constant + 1, 8)) for slope, constant in lines[: len(borders) + 1]]
+    zeros = {i: -constant / slope for i, (slope, constant) in enumerate(lines) if slope}
+    beside = any(zero == ends[i + 1] for i, zero in zeros.items())  # the border belongs to the next piece
+    exact = sorted(zero for i, zero in zeros.items() if ends[i] <= zero < ends[i + 1])
+    conditions = [sympy.Rational(border) > X for border in borders]
+    values = [slope * X + sympy.Rational(constant) for slope, constant in lines]
+    found = equilibria([sympy.Piecewise(*zip(values, [*conditions, True], strict=True))], (X,), 0)
+    assert found.complete or beside
+    assert sorted(float(e.q[0]) for e in found) == pytest.approx([float(zero) for zero in exact], rel=1e-9)
+
+
+@pytest.mark.parametrize("force", [0.5, 1.5, 4.0])
+def test_two_bodies_with_play(force):
+    """Stops with gaps of 1 and 2 at two bodies on springs: each regime is linear, and one holds."""
+    load = sympy.Float(force)
+    found = equilibria(
+        [V, W, load + Y - 2 * X - 9 * sympy.Max(X - 1, 0) - V, X - 2 * Y - 4 * sympy.Max(X - Y - 0.5, 0) - W],
+        (X, Y, V, W),
+        2,
+    )
+    regimes = []
+    for stop, link in np.ndindex(2, 2):
+        matrix = np.array([[2.0 + 9 * stop, -1.0], [-1.0 + 4 * link, 2.0 - 4 * link]])
+        x, y = np.linalg.solve(matrix, [force + 9 * stop, 2.0 * link])
+        if (x >= 1) == stop and (x - y >= 0.5) == link:
+            regimes.append((x, y))
+    assert found.complete
+    np.testing.assert_allclose([e.q for e in found], regimes, rtol=1e-12)
 
 
 def test_steps_of_velocities_leave_the_search_complete():
