@@ -217,7 +217,8 @@ def basins(
     First a dozen of the initial states are run to the end, which gives the first attractors.  Then all are
     run side by side (see :func:`ensemble`), each until it is on a known attractor.  A motion that is on none
     after the transient is classified as by :func:`steady_state`: it either has the features of a known
-    attractor (kind, period, range of each state) or is on a new one.
+    attractor (kind, period, range of each state) or is on a new one.  States that drift for ever, such as the
+    angle of a disc that turns, are left out of the comparison, also where two of them drift together.
 
     Parameters
     ----------

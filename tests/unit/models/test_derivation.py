@@ -13,6 +13,7 @@ from frictionlab.components import (
     PlasticImpact,
     RestitutionImpact,
     SlidingOnly,
+    SlidingSeparation,
 )
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
@@ -156,10 +157,11 @@ def test_sliding_only_has_the_sign_of_the_belts_speed(state):
         assert friction == pytest.approx(sign * 0.3 * normal)
 
 
-def test_what_only_slides_needs_a_belt_that_moves():
+@pytest.mark.parametrize("interface", [SlidingOnly(), SlidingSeparation()], ids=lambda one: type(one).__name__)
+def test_what_only_slides_needs_a_belt_that_moves(interface):
     """Friction has no direction at rest, and counted as zero before."""
     with pytest.raises(ValueError, match="contact 1 of SliderOnBelt must rub a belt that moves"):
-        SliderOnBelt(v=0.0, interface=SlidingOnly()).automaton()
+        SliderOnBelt(v=0.0, interface=interface).automaton()
     assert "stick" in SliderOnBelt(v=0.0).automaton().names
 
 

@@ -51,12 +51,12 @@ CASES = [
 ]
 
 
-DEAR = {(SLIDER, fl.CriticalFrequency("mu_k", (0, 4))), *CASES[-2:]}  # seconds each
+LONG = {(SLIDER, fl.CriticalFrequency("mu_k", (0, 4))), *CASES[-2:]}  # seconds each
 
 
 @pytest.mark.parametrize(
     ("model", "quantity"),
-    [pytest.param(*case, marks=pytest.mark.slow if case in DEAR else ()) for case in CASES],
+    [pytest.param(*case, marks=pytest.mark.slow if case in LONG else ()) for case in CASES],
     ids=lambda x: type(x).__name__,
 )
 def test_every_derivative_is_that_of_differences(model, quantity):

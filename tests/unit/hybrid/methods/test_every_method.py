@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 from tests.helpers.laws import Undefined
 
 X, V = sp.symbols("x v")
@@ -37,9 +38,9 @@ class Simpson(fl.OneStepMethod):
 
 ONE_STEP = [fl.RK4(step=1e-4), Heun(step=2.5e-5), SlowHeun(step=2.5e-5), Simpson(step=1e-4)]
 METHODS = [fl.Taylor(), *ONE_STEP, *map(fl.Scipy, ("RK45", "DOP853", "Radau", "LSODA"))]
-# Its steps are Python functions, a hundred thousand calls in a run.
-DEAR = [pytest.param(one, marks=pytest.mark.slow) if one.name == "slow heun" else one for one in METHODS]
-every_method = pytest.mark.parametrize("method", DEAR, ids=lambda m: getattr(m, "integrator", m.name))
+# The steps of the other one are Python functions, a hundred thousand calls in a run.
+QUICK = [one for one in METHODS if one.name != "slow heun"]
+every_method = pytest.mark.parametrize("method", slow_but(QUICK, METHODS), ids=lambda m: getattr(m, "integrator", m.name))
 every_one_step_method = pytest.mark.parametrize("method", ONE_STEP, ids=lambda m: m.name)
 
 
