@@ -157,7 +157,7 @@ def test_sliding_only_has_the_sign_of_the_belts_speed(state):
         assert friction == pytest.approx(sign * 0.3 * normal)
 
 
-@pytest.mark.parametrize("interface", [SlidingOnly(), SlidingSeparation()], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("interface", [SlidingOnly(), SlidingSeparation()], ids=repr)
 def test_what_only_slides_needs_a_belt_that_moves(interface):
     """Friction has no direction at rest, and counted as zero before."""
     with pytest.raises(ValueError, match="contact 1 of SliderOnBelt must rub a belt that moves"):

@@ -40,7 +40,9 @@ ONE_STEP = [fl.RK4(step=1e-4), Heun(step=2.5e-5), SlowHeun(step=2.5e-5), Simpson
 METHODS = [fl.Taylor(), *ONE_STEP, *map(fl.Scipy, ("RK45", "DOP853", "Radau", "LSODA"))]
 # The steps of the other one are Python functions, a hundred thousand calls in a run.
 QUICK = [one for one in METHODS if one.name != "slow heun"]
-every_method = pytest.mark.parametrize("method", slow_but(QUICK, METHODS), ids=lambda m: getattr(m, "integrator", m.name))
+every_method = pytest.mark.parametrize(
+    "method", slow_but(QUICK, METHODS), ids=lambda m: getattr(m, "integrator", m.name)
+)
 every_one_step_method = pytest.mark.parametrize("method", ONE_STEP, ids=lambda m: m.name)
 
 
