@@ -27,7 +27,6 @@ from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.sweep import run_tasks
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
@@ -76,29 +75,11 @@ def run_basin_tasks(
     probes = [(automaton, starts[i], settings) for i in chosen]
     names = [f"initial state {i}" for i in chosen]
     with Journal(specification, execution.resume, check_results) as journal:
-        complete = _run_probes(journal, probes, names, execution) and _run_groups(
-            journal, automaton, groups, settings, len(chosen), execution
-        )
-        journal.put_in_order()
-    if complete:
-        return result_of(specification, journal.results)
-    so_far = result_of(specification, journal.results) if journal.results else None
-    raise journal.interruption(so_far, len(chosen) + len(groups))
-
-
-def _run_probes(
-    journal: Journal, probes: Sequence[tuple[Any, ...]], names: Sequence[str], execution: Execution
-) -> bool:
-    """Find the attractors by the probes; True if all probes were done."""
-    return run_tasks(
-        probe_attractor,
-        probes,
-        keep=journal.keep,
-        names=names,
-        done=frozenset(journal.results),
-        execution=execution,
-        title="attractors",
-    )
+        journal.run_tasks(probe_attractor, probes, names, execution, "attractors")
+        if not journal.interrupted:
+            _run_groups(journal, automaton, groups, settings, len(chosen), execution)
+    result = result_of(specification, journal.results) if journal.results else None
+    return journal.finish(result, len(chosen) + len(groups))
 
 
 def _run_groups(
@@ -108,23 +89,18 @@ def _run_groups(
     settings: dict[str, Any],
     probes: int,
     execution: Execution,
-) -> bool:
-    """Label the initial states by the attractors to which they lead; True if all were done."""
+) -> None:
+    """Label the initial states by the attractors to which they lead."""
     size, probed = len(groups[0]), [journal.results[i] for i in range(probes)]
     try:
         known = catalogue_of_probes(automaton, probed, settings)
     except KeyboardInterrupt:
-        return False
+        journal.interrupted = True
+        return
     settings = {**settings, "spread": transient_ranges(probed)}
-    return run_tasks(
-        label_initial_states,
-        [(automaton, group, known, settings) for group in groups],
-        keep=lambda i, result: journal.keep(i + probes, result),
-        names=[f"initial states from {i * size} on" for i in range(len(groups))],
-        done={i - probes for i in journal.results},
-        execution=execution,
-        title=f"basins, {size} states each",
-    )
+    tasks = [(automaton, group, known, settings) for group in groups]
+    names = [f"initial states from {i * size} on" for i in range(len(groups))]
+    journal.run_tasks(label_initial_states, tasks, names, execution, f"basins, {size} states each", probes)
 
 
 def probe_indices(count: int) -> list[int]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.quantities.quantities import Quantity, evaluate, evaluation_tasks
 from frictionlab.analysis.sweeps.journal import Journal, results_schema
-from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name, run_tasks
+from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
@@ -393,19 +393,8 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
     schema = results_schema([listed(none_or(real), len(block[3])) for block in tasks])
-    with Journal({} if how.resume is None else specification, how.resume, schema) as journal:
-        complete = run_tasks(
-            evaluate,
-            tasks,
-            keep=journal.keep,
-            names=names,
-            done=frozenset(journal.results),
-            execution=how,
-            title=title,
-        )
-        journal.put_in_order()
+    with Journal(specification, how.resume, schema) as journal:
+        journal.run_tasks(evaluate, tasks, names, how, title)
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
     flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
-    if not complete:
-        raise journal.interruption(flat, len(tasks))
-    return flat
+    return journal.finish(flat, len(tasks))

@@ -8,10 +8,7 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, Unpack
 
-import numpy as np
-
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.simulate import named_state
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.stored_data import anything
@@ -34,7 +31,7 @@ from .factorial_design import (
     table_of_numbers,
 )
 from .journal import Journal, results_schema
-from .sweep import Sweep, function_name, grid_axes, run_tasks, studies_by_name
+from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_name, own_name, point_name
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
@@ -227,8 +224,7 @@ class Ablation(Drawable):
     def to_dataframe(self) -> Any:
         """One row for each scene and condition, a column for each switch and quantity (needs ``data``)."""
         pd = import_optional("pandas", "to_dataframe")
-        sweep = self.conditions
-        axes = {} if sweep is None else {**sweep.over, **({"x0": sweep.labels()} if sweep.x0 else {})}
+        axes = {} if self.conditions is None else axes_of(self.conditions)
         points = list(product(*axes.values()))
         rows = [(*self._level_names(scene), *point) for scene in self.scenes for point in points]
         index = pd.MultiIndex.from_tuples(rows, names=[*self.switches, *axes])
@@ -322,30 +318,30 @@ def ablation(
     6
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
-    named = studies_by_name(studies)
+    named = _studies_by_name(studies)
     (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
     factors = switches_of(model, switches)
     starts = check_sequence("x0", x0, "give initial states in a list")
-    plan = _Plan(model, factors, {} if over is None else grid_axes(over), starts)
+    plan = _Plan(model, factors, Grid({} if over is None else check_over(over), starts))
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
     schema = results_schema([anything] * len(tasks))  # users' functions return what they like
     with Journal(specification, how.resume, schema) as journal:
-        complete = run_tasks(
-            _call_study,
-            tasks,
-            keep=journal.keep,
-            names=names,
-            done=frozenset(journal.results),
-            execution=how,
-            title="ablation",
-        )
-        journal.put_in_order()
+        journal.run_tasks(_call_study, tasks, names, how, "ablation")
     results = [journal.results.get(i) for i in range(len(tasks))]
-    result = plan.ablation(results, tuple(named))
-    if not complete:
-        raise journal.interruption(result, len(tasks))
-    return result
+    return journal.finish(plan.ablation(results, tuple(named)), len(tasks))
+
+
+def _studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
+    """The studies by name."""
+    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
+    if not named:
+        raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
+    for study in named.values():
+        check_function(
+            "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
+        )
+    return {str(name): study for name, study in named.items()}
 
 
 def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
@@ -354,12 +350,11 @@ def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
 
 @dataclass(frozen=True)
 class _Plan:
-    """Which models are studied from which initial states."""
+    """Which models are studied at which parameters and from which initial states."""
 
     model: Model
     factors: tuple[Switch, ...]
-    axes: Mapping[str, Array]
-    x0: tuple[Any, ...]
+    grid: Grid
 
     @cached_property
     def scenes(self) -> tuple[Scene, ...]:
@@ -373,15 +368,16 @@ class _Plan:
         """Tasks of study, model and initial state, and their names; studies vary fastest, then states."""
         tasks, names = [], []
         for scene, model in zip(self.scenes, self.models):
-            starts = [(state_of_scene(model, self.model, start),) for start in self.x0] or [()]
-            for point in product(*self.axes.values()):
-                changes = dict(zip(self.axes, map(float, point)))
+            starts = [
+                tuple(state_of_scene(model, self.model, x) for x in start) for start in self.grid.starts()
+            ]
+            for changes in self.grid.points():
                 here = model.replace(**changes) if changes else model
                 check_scene_at(self.model, self.factors, scene, changes)
-                at = "".join(f", {name} = {value:g}" for name, value in changes.items())
+                words = f"the scene {scene_name(self.factors, scene)}"
                 for start, study in product(starts, studies.values()):
                     tasks.append((study, here, *start))
-                    names.append(f"the scene {scene_name(self.factors, scene)}{at}")
+                    names.append(f"{words}, {point_name(changes)}" if changes else words)
         return tasks, names
 
     def specification(self, studies: Mapping[str, Any]) -> dict[str, Any]:
@@ -390,8 +386,7 @@ class _Plan:
             "ablation": {name: function_name(study) for name, study in studies.items()},
             "model": self.model.to_dict(),
             "scenes": [model.to_dict() for model in self.models],
-            "over": {name: values.tolist() for name, values in self.axes.items()},
-            "x0": [named_state(start) for start in self.x0],
+            **self.grid.specification(),
         }
 
     def ablation(self, results: list[Any], studies: tuple[str, ...]) -> Ablation:
@@ -404,14 +399,9 @@ class _Plan:
         per_scene = len(cells) // len(self.scenes)
         groups = [cells[i : i + per_scene] for i in range(0, len(cells), per_scene)]
         function = ", ".join(studies)
-        sweeps = tuple(self._sweep(model, group, function) for model, group in zip(self.models, groups))
+        varies = self.grid.over or self.grid.x0
+        sweeps = tuple(
+            self.grid.sweep(group, model, function) if varies else group[0]
+            for model, group in zip(self.models, groups)
+        )
         return Ablation(self.factors, self.scenes, self.models, sweeps, studies)
-
-    def _sweep(self, model: Model, cells: list[Any], function: str) -> Any:
-        if not self.axes and not self.x0:
-            return cells[0]
-        results = np.empty(len(cells), dtype=object)
-        for i, cell in enumerate(cells):
-            results[i] = cell
-        shape = [*map(len, self.axes.values()), *([len(self.x0)] if self.x0 else [])]
-        return Sweep(self.axes, self.x0, results.reshape(shape), model, function)

@@ -17,7 +17,7 @@ from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import DELETE, Journal, read_journal, write_journal
-from frictionlab.analysis.sweeps.sweep import URGENT_PRESS, run_tasks
+from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -326,12 +326,8 @@ def bifurcation(
     names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
     with Journal(specification, how.resume, check_results) as journal:
-        complete = run(list(zip(models, starts, names)), chosen, journal, how)
-        journal.put_in_order()
-    result = bifurcation_from_results(specification, journal.results)
-    if not complete:
-        raise journal.interruption(result, len(models))
-    return result
+        journal.interrupted = not run(list(zip(models, starts, names)), chosen, journal, how)
+    return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 
 
 def _models(model: Model, parameter: str, values: Any) -> list[Model]:
@@ -454,7 +450,7 @@ def _named_task(
     except KeyboardInterrupt:
         return None
     except Exception as error:
-        raise RuntimeError(f"{name} failed with {type(error).__name__}: {error}") from error
+        raise failure(name, error) from error
 
 
 def _sweep_arguments(

@@ -1,4 +1,4 @@
-"""The journal of a sweep: a file of JSON lines to which results are written as they come, to be resumed.
+"""The journal of a sweep: its results so far, also in a file of JSON lines from which it can be resumed.
 
 The first line holds the format, the version and the arguments of the sweep, each further line the result of
 one task.  Every line ends with its checksum.  At the end the lines are put in order, so that the file does
@@ -21,11 +21,13 @@ from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from frictionlab._version import __version__
+from frictionlab.analysis.options import Execution
+from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.file_writing import read_file, replace_file
 from frictionlab.interruption import interruption
 from frictionlab.stored_data import Check, anything, integer, json_data, reading, record, text
@@ -40,20 +42,37 @@ LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 
 
+Result = TypeVar("Result")
 Schema = Callable[[dict[str, Any], dict[int, Any]], Any]  # of a specification and the results
 
 
 class Journal:
-    """The specification and results of a sweep so far, also on disk if there is a path.
+    """The results of a sweep so far, also on disk if there is a path.
 
-    It is a context manager that keeps other processes from writing to the file.  The `schema` is called with
-    both when a file is read, and raises ValueError for results that no task returns.
+    It is a context manager that keeps other processes from writing to the file, and at the end puts its lines
+    in the order of the tasks.
+
+    Parameters
+    ----------
+    specification : dict
+        The arguments of the sweep; a file of others is refused.  It is used only if there is a path.
+    path : path or None
+    schema : callable of (specification, results)
+        Called when a file is read; raises ValueError for results that no task returns.
+
+    Attributes
+    ----------
+    results : dict of int to object
+        By the index of their task.
+    interrupted : bool
+        Whether ctrl-C stopped the sweep.
     """
 
     def __init__(
         self, specification: dict[str, Any], path: str | Path | None = None, schema: Schema = anything
     ) -> None:
         self.results: dict[int, Any] = {}
+        self.interrupted = False
         self._specification, self._schema = specification, schema
         self._path = None if path is None else Path(path)
         self._lock: Any = None
@@ -71,6 +90,8 @@ class Journal:
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if kind is None:
+            self._put_in_order()
         if self._file is not None:
             with suppress(OSError):  # a failure to write was raised when the line was written
                 os.fsync(self._file.fileno())
@@ -126,19 +147,49 @@ class Journal:
                 f"resume=; the {len(self.results)} results in it are kept"
             ) from error
 
-    def interruption(self, result: Any, count: int) -> KeyboardInterrupt:
-        """The error to raise after ctrl-C, for a sweep of `count` tasks."""
-        file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
-        return interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
+    def run_tasks(
+        self,
+        function: Callable[..., Any],
+        tasks: Sequence[tuple[Any, ...]],
+        names: Sequence[str],
+        execution: Execution,
+        title: str,
+        first: int = 0,
+    ) -> None:
+        """Run the tasks of which there is no result yet, and keep their results; `first` is the index of the
+        first one in the sweep."""
+        complete = run_tasks(
+            function,
+            tasks,
+            keep=lambda i, result: self.keep(first + i, result),
+            names=names,
+            done={i - first for i in self.results},
+            execution=execution,
+            title=title,
+        )
+        self.interrupted = not complete
 
-    def put_in_order(self) -> None:
+    def finish(self, result: Result, count: int) -> Result:
+        """Return the result of a sweep of `count` tasks.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            After ctrl-C, with the result as the partial one.
+        """
+        if self.interrupted:
+            file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
+            raise interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
+        return result
+
+    def _put_in_order(self) -> None:
         """Write the lines in the order of the tasks."""
         if self._path is None:
             return
         try:
             write_journal(self._path, self._specification, self.results)
         except OSError as error:  # all results are in the file already
-            warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 3)
+            warnings.warn(f"{self._path} is complete, but not in order: {error}", RuntimeWarning, 4)
 
 
 class _Content(NamedTuple):

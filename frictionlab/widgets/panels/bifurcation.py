@@ -22,7 +22,7 @@ from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
-from frictionlab.analysis.sweeps.sweep import run_tasks
+from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
