@@ -56,8 +56,10 @@ def fail(subject: Any, rule: str, got: Any) -> None:
 
 
 def check_parameters(subject: Component, known: Mapping[str, Parameter]) -> None:
-    """Fail unless every parameter has a meaning and a range that holds its default."""
+    """Fail unless every parameter that is more than a number has a meaning and a range with its default."""
     for name, about in known.items():
+        if about == Parameter(about.symbol, default=about.default):
+            continue
         if not about.meaning:
             fail(subject, f"parameter {name} must have a meaning: write parameter(..., meaning=...)", "")
         if about.range is None:

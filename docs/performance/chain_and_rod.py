@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 
 import frictionlab as fl
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.models import Friction, MechanicalModel, Mechanics, quadratic_form, with_signature
+from frictionlab.models import Friction, MechanicalModel, Mechanics, quadratic_form
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Chain(MechanicalModel):
     """Blocks in a row on one belt, each with a contact, a spring to the ground and one to the next block."""
 
@@ -23,7 +20,6 @@ class Chain(MechanicalModel):
     kc: float = fl.parameter(1.2, unit="N/m", symbol="k_c", meaning="stiffness between", range=(0.1, 10.0))
     v: float = fl.parameter(0.2, unit="m/s", symbol="v", meaning="speed of the belt", range=(0.0, 10.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
-    roles: ClassVar[Any] = MappingProxyType({"friction": FrictionLaw})
     contacts: ClassVar[int]
 
     @property
@@ -48,8 +44,7 @@ def chain(contacts: int) -> Chain:
     return type("Chain", (Chain,), {"contacts": contacts})()
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Rod(MechanicalModel):
     """A rod of linear finite elements, clamped at one end; at the other it rubs on a belt along it."""
 
@@ -59,7 +54,6 @@ class Rod(MechanicalModel):
     N: float = fl.parameter(500.0, unit="N", symbol="N", meaning="normal force", range=(0.0, 1e4))
     v: float = fl.parameter(0.02, unit="m/s", symbol="v", meaning="speed of the belt", range=(0.0, 10.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
-    roles: ClassVar[Any] = MappingProxyType({"friction": FrictionLaw})
     elements: int = 10
     length: ClassVar[float] = 0.5  # m
     area: ClassVar[float] = 1e-4  # m^2

@@ -1,7 +1,8 @@
 """Models: compositions of parameters and components, from which hybrid automata are derived.
 
 ``model``
-    `Model`, the base of all: one namespace of parameters, copies with changes, an automaton.
+    `Model`, the base of all: one namespace of parameters, copies with changes, an automaton; `model`, the
+    decorator of such classes.
 ``composition``
     Parameters of a model and its components; nonlinearities that can be switched off.
 ``symbols``
@@ -33,7 +34,7 @@ from .library.sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from .mechanical.mechanical_model import MechanicalModel
 from .mechanical.mechanics import Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism
-from .model import Model, with_signature
+from .model import Model
 
 __all__ = [
     "BouncingBall",
@@ -54,5 +55,4 @@ __all__ = [
     "TwoBlocks",
     "list_models",
     "quadratic_form",
-    "with_signature",
 ]

@@ -36,6 +36,49 @@ if TYPE_CHECKING:
     from frictionlab.models.model import Model, ModelOrAutomaton
 
 
+def roles_of(cls: type, names: Mapping[str, Any]) -> dict[str, type]:
+    """The fields that hold laws, each with the kind of law that its annotation names.
+
+    Parameters
+    ----------
+    cls : type
+        A dataclass; those of its fields that are roles of its base class are left out.
+    names : mapping
+        What is known where the class is defined, for annotations that are texts.
+
+    Raises
+    ------
+    TypeError
+        Where a field that is annotated as a law has none as its default, or a law an annotation that is not
+        known there.
+    """
+    fields = {field.name: field for field in dataclasses.fields(cls)}
+    own = [name for name in inspect.get_annotations(cls) if name in fields]
+    roles = {}
+    for name in (*own, *(name for name in fields if name not in {*own, *super(cls, cls).roles})):
+        kind, default = _annotated_kind(fields[name].type, names), fields[name].default
+        if kind is None and isinstance(default, Component):
+            raise TypeError(
+                f"the annotation of {name} in {cls.__name__} must name a kind of law, "
+                f"got {abbreviate(fields[name].type)}, which is not known there: import it"
+            )
+        if isinstance(kind, type) and issubclass(kind, Component):
+            given = None if default is dataclasses.MISSING else default
+            check_component(f"the default of {name} in {cls.__name__}", kind, given)
+            roles[name] = kind
+    return roles
+
+
+def _annotated_kind(annotation: Any, names: Mapping[str, Any]) -> Any:
+    """What an annotation stands for; None for a text whose names are not known."""
+    if not isinstance(annotation, str):
+        return annotation
+    try:
+        return eval(annotation, dict(names))
+    except (NameError, AttributeError):
+        return None
+
+
 @cache
 def structural_fields(cls: type) -> tuple[str, ...]:
     """Names of a model's structural fields, which are neither parameters nor components with a role.
@@ -90,7 +133,8 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
             if name in taken:
                 law = type(component).__name__
                 raise ValueError(
-                    f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it"
+                    f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it, or write "
+                    f"{role}: object, which makes the law part of the structure"
                 )
             taken.add(name)
             owners[name] = role

@@ -6,13 +6,14 @@ Also the checks that an argument is a model, an automaton, or the name of a para
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component, parameters_of, value_repr
+from frictionlab.components.component import Component, is_decorated, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
 from frictionlab.validation import abbreviate, unknown_parameter
 
@@ -27,6 +28,7 @@ from .composition import (
     parameter_table,
     refuse_positional,
     refuse_unknown,
+    roles_of,
     structural_defaults,
     structural_fields,
     structural_values,
@@ -57,12 +59,13 @@ class Model(Component):
     The constructor takes the components and all parameters, the model's own and those of its components, as
     keywords.
 
-    **A model of your own** is a frozen dataclass, decorated with :func:`with_signature`, that has
+    **A model of your own** is a class decorated with :func:`~frictionlab.model`, that has
 
-    * fields made with :func:`~frictionlab.parameter`, and one for each component, with a default;
-    * `roles`: for each field that holds a component, the base class that the component must have.  Fields
-      that are neither parameters nor components belong to the structure, on which the equations depend: a
-      number of masses, the name of a variant;
+    * its parameters: ``m: float = 1.0``, or :func:`~frictionlab.parameter`, which adds unit, symbol, meaning
+      and range;
+    * its laws: ``friction: fl.FrictionLaw = fl.Stribeck()``.  The annotation is the kind of law that may take
+      the place (its *role*), and the parameters of the law are parameters of the model.  All other fields
+      belong to the structure, on which the equations depend: a number of masses, the name of a variant;
     * `coordinates`: the names of its n coordinates;
     * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
@@ -81,18 +84,15 @@ class Model(Component):
 
     Examples
     --------
-    >>> from dataclasses import dataclass
     >>> import frictionlab as fl
-    >>> from frictionlab.models import MechanicalModel, Mechanics, with_signature
-    >>> @with_signature
-    ... @dataclass(frozen=True, init=False, repr=False)
-    ... class Pendulum(MechanicalModel):
-    ...     l: float = fl.parameter(1.0, unit="m", symbol="l", meaning="length", range=(0.1, 10.0))
+    >>> @fl.model
+    ... class Pendulum(fl.MechanicalModel):
+    ...     l: float = 1.0
     ...     coordinates = ("phi",)
     ...
     ...     def mechanics(self, q, v):
     ...         height = self.l * (1 - fl.functions.cos(q.phi))
-    ...         return Mechanics(kinetic=(self.l * v.phi) ** 2 / 2, potential=9.81 * height)
+    ...         return fl.Mechanics(kinetic=(self.l * v.phi) ** 2 / 2, potential=9.81 * height)
     >>> Pendulum(l=2.0).equations("only")
     only:
     l**2*Derivative(phi(t), (t, 2)) + 9.81*l*sin(phi(t)) = 0
@@ -104,13 +104,13 @@ class Model(Component):
     __signature__: ClassVar[inspect.Signature]
 
     def __new__(cls, *unnamed: Any, **given: Any) -> Self:
-        """Refuse a class whose constructor a dataclass has made: it knows nothing of components."""
-        owner = next(kind for kind in cls.__mro__ if "__init__" in vars(kind))
-        options = vars(owner).get("__dataclass_params__")
-        if options is not None and options.init and owner is not Model:
+        """Refuse a class with fields that is not decorated: its parameters and laws would not be known."""
+        name = cls.__name__
+        if not is_decorated(cls):
+            raise TypeError(f"{name} has fields that are not known as parameters: write @fl.model above it")
+        if "__dataclass_fields__" in vars(cls) and "__signature__" not in vars(cls) and cls is not Model:
             raise TypeError(
-                f"{owner.__name__} must keep the constructor of a model, which takes parameters of laws too: "
-                "write @dataclass(frozen=True, init=False, repr=False) above it"
+                f"{name} must know the parameters of laws: write @fl.model in place of @dataclass"
             )
         return super().__new__(cls, *unnamed, **given)
 
@@ -290,8 +290,51 @@ class Model(Component):
 ModelOrAutomaton: TypeAlias = Model | HybridAutomaton  # what analyses take that ask for no parameters' laws
 
 
-def with_signature(cls: type[M]) -> type[M]:
-    """Give a model class the signature that help and tab completion show."""
+def model(cls: type[M]) -> type[M]:
+    """Make a class a model: fields that are numbers are parameters, annotations of laws are roles.
+
+    Parameters
+    ----------
+    cls : type
+        A class derived from :class:`MechanicalModel`, or from :class:`Model`, which says what it needs.
+
+    Returns
+    -------
+    type
+        The same class as a frozen dataclass.  Its constructor takes laws and all parameters, also those of
+        the laws, as keywords; help and tab completion show them.
+
+    Raises
+    ------
+    TypeError
+        If `cls` is no such class, or where a law has no default, or an annotation that is not known there.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> @fl.model
+    ... class Popp(fl.MechanicalModel):
+    ...     m: float = 1.0
+    ...     k: float = 1.0
+    ...     v: float = 0.2
+    ...     friction: fl.FrictionLaw = fl.Stribeck()
+    ...     coordinates = ("x",)
+    ...
+    ...     def mechanics(self, q, v):
+    ...         contact = fl.Friction(self.v - v.x, 9.81 * self.m, self.friction)
+    ...         return fl.Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(contact,))
+    >>> Popp(mu_k=0.4, m=2.0)
+    Popp(m=2.0, mu_k=0.4)
+    """
+    if not (isinstance(cls, type) and issubclass(cls, Model)):
+        raise TypeError(
+            f"fl.model is for classes of models, got {abbreviate(cls)}: write class Mine(fl.MechanicalModel)"
+        )
+    cls = dataclass(frozen=True, init=False, repr=False)(cls)
+    where = sys._getframe(1)
+    own = roles_of(cls, {**where.f_globals, **where.f_locals})
+    inherited = super(cls, cls).roles
+    cls.roles = MappingProxyType(own | {role: kind for role, kind in inherited.items() if role not in own})
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
 

@@ -16,7 +16,7 @@ import frictionlab as fl
 from frictionlab import functions
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand
-from frictionlab.models import Friction, Mechanics, with_signature
+from frictionlab.models import Friction, Mechanics
 from frictionlab.models.mechanical.mechanics import Stop
 from frictionlab.models.symbols import symbol
 from tests.differential.laws import OWN
@@ -124,8 +124,7 @@ def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
     """The package's model; for it further states are parameters."""
     one = mechanism
 
-    @with_signature
-    @dataclass(frozen=True, init=False, repr=False)
+    @fl.model
     class Made(fl.MechanicalModel):
         """A random mechanism."""
 

@@ -253,6 +253,8 @@ def doors() -> dict[str, Door]:
         "progress": Door(lambda shown: fl.progress(shown).__enter__(), {"shown": True}),
         "partial_result": Door(fl.partial_result),
         "list_models": Door(fl.list_models),
+        "model": Door(fl.model, {"cls": type("Mine", (fl.MechanicalModel,), {})}),
+        "quadratic_form": Door(fl.quadratic_form, {"matrix": np.eye(2), "x": (1.0, 2.0)}),
         "parameter": Door(
             fl.parameter,
             {"default": 1.0},

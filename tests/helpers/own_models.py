@@ -1,14 +1,12 @@
 """A law and a model of users, with fields of every kind that is no physical number."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
-from typing import ClassVar
 
 import frictionlab as fl
 from frictionlab.components import Coulomb, FrictionLaw
-from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
 
 
@@ -44,8 +42,7 @@ class Fitted(FrictionLaw):
         return (self.mu_w + 1.0) * normal_force
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Chain(MechanicalModel):
     """Masses in a row on springs, the first of which rubs on a belt."""
 
@@ -58,10 +55,8 @@ class Chain(MechanicalModel):
     ends: str = "fixed"
     wear: Wear = Wear.NEW
     weights: tuple[float, ...] = (1.0, 0.5, 0.25)
-    spare: FrictionLaw = Fitted(shares=(0.2,), pairs=(("slow", 1),))
+    spare: object = Fitted(shares=(0.2,), pairs=(("slow", 1),))
     friction: FrictionLaw = Coulomb(mu_k=0.3, mu_s=0.5)
-
-    roles: ClassVar[Mapping[str, type]] = {"friction": FrictionLaw}
 
     @property
     def coordinates(self):
@@ -86,8 +81,7 @@ class Chain(MechanicalModel):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class NeedsNumber(fl.Model):
     """A structural field that has no default."""
 

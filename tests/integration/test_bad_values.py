@@ -4,7 +4,6 @@ import inspect
 import os
 import tracemalloc
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -74,7 +73,7 @@ REFUSED = {
     "of solve": (
         lambda: fl.solve(BELT.automaton(), 1.0, x0=[0, 0], rtol=1e-6), TypeError, "solve takes no 'rtol'",
     ),
-    "no init=False": (WithConstructor, TypeError, r"write @dataclass\(frozen=True, init=False"),
+    "a dataclass as model": (WithConstructor, TypeError, "write @fl.model in place of @dataclass"),
     "a map of one mapping": (
         lambda: fl.stability_map(BELT, {"k": [1, 2]}, ("N", [1, 2])), ValueError, "x must be a para",
     ),
@@ -129,10 +128,9 @@ def load_pipe():
     fl.load("pipe")
 
 
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Rubbed(fl.MechanicalModel):
     friction: fl.FrictionLaw = fl.Coulomb()
-    roles = MappingProxyType({"friction": fl.FrictionLaw})
     coordinates = ("q",)
 
     def mechanics(self, q, v):

@@ -8,7 +8,6 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.models import with_signature
 from frictionlab.models.symbols import symbol
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
@@ -32,8 +31,7 @@ class Hyperbolic(fl.Coulomb):
         return self.mu_s * normal_force / (1 + self.fall * speed)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class VanDerPol(fl.Model):
     """x'' - mu (1 - x^2) x' + x = 0, by its automaton alone."""
 
@@ -46,7 +44,6 @@ class VanDerPol(fl.Model):
         return fl.HybridAutomaton((x, v), (fl.Mode("only", (v, self.mu * (1 - x**2) * v - x)),), {}, 1)
 
 
-@dataclass(frozen=True, init=False, repr=False)
 class Nothing(fl.MechanicalModel):
     coordinates = ("x",)
 

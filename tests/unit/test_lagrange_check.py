@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import pytest
 
 import frictionlab as fl
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models import MechanicalModel, with_signature
+from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Mechanics
 from frictionlab.models.symbols import symbol
 from tests.helpers.cases import slow_but
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Dripping(MechanicalModel):
     """A pendulum on a trolley; the bob's mass changes with time, and the flow may lack a term."""
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
@@ -24,7 +22,7 @@ from frictionlab.models.library.parameters import (
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Mechanism, Point, Spring, Wall, held_block
-from frictionlab.models.model import with_signature
+from frictionlab.models.model import model
 
 if TYPE_CHECKING:
     from frictionlab.models.library.parameters import (
@@ -35,8 +33,7 @@ if TYPE_CHECKING:
     )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class FreeCoulomb(SingleMass):
     """A mass on a spring that rubs on the ground and stops for ever: m x'' + k x = F_T, F_T = -mu N sgn(x').
 
@@ -73,7 +70,6 @@ class FreeCoulomb(SingleMass):
     x_0: float = parameter(10.3, unit="m", symbol="x_0", meaning="where it is released", range=(-20.0, 20.0))
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956"
 
     if TYPE_CHECKING:
@@ -103,8 +99,7 @@ class FreeCoulomb(SingleMass):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class DenHartog(SingleMass):
     """A mass on a spring that rubs on the ground, driven: m x'' + c x' + k x = F cos(Omega t) + F_T.
 
@@ -150,7 +145,6 @@ class DenHartog(SingleMass):
     Omega: float = frequency_parameter(0.8)
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "J. P. Den Hartog, Philosophical Magazine 9 (1930) 801-817"
 
     if TYPE_CHECKING:
@@ -179,8 +173,7 @@ class DenHartog(SingleMass):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class MassOnBelt(SingleMass):
     """A mass on a spring and a damper, rubbed by a belt that runs: m x'' + c x' + k x = F_T.
 
@@ -231,7 +224,6 @@ class MassOnBelt(SingleMass):
     v: float = speed_parameter(0.2)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
 
     if TYPE_CHECKING:
@@ -258,8 +250,7 @@ class MassOnBelt(SingleMass):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class TwoBlocks(MechanicalModel):
     """Two blocks on a belt, each on a spring of its own and a spring between them.
 
@@ -310,7 +301,6 @@ class TwoBlocks(MechanicalModel):
     v: float = speed_parameter(0.2)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
 
     if TYPE_CHECKING:

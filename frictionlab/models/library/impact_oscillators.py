@@ -5,9 +5,7 @@ oscillator.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
@@ -23,14 +21,13 @@ from frictionlab.models.library.parameters import (
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
-from frictionlab.models.model import with_signature
+from frictionlab.models.model import model
 
 if TYPE_CHECKING:
     from frictionlab.models.library.parameters import BouncingBallKeywords, ImpactOscillatorKeywords
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class BouncingBall(MechanicalModel):
     """A ball that is dropped on the ground: y'' = -g, and y' becomes -e y' where y = 0.
 
@@ -73,7 +70,6 @@ class BouncingBall(MechanicalModel):
     )
     impact: ImpactLaw = RestitutionImpact(e=0.5)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
     reference: ClassVar[str] = "B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016"
 
     if TYPE_CHECKING:
@@ -109,8 +105,7 @@ class BouncingBall(MechanicalModel):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class ImpactOscillator(SingleMass):
     """A driven mass beside a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
 
@@ -152,7 +147,6 @@ class ImpactOscillator(SingleMass):
     Omega: float = frequency_parameter(2.5)
     impact: ImpactLaw = RestitutionImpact(e=0.8)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"impact": ImpactLaw})
     reference: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
 
     if TYPE_CHECKING:

@@ -4,10 +4,8 @@ and one mass in the plane on a linear or a nonlinear contact spring, which it ma
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
-from types import MappingProxyType, SimpleNamespace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
@@ -37,7 +35,7 @@ from frictionlab.models.mechanical.mechanical_model import (
 )
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
 from frictionlab.models.mechanism import Mechanism, TiltingBelt, body_on_belt, inclined_end
-from frictionlab.models.model import with_signature
+from frictionlab.models.model import model
 
 if TYPE_CHECKING:
     from .parameters import ModeCouplingKeywords, SliderOnBeltKeywords, SliderOnRigidBeltKeywords
@@ -70,8 +68,7 @@ def _length(number: int, wheel: str) -> Any:
     return parameter(0.2, unit="m", symbol=symbol, meaning=text, minimum=0.0, range=(0.0, 0.5))
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class SliderOnBelt(MechanicalModel):
     """The 5-degree-of-freedom slider-on-belt system of Liu & Ouyang (2020), Eqs. (1) to (17).
 
@@ -144,15 +141,6 @@ class SliderOnBelt(MechanicalModel):
     impact: ImpactLaw = PlasticImpact()
 
     reference: ClassVar[str] = "N. Liu, H. Ouyang, Nonlinear Dynamics (2020)"
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType(
-        {
-            "contact": ContactLaw,
-            "friction": FrictionLaw,
-            "interface": Interface,
-            "geometry": Geometry,
-            "impact": ImpactLaw,
-        }
-    )
 
     statics: ClassVar[SlidingStatics] = SlidingStatics(height="y1")
 
@@ -203,8 +191,7 @@ def _all(at: Any) -> SimpleNamespace:
     return SimpleNamespace(**{name: getattr(at, name, 0) for name in MovingLoad.coordinates})
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class ModeCoupling(PlanarSlider):
     """A mass in the plane, held by two inclined springs, pressed on a belt by F through a contact spring k3.
 
@@ -262,7 +249,6 @@ class ModeCoupling(PlanarSlider):
     v: float = speed_parameter(1.0)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     reference: ClassVar[str] = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
 
     if TYPE_CHECKING:
@@ -308,8 +294,7 @@ class ModeCoupling(PlanarSlider):
         return self.k3 * penetration
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class SliderOnRigidBelt(PlanarSlider):
     """A mass in the plane, pressed by F on a rigid belt through a nonlinear contact that may be lost.
 
@@ -369,7 +354,6 @@ class SliderOnRigidBelt(PlanarSlider):
     contact: ContactLaw = CubicContact(k2=5e3, k_nl=2.5e7)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.7)
 
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"contact": ContactLaw, "friction": FrictionLaw})
     reference: ClassVar[str] = "Z. Li, H. Ouyang, Z. Guan, J. Vibration and Acoustics 138 (2016) 041006"
 
     if TYPE_CHECKING:

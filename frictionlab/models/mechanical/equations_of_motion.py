@@ -332,7 +332,7 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names = model.coordinates
     at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
-    about = model.mechanics(at, _Symbols(**dict(zip(names, v, strict=True))))
+    about = _stated(model, at, _Symbols(**dict(zip(names, v, strict=True))))
     about = _in_regimes(check_mechanics(about, model, q, v), model, (*q, *v, symbol(PHASE)))
     about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
@@ -342,6 +342,23 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
         check_linear(about, model, q, v)
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
     return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
+
+
+# How numpy, math and sympy begin their errors where a number is wanted of a symbol.
+NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
+
+
+def _stated(model: MechanicalModel, q: Any, v: Any) -> Mechanics:
+    """What `mechanics` returns; TypeError, with the cure, where it takes symbols for numbers."""
+    try:
+        return model.mechanics(q, v)
+    except TypeError as error:
+        if not str(error).startswith(NO_NUMBER):
+            raise
+        raise TypeError(
+            f"{type(model).__name__}.mechanics must be a formula of symbols, and fails with them ({error}): "
+            "write fl.functions.cos and the like, none of numpy or math, and no if, min or max of coordinates"
+        ) from error
 
 
 class _Symbols(SimpleNamespace):

@@ -7,7 +7,6 @@ belt.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -15,7 +14,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
-from frictionlab.models.model import Model
+from frictionlab.models.model import Model, model
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
 
-@dataclass(frozen=True, init=False, repr=False)
+@model
 class MechanicalModel(Model):
     """Base of the models that state their energies and contacts; modes, resets and equations follow.
 
@@ -32,10 +31,6 @@ class MechanicalModel(Model):
     """
 
     interface: Interface = StickSlipSeparation()
-
-    def __init_subclass__(cls, **options: Any) -> None:
-        super().__init_subclass__(**options)
-        cls.roles = MappingProxyType({**cls.roles, "interface": Interface})
 
     @property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:

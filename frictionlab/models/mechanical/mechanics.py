@@ -10,7 +10,7 @@ from frictionlab.automaton.mode import check_elements
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.validation import abbreviate
+from frictionlab.validation import abbreviate, check_sequence
 
 SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
 
@@ -177,19 +177,20 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     Raises
     ------
     ValueError
-        If the matrix does not have one row and one column for each of `x`, is not symmetric, or holds what
-        is no finite real number.
+        If `x` is no sequence, or the matrix does not have one row and one column for each of `x`, is not
+        symmetric, or holds what is no finite real number.
 
     Examples
     --------
     >>> import sympy
-    >>> from frictionlab.models import quadratic_form
-    >>> quadratic_form([[2.0, -1.0], [-1.0, 3.0]], sympy.symbols("x y"))
+    >>> import frictionlab as fl
+    >>> fl.quadratic_form([[2.0, -1.0], [-1.0, 3.0]], sympy.symbols("x y"))
     2.0*x**2 - 2.0*x*y + 3.0*y**2
     """
     import numpy as np
     from sympy import Add
 
+    x = check_sequence("x", x, "give the coordinates, or the velocities, in the order of the rows")
     entries = _numbers_of_matrix(matrix, x)
     _check_symmetry(entries)
     rows = entries.tolist()
@@ -207,7 +208,7 @@ def _numbers_of_matrix(matrix: Any, x: Sequence[Any]) -> Any:
     try:
         shape, complex_ones = np.shape(given), np.iscomplexobj(given)
         numbers = np.array([[np.nan]] if complex_ones else given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         shape, numbers = None, np.array([[np.nan]])
     if shape is not None and shape != (len(x), len(x)):
         size = " x ".join(map(str, shape)) or "a single number"

@@ -6,16 +6,13 @@ was missed.  The numbers are the issue's; its equations are read off them:
 M x'' = A P(t) - F_sp - k_f x - F_f sgn(x').
 """
 
-from dataclasses import dataclass
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import frictionlab as fl
 from frictionlab.components import functions
-from frictionlab.models import Friction, Mechanics, Stop, with_signature
+from frictionlab.models import Friction, Mechanics, Stop
 
 M, K, SPRING, TRAVEL = 0.0003361185937456267, 1488.578099595049, 8.54503372291542, 0.001016
 FRICTION, E, AREA, PA = 1.0, 0.3, 7.373657906574696e-5, 6895.0
@@ -23,15 +20,13 @@ OMEGA, END = 2 * np.pi * 250.0, 0.04
 STEADY, SWING = 18 * PA * AREA, 4 * PA * AREA  # N
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Spool(fl.MechanicalModel):
     """A spool between two stops, with friction."""
 
     F: float = fl.parameter(SWING, unit="N", symbol="F", meaning="swing of the force", range=(0.0, 5.0))
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=FRICTION, mu_s=FRICTION)
     impact: fl.ImpactLaw = fl.RestitutionImpact(e=E)
-    roles = MappingProxyType({"friction": fl.FrictionLaw, "impact": fl.ImpactLaw})
     coordinates = ("x",)
     period = 0.004
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -11,7 +9,7 @@ from scipy.optimize import brentq
 
 import frictionlab as fl
 from frictionlab.components import Coulomb, PlasticImpact, RestitutionImpact
-from frictionlab.models import MechanicalModel, with_signature
+from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Stop
 
 A, G, M, L, W, K, E = 0.3, 9.81, 1.3, 0.7, 2.1, 4.0, 0.6
@@ -85,8 +83,7 @@ STATED = {
 TWO = "ground", "pressed", "trolley"
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class InTime(MechanicalModel):
     """One or two coordinates and something that moves."""
 

@@ -5,7 +5,7 @@ Each model states a mechanism; its automaton is the right one, or one with a fau
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -18,7 +18,7 @@ from frictionlab.analysis.independent_method import IndependentMethod
 from frictionlab.analysis.verify import RunSetup, verification_of
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
+from frictionlab.models import Friction, MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Stop
 from frictionlab.models.symbols import symbol
 from frictionlab.tape.packing import program_of
@@ -26,8 +26,7 @@ from frictionlab.tape.packing import program_of
 QUIET = {"progress": False}
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Faulty(MechanicalModel):
     """A model whose automaton may have a fault."""
 
@@ -54,7 +53,7 @@ def model(*coordinates, start):
             "__qualname__": mechanics.__name__,
         }
         kind = type(mechanics.__name__, (Faulty,), names)
-        return with_signature(dataclass(frozen=True, init=False, repr=False)(kind)), start
+        return fl.model(kind), start
 
     return made
 

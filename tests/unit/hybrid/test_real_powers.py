@@ -1,8 +1,5 @@
 """Powers whose base becomes negative, and numbers that floats cannot hold, in equations of users."""
 
-from dataclasses import dataclass
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 import sympy as sp
@@ -10,7 +7,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.components import FrictionLaw
 from frictionlab.hybrid.solve import RunOptions, run_automaton
-from frictionlab.models import Friction, MechanicalModel, Mechanics, with_signature
+from frictionlab.models import Friction, MechanicalModel, Mechanics
 from tests.helpers.automata import V, X, automaton
 
 P = sp.Symbol("p")
@@ -112,13 +109,11 @@ def test_a_parameter_may_have_the_name_of_a_function(name):
     assert [one.state[0] for one in fl.equilibria(scene)] == [pytest.approx(np.exp(2.0), rel=1e-14)]
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Row(MechanicalModel):
     """Four blocks on the ground, of which the first is drawn by -9 - x^1.5 to zero and beyond."""
 
     friction: FrictionLaw = fl.Coulomb(mu_k=0.1, mu_s=0.1)
-    roles = MappingProxyType({"friction": FrictionLaw})
     coordinates = ("x1", "x2", "x3", "x4")
 
     def mechanics(self, q, v):

@@ -1,16 +1,11 @@
 """What every model can say of itself: energies, nonlinearities, a mechanism, a sound."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
-from typing import ClassVar
-
 import numpy as np
 import pytest
 
 import frictionlab as fl
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.models import Friction, Mechanics, Mechanism, with_signature
+from frictionlab.models import Friction, Mechanics, Mechanism
 from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
 from tests.helpers.cases import slow_but
 
@@ -111,8 +106,7 @@ def test_it_is_explored_with_a_switch_for_each_nonlinearity_and_its_mechanism(mo
     explorer.close()
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Lifted(fl.MechanicalModel):
     """A mass that a spring holds above a conveyor: a model as a user writes one."""
 
@@ -120,7 +114,6 @@ class Lifted(fl.MechanicalModel):
     v: float = fl.parameter(0.3, unit="m/s", symbol="v", meaning="speed", range=(0.0, 1.0))
     contact: ContactLaw = fl.CubicContact(k2=30.0, k_nl=100.0)
     friction: FrictionLaw = fl.Coulomb(mu_k=0.4, mu_s=0.7)
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"contact": ContactLaw, "friction": FrictionLaw})
     coordinates = ("x", "y")
     period = 3.0
 
@@ -157,8 +150,7 @@ class Plain(Lifted):
     mechanism = None
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Tilting(fl.MechanicalModel):
     """The paper's system by other names: nothing in the derivation knows it."""
 
@@ -166,9 +158,6 @@ class Tilting(fl.MechanicalModel):
     contact: ContactLaw = fl.CubicContact()
     friction: FrictionLaw = fl.Coulomb(mu_k=1.4)
     impact: ImpactLaw = fl.PlasticImpact()
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType(
-        {"contact": ContactLaw, "friction": FrictionLaw, "impact": ImpactLaw}
-    )
     coordinates = ("s", "h", "b", "w", "turn")
 
     def mechanics(self, q, v):

@@ -1,9 +1,6 @@
 """Contacts that rub along one direction, or along more directions than a body can move in, share its load."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from math import atan, cos, pi, sin
-from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +10,7 @@ from scipy.optimize import linprog
 import frictionlab as fl
 from frictionlab.components import functions
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 
 
@@ -21,12 +18,10 @@ class Rubbed(MechanicalModel):
     """Base of the models below: one friction law, and forces that change with the phase."""
 
     friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     coordinates: ClassVar = ("x",)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Pads(Rubbed):
     """A mass on a spring under a force F sin(0.3 t), on pads that press with `N` and rub `ways` times x."""
 
@@ -92,8 +87,7 @@ def test_belts_of_one_speed_under_two_names():
     assert {"stick | slip+", "slip- | stick"} & {*apart.mode}
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Cart(Rubbed):
     """A cart with four locked wheels on a road whose slope, the phase, grows by 0.1 rad/s."""
 
@@ -122,8 +116,7 @@ def test_a_cart_begins_to_slide_at_the_slope_of_static_friction():
 ARMS, PRESSES = (-0.7, 0.2, 1.0), (1.0, 1.5, 0.7)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Board(Rubbed):
     """A board on three pads beside each other, which can shift and turn; its load grows from zero."""
 
@@ -155,8 +148,7 @@ def test_more_contacts_than_freedoms_hold_as_much_as_they_can(angle):
     assert np.abs(run.final_state[2:4]).max() > 0.1
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class BlockAtStop(Rubbed):
     """A block that 1 - phase newtons press against a stop; friction holds it beside the stop."""
 

@@ -1,10 +1,8 @@
 """Contacts end where they would pull, and slide in one direction only where a belt gives it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import acos, atan2, exp, pi, sin, sqrt
 from types import MappingProxyType
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ import frictionlab as fl
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, SlidingOnly, StickSlip
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.testing import rule_violations
 
@@ -25,8 +23,7 @@ def number(default, symbol):
     return fl.parameter(default, unit="", symbol=symbol, meaning=symbol, range=(-1e4, 1e4))
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Disc(MechanicalModel):
     """A disc under a torque, pressed by N0 + N1 cos(t)."""
 
@@ -35,7 +32,6 @@ class Disc(MechanicalModel):
     N1: float = number(2.0, "N_1")
     steady: bool = False
     friction: FrictionLaw = fl.Coulomb(mu_k=0.2, mu_s=0.3)
-    roles: ClassVar[Mapping[str, type]] = ROLES
     coordinates = ("turn",)
 
     def mechanics(self, q, v):
@@ -77,8 +73,7 @@ def test_a_given_normal_force_below_zero_is_refused():
         fl.simulate(Disc(steady=True, N0=-1.0), 1.0)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Landing(MechanicalModel):
     """A ball on a belt, with a damper in the contact: beside a spring, or by Hunt and Crossley's law."""
 
@@ -87,7 +82,6 @@ class Landing(MechanicalModel):
     c: float = number(3.0, "c")
     g: float = number(0.0, "g")
     friction: FrictionLaw = fl.Coulomb(mu_k=0.1, mu_s=0.1)
-    roles: ClassVar[Mapping[str, type]] = ROLES
     coordinates = ("x", "y")
 
     def mechanics(self, q, v):
@@ -132,8 +126,7 @@ def test_bounces_with_a_damper_agree_with_another_integrator(hunt):
     np.testing.assert_allclose(run.final_state, found, rtol=1e-4 if not hunt else 1e-8, atol=1e-6)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Carried(MechanicalModel):
     """A block on a belt of speed v (1 + a cos(t)), or v (1 + x); its contact has an interface of its own."""
 
@@ -142,7 +135,6 @@ class Carried(MechanicalModel):
     a: float = number(0.3, "a")
     interface: Interface = SlidingOnly()
     friction: FrictionLaw = fl.Coulomb(mu_k=0.2, mu_s=0.3)
-    roles: ClassVar[Mapping[str, type]] = ROLES
     coordinates = ("x",)
 
     def mechanics(self, q, v):

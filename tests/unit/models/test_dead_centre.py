@@ -1,10 +1,6 @@
 """Friction at the piston of a crank: at a dead centre the piston stands still and cannot hold the crank."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi, sin
-from types import MappingProxyType
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -13,7 +9,7 @@ from scipy.integrate import solve_ivp
 import frictionlab as fl
 from frictionlab.components import functions
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
 from frictionlab.testing import rule_violations
 
@@ -21,8 +17,7 @@ INERTIA, RADIUS, PRESS = 2.0, 0.3, 1.5
 STATIC, KINETIC = 0.5, 0.4
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Crank(MechanicalModel):
     """A flywheel and a piston, which rubs `pads` times; a torque T - k (theta - 2) turns it."""
 
@@ -30,7 +25,6 @@ class Crank(MechanicalModel):
     T: float = fl.parameter(0.0, unit="N m", symbol="T", meaning="torque", range=(-1.0, 1.0))
     k: float = fl.parameter(0.0, unit="N m/rad", symbol="k", meaning="spring", range=(0.0, 1.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=KINETIC, mu_s=STATIC)
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     coordinates = ("theta",)
 
     def mechanics(self, q, v):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +12,7 @@ from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 import frictionlab as fl
 from frictionlab.components import Coulomb, PlasticImpact
-from frictionlab.models import MechanicalModel, with_signature
+from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import chatter_mode
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 
@@ -60,8 +59,7 @@ ACCELERATIONS = {
 }
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Moved(MechanicalModel):
     """One coordinate with one of the energies above."""
 
@@ -85,8 +83,7 @@ def test_motions_with_energies_in_time_are_those_of_equations_by_hand(variant):
     np.testing.assert_allclose(run.final_state[:2], expected.y[:, -1], rtol=0, atol=1e-10)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Trolley(MechanicalModel):
     """A pendulum on a trolley that is moved by hand, with a mass that changes: two coordinates and time."""
 
@@ -121,8 +118,7 @@ def test_printed_equations_are_those_of_sympys_own_lagrange(model):
             assert numbers[0] == pytest.approx(numbers[1], rel=1e-11, abs=1e-11)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Tilted(MechanicalModel):
     """A mass on a tilted ground that moves with time, as does the mass: its landings may throw it off."""
 

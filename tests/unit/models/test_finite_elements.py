@@ -1,7 +1,5 @@
 """Structures of finite elements: masses coupled by numbers, on which a contact sticks and slips."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -9,7 +7,7 @@ import sympy
 
 import frictionlab as fl
 from chain_and_rod import rod, rod_matrices
-from frictionlab.models import Friction, Mechanics, quadratic_form, with_signature
+from frictionlab.models import Friction, Mechanics, quadratic_form
 from frictionlab.models.mechanical.coupled_masses import inverse_of
 from frictionlab.models.symbols import gradient
 
@@ -71,8 +69,7 @@ class Pair(fl.MechanicalModel):
         return Mechanics(inertia, (q.x - q.y) ** 2 + 3 * q.x**2, contacts=(rubs,))
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class PairInSymbols(Pair):
     """The same with parameters, of which the mass matrix is no single one times numbers."""
 
@@ -173,8 +170,7 @@ def test_the_skew_part_of_a_brake_as_loads_flutters():
     damping, skew, turning = 0.01 * damping @ damping.T, 1000 * (skew - skew.T), 0.5 * (turning - turning.T)
     whole, rates = stiffness + skew, damping + turning
 
-    @with_signature
-    @dataclass(frozen=True, init=False, repr=False)
+    @fl.model
     class Brake(fl.MechanicalModel):
         """Matrices with skew parts."""
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import sympy
 
 import frictionlab as fl
 from frictionlab.components import Coulomb, PlasticImpact
-from frictionlab.models import MechanicalModel, with_signature
+from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics, Stop
 
 cos = fl.functions.cos
@@ -105,8 +103,7 @@ WRONG_VALUES = {
 }
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Stated(MechanicalModel):
     """Two coordinates, and what a variant states of them."""
 
@@ -148,8 +145,7 @@ def test_terms_that_cancel_are_no_cubes():
     np.testing.assert_allclose(run.final_state, [0.5, 0.25, 0.5, 0.25], rtol=1e-14)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Hanging(MechanicalModel):
     """A mass on a belt with equilibria by statics, and one thing that is not linear, or moves."""
 

@@ -1,11 +1,8 @@
 """Modes of models with several contacts are derived when a run comes to try them, which changes no run."""
 
 import pickle
-from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from types import MappingProxyType
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -16,22 +13,20 @@ from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of
-from frictionlab.models import MechanicalModel, Mechanics, with_signature
+from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 
 pytestmark = pytest.mark.plain_python
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class ThreeBlocks(MechanicalModel):
     """A chain: 27 modes."""
 
     k: float = fl.parameter(1.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
     v: float = fl.parameter(0.2, unit="m/s", symbol="v", meaning="speed", range=(0.0, 10.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw})
     coordinates = ("x1", "x2", "x3")
 
     def mechanics(self, q, v):
@@ -43,15 +38,13 @@ class ThreeBlocks(MechanicalModel):
         )
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Landing(MechanicalModel):
     """A block that may lift off its belt, and that a stop holds back: 7 modes."""
 
     k: float = fl.parameter(4.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 10.0))
     friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
     impact: ImpactLaw = fl.PlasticImpact("full")
-    roles: ClassVar[Mapping[str, type]] = MappingProxyType({"friction": FrictionLaw, "impact": ImpactLaw})
     coordinates = ("x", "y")
 
     def mechanics(self, q, v):

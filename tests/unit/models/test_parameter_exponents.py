@@ -8,12 +8,11 @@ import pytest
 from scipy.special import ellipj
 
 import frictionlab as fl
-from frictionlab.models import Mechanics, with_signature
+from frictionlab.models import Mechanics
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Hardening(fl.MechanicalModel):
     """A mass on a spring whose force is a power of its extension."""
 

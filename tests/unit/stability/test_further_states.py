@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.optimize import brentq
 
 import frictionlab as fl
-from frictionlab.models import with_signature
 from frictionlab.models.symbols import symbol
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 
@@ -18,8 +15,7 @@ pytestmark = pytest.mark.blas
 VISCOUS = 0.1  # N s/m
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class LuGre(fl.Model):
     """A mass on a belt, by the friction of Canudas de Wit, Olsson, Astrom and Lischinsky (1995)."""
 

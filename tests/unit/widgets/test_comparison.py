@@ -8,7 +8,6 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.models import with_signature
 from tests.helpers.explorers import MODELS, lines
 
 DARK = (17, 17, 17)
@@ -57,7 +56,6 @@ def test_a_control_moves_the_mechanism(explorer):
 
 
 def test_a_model_without_a_mechanism_is_explored_without():
-    @with_signature
     class Bare(fl.MassOnBelt):
         mechanism = None
 

@@ -1,13 +1,10 @@
 """Names of coordinates are free: what looks like HTML, TeX or Python is shown as it is."""
 
-from dataclasses import dataclass
-from typing import ClassVar
-
 import pytest
 from matplotlib import pyplot
 
 import frictionlab as fl
-from frictionlab.models import Friction, Mechanics, with_signature
+from frictionlab.models import Friction, Mechanics
 
 IMAGE = "<img src=x onerror=alert(1)>"
 NAMES = [IMAGE, r"$\alpha$ & co", "x{y", "x_", "x_1", "a$b", r"\frac", "x y", "lambda"]
@@ -16,13 +13,11 @@ NAMES = [IMAGE, r"$\alpha$ & co", "x{y", "x_", "x_1", "a$b", r"\frac", "x y", "l
 def named(name):
     """A mass on a belt with that name for its coordinate."""
 
-    @with_signature
-    @dataclass(frozen=True, init=False, repr=False)
+    @fl.model
     class Odd(fl.MechanicalModel):
         k: float = fl.parameter(1.0, unit=IMAGE, symbol="k", meaning=IMAGE, range=(0.5, 2.0))
         friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
 
-        roles: ClassVar = {"friction": fl.FrictionLaw}
         coordinates = (name,)
         period = 6.0
 

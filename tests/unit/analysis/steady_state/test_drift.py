@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
-from frictionlab.models import Friction, Mechanics, with_signature
+from frictionlab.models import Friction, Mechanics
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import settled
 
@@ -56,15 +52,13 @@ def test_a_disc_that_turns_evenly_is_at_an_equilibrium(transient):
     assert found.drift == pytest.approx({"x": 10.0}, rel=1e-2)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Dragged(fl.MechanicalModel):
     """A block on the ground that a carriage of constant speed drags by a spring."""
 
     m: float = fl.parameter(1.0, unit="kg", symbol="m", meaning="mass", range=(0.1, 10.0))
     k: float = fl.parameter(4.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 100.0))
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
-    roles: ClassVar[Mapping[str, type]] = {"friction": fl.FrictionLaw}
     coordinates = ("x", "s")
     period = 5.0
 

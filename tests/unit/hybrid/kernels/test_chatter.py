@@ -1,8 +1,5 @@
 """Chatter: the limit of ever shorter flights against walking through them, and against a closed form."""
 
-from dataclasses import dataclass
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 import sympy as sp
@@ -12,7 +9,7 @@ from scipy.optimize import brentq
 import frictionlab as fl
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.components import functions
-from frictionlab.models import Friction, Mechanics, with_signature
+from frictionlab.models import Friction, Mechanics
 
 MATERIAL = fl.SliderOnBelt(mu_k=1.4)
 STIFF = fl.SliderOnBelt(mu_k=1.0, F=800.0, k_nl=1e7, k4=5e6, k5=5e6, k6=5e6)
@@ -157,15 +154,13 @@ def test_an_independent_integrator_sees_the_same_chatter(name):
     assert np.abs(other.final_state - exact.final_state).max() < 1e-7
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class DrivenOnSlope(fl.MechanicalModel):
     """A mass that slides down a slope without friction, under harmonic forces; F_N has no part along x."""
 
     Omega: float = fl.parameter(40.0, unit="rad/s", symbol="O", meaning="frequency", range=(1.0, 100.0))
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.0, mu_s=0.0)
     impact: fl.ImpactLaw = fl.PlasticImpact()
-    roles = MappingProxyType({"friction": fl.FrictionLaw, "impact": fl.ImpactLaw})
     coordinates = ("x", "y")
 
     def mechanics(self, q, v):

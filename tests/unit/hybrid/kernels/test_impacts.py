@@ -3,16 +3,14 @@
 The latter are walked from one collision to the next.
 """
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from types import MappingProxyType
 
 import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.models import Mechanics, Stop, with_signature
+from frictionlab.models import Mechanics, Stop
 
 
 @cache
@@ -20,14 +18,12 @@ def row(masses, restitutions, wall=None, order=None, push=0.0):
     """Balls in a row on a line, and a wall to their right at 0; contacts in any order."""
     names = tuple(f"x{i}" for i in range(len(masses)))
 
-    @with_signature
-    @dataclass(frozen=True, init=False, repr=False)
+    @fl.model
     class Row(fl.MechanicalModel):
         """Balls of no radius: they touch where their coordinates are equal."""
 
         push: float = fl.parameter(0.0, unit="N", symbol="F", meaning="force to the right", range=(0.0, 1.0))
         impact: fl.ImpactLaw = fl.RestitutionImpact(e=1.0)
-        roles = MappingProxyType({"impact": fl.ImpactLaw})
         coordinates = names
 
         def mechanics(self, q, v):
@@ -164,13 +160,11 @@ def test_impacts_without_end_have_their_limit(e):
 def test_a_stack_comes_to_rest():
     """Two balls on a floor, which hit each other and it: in the end both rest."""
 
-    @with_signature
-    @dataclass(frozen=True, init=False, repr=False)
+    @fl.model
     class Stack(fl.MechanicalModel):
         """A ball above another."""
 
         impact: fl.ImpactLaw = fl.RestitutionImpact(e=0.5)
-        roles = MappingProxyType({"impact": fl.ImpactLaw})
         coordinates = ("low", "high")
 
         def mechanics(self, q, v):

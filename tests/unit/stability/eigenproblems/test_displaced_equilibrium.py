@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
-
 import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.models import with_signature
 from frictionlab.models.symbols import symbol
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class Wheel(fl.Model):
     """A van der Pol oscillator beside a mass that a load deflects: y is zero where it rests."""
 
@@ -61,15 +55,13 @@ def test_a_linear_model_has_no_scale():
     assert np.abs(run.problem.x0).max() == pytest.approx(0.01)
 
 
-@with_signature
-@dataclass(frozen=True, init=False, repr=False)
+@fl.model
 class BetweenBelts(fl.MechanicalModel):
     """A mass between two belts that run against each other, whose friction falls with speed."""
 
     v: float = fl.parameter(2.0, unit="m/s", symbol="v", meaning="speed of both belts", range=(0.01, 1e3))
     k: float = fl.parameter(4.0, unit="N/m", symbol="k", meaning="stiffness", range=(0.1, 1e9))
     friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.2, mu_s=0.6, v_s=1.0)
-    roles: ClassVar[Mapping[str, type]] = {"friction": fl.FrictionLaw}
     coordinates = ("x",)
     period = 3.0
 

@@ -1,0 +1,160 @@
+"""`fl.model`: numbers are parameters, annotations of laws are roles."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+
+@fl.model
+class Popp(fl.MechanicalModel):
+    """One mass on a belt, in the lines of a textbook."""
+
+    m: float = 1.0
+    k: float = 4
+    v: float = 0.2
+    friction: fl.FrictionLaw = fl.Stribeck()
+    coordinates = ("x",)
+    period = 3.0
+
+    def mechanics(self, q, v):
+        contact = fl.Friction(self.v - v.x, 9.81 * self.m, self.friction)
+        return fl.Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(contact,))
+
+
+class Slower(Popp):
+    """Without fields of its own a class needs no decorator."""
+
+    period = 5.0
+
+
+@fl.model
+class Stopped(Popp):
+    """With a stop, whose law is another role."""
+
+    d: float = 100.0
+    impact: fl.ImpactLaw = fl.RestitutionImpact(e=0.5)
+
+    def mechanics(self, q, v):
+        about = super().mechanics(q, v)
+        contacts = (*about.contacts, fl.Stop(self.d - q.x, self.impact))
+        return fl.Mechanics(about.kinetic, about.potential, contacts=contacts)
+
+
+def test_numbers_are_parameters_and_annotations_of_laws_are_roles():
+    assert dict(Popp.roles) == {"friction": fl.FrictionLaw, "interface": fl.Interface}
+    assert list(Popp().parameters) == ["m", "k", "v", "mu_k", "mu_s", "v_s", "mu_v"]
+    assert Popp().k == 4.0
+    assert repr(Popp(m=2, mu_k=0.5)) == "Popp(m=2.0, mu_k=0.5)"
+    assert Popp(friction=fl.Coulomb()).replace(mu_s=1.0, m=3).parameters["mu_s"] == 1.0
+    assert isinstance(Slower(m=2.0), Popp)
+    assert Slower.roles is Popp.roles
+
+
+def test_it_moves_and_rests_as_the_textbook_says():
+    """x = mu_k N/k in steady sliding, about which it moves with sqrt(k/m)."""
+    model = Popp(friction=fl.Coulomb(mu_k=0.3, mu_s=0.3), m=2.0, k=9.0)
+    assert fl.equilibrium(model).q[0] == pytest.approx(0.3 * 9.81 * 2.0 / 9.0, rel=1e-14)
+    assert fl.eigenvalues(model).frequencies.max() == pytest.approx(
+        math.sqrt(9.0 / 2.0) / (2 * math.pi), rel=1e-13
+    )
+    fl.testing.check_model(model, t_end=3.0)
+
+
+def test_a_derived_model_has_the_roles_of_both():
+    assert set(Stopped.roles) == {"friction", "interface", "impact"}
+    model = Stopped(e=0.25, d=3.0, k=0.1)
+    assert (model.impact.e, model.friction) == (0.25, fl.Stribeck())
+    run = fl.simulate(model.replace(friction=fl.Coulomb(mu_k=0.0, mu_s=0.0)), 2.0, x0=[2.9, 1.0])
+    before, after = run.events.before[0, 1], run.events.state[0, 1]
+    assert after == pytest.approx(-0.25 * before, rel=1e-13)
+
+
+def test_annotations_may_be_texts_of_a_function():
+    law = fl.Stribeck
+
+    @fl.model
+    class Local(Popp):
+        friction: "law" = law(mu_k=0.1)
+
+    assert Local.roles["friction"] is fl.Stribeck
+    with pytest.raises(TypeError, match="friction must be a Stribeck, got Coulomb"):
+        Local(friction=fl.Coulomb())
+
+
+def test_a_law_annotated_as_an_object_is_structure():
+    """Two laws of one kind have parameters of the same names."""
+
+    @fl.model
+    class Two(Popp):
+        other: object = fl.Coulomb(mu_k=0.1, mu_s=0.1)
+
+    assert "other" not in Two.roles
+    assert Two(mu_k=0.7).other.mu_k == 0.1
+
+    @fl.model
+    class Clash(Popp):
+        other: fl.FrictionLaw = fl.Coulomb()
+
+    with pytest.raises(ValueError, match=r"'mu_k' of .* must differ .* or write \w+: object"):
+        Clash()
+
+
+def undecorated():
+    class Mine(Popp):
+        z: float = 1.0
+
+    Mine()
+
+
+def a_dataclass():
+    @dataclass(frozen=True)
+    class Mine(Popp):
+        z: float = 1.0
+
+    Mine()
+
+
+def an_unknown_annotation():
+    @fl.model
+    class Mine(Popp):
+        friction: "Nowhere" = fl.Coulomb()  # noqa: F821  that is the fault
+
+
+def no_default():
+    @fl.model
+    class Mine(Popp):
+        impact: fl.ImpactLaw
+
+
+def of_functions(function):
+    @fl.model
+    class Mine(fl.MechanicalModel):
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2, function(q.x))
+
+    return Mine().automaton
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (undecorated, "Mine has fields that are not known as parameters: write @fl.model above it"),
+        (a_dataclass, "write @fl.model in place of @dataclass"),
+        (an_unknown_annotation, "the annotation of friction in Mine must name a kind of law, got 'Nowhere'"),
+        (no_default, "the default of impact in Mine must be a ImpactLaw, got None"),
+        (lambda: fl.model(Popp()), r"fl.model is for classes of models, got Popp\(\)"),
+        (of_functions(np.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
+        (of_functions(math.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
+        (of_functions(lambda x: max(x, 0)), r"Mine.mechanics must be a formula .* no if, min or max"),
+    ],
+    ids=lambda one: getattr(one, "__name__", None),
+)
+def test_errors_name_the_cure(call, message):
+    with pytest.raises(TypeError, match=message):
+        call()
