@@ -22,7 +22,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
     equilibrium_branches,
     equilibrium_problem,
 )
-from frictionlab.stability.equilibrium_points.static_equations import by_penetration
+from frictionlab.stability.equilibrium_points.sliding import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_points.static_equations import by_penetration, sliding_equations
+from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_problem import is_neutral
 
 Array = NDArray[np.float64]

@@ -5,14 +5,12 @@ equation in the penetration.
 
 ``equilibria``
     `fl.equilibria`, `fl.equilibrium`; the `EquilibriumProblem` on which the other packages of stability work.
+``sliding``
+    Models with one contact: the static equations, the equation in the penetration, and its roots.
 ``steady_modes``
-    The modes in which equilibria are searched for, as functions.
+    All others: the modes in which equilibria are searched for, as functions.
 ``newton``
-    All zeros of a flow: Newton's method from boxes or from many starts; polished and told apart.
-``root_boxes``
-    Boxes that hold all zeros, by bounds of the flow in each box.
-``static_equations``, ``real_roots``
-    The one equation in the penetration; all its real roots if it is a polynomial.
-``followed_equilibria``
-    The same equilibrium at many parameter values at once.
+    All zeros of a flow by Newton's method, and a zero followed to other values of the parameters.
+``root_boxes``, ``real_roots``
+    Boxes that hold all zeros, by bounds of the flow in each box; all real roots of a polynomial.
 """

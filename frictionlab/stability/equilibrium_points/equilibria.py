@@ -7,38 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
-from frictionlab.stability.equilibrium_points.followed_equilibria import (
-    excess_polynomial,
-    nearest_equilibrium_problem,
-    newton_residual,
-    no_contact,
-    no_equilibrium_error,
-    polish_roots,
-    problem_from_equilibrium,
-    sliding_problem,
-)
-from frictionlab.stability.equilibrium_points.newton import find_zeros
-from frictionlab.stability.equilibrium_points.real_roots import real_roots
-from frictionlab.stability.equilibrium_points.static_equations import (
+from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
+from frictionlab.stability.equilibrium_points.sliding import (
     Statics,
+    all_penetrations,
     by_penetration,
-    is_static,
     sliding_equations,
+    sliding_problem,
     statics_for_values,
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
     SteadyMode,
     first_mode_equilibria,
     parameter_values,
+    steady_modes,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.flow import Flow
 from frictionlab.validation import abbreviate
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
@@ -67,7 +61,7 @@ def equilibrium_problem(
     near = None if equilibrium is None else _check_equilibrium(model, equilibrium)
     if by_penetration(model):
         return sliding_problem(model, near)
-    return nearest_equilibrium_problem(model, near)
+    return _nearest_equilibrium_problem(model, near)
 
 
 def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.float64]:
@@ -88,6 +82,63 @@ def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.
 def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
     x, y = one.state, other.state
     return x.shape == y.shape and np.allclose(x, y, rtol=EQUILIBRIUM_RTOL, atol=0.0)
+
+
+def _nearest_equilibrium_problem(
+    model: ModelOrAutomaton, closest_to: Array | None = None
+) -> EquilibriumProblem:
+    """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
+
+    With `closest_to` (m,) it is the equilibrium nearest to this state.
+
+    Raises
+    ------
+    ValueError
+        If no mode has one.
+    """
+    automaton = automaton_of(model)
+    mode, points, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
+    if not points.size:
+        raise _no_equilibrium_error(model)
+    offsets = points if closest_to is None else points - closest_to[:, None]
+    i = 0 if closest_to is None else int(np.argmin(np.linalg.norm(offsets, axis=0)))
+    return _problem_from_equilibrium(model, automaton, mode, points[:, i])
+
+
+def _problem_from_equilibrium(
+    model: ModelOrAutomaton, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
+) -> EquilibriumProblem:
+    """The problem of a mode's equilibrium, followed from `x` (m,), its state with `changes` of parameters."""
+    flow, values = mode.flow, parameter_values(automaton)
+    start = parameter_values(automaton.replace(**changes)) if changes else values
+    return EquilibriumProblem(
+        model,
+        _state_names(automaton),
+        tuple(automaton.values),
+        values,
+        partial(follow_zero, flow, x, start, mode.admits),
+        flow,
+        lambda: mode.guards,
+    )
+
+
+def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
+    """The error for a model or an automaton of which none was found; it says whether it has none."""
+    automaton, sliding = automaton_of(model), isinstance(model, Model)
+    modes = [each.name for each in steady_modes(automaton, sliding)]
+    what = type(model).__name__ if sliding else "the automaton"
+    search = first_mode_equilibria(automaton, sliding)
+    got = "none was found" if search.why else "got none"
+    unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
+    return ValueError(
+        f"{what} must have a mode with an equilibrium inside its guards, "
+        f"{got} in {', '.join(modes)}{unsure}: change its parameters, or simulate its motion"
+    )
+
+
+def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
+    """Names of the coordinates, or of all states of an automaton that has none."""
+    return automaton.state_names[: automaton.coordinates or len(automaton.state_names)]
 
 
 def equilibrium_branches(
@@ -117,10 +168,10 @@ def equilibrium_branches(
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
             modes.append(mode)
-            problems.append(problem_from_equilibrium(model, automaton, mode, x, **changed))
+            problems.append(_problem_from_equilibrium(model, automaton, mode, x, **changed))
             branch_states.append(problems[-1].solve(*problems[-1].at({parameter: at})))
     if not problems:
-        raise no_equilibrium_error(model)
+        raise _no_equilibrium_error(model)
     return problems
 
 
@@ -248,7 +299,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     equations = sliding_equations(model)
     values = equations.values(model)
     statics = statics_for_values(equations, values)
-    penetrations, why = _penetrations(statics, values)
+    penetrations, why = all_penetrations(statics, values)
     each = [_sliding_equilibrium(model, statics, values, penetration) for penetration in penetrations]
     for penetration, one in zip(penetrations, each, strict=True):
         if one is None:
@@ -284,7 +335,7 @@ def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     candidates = equilibria(model)
     if not by_penetration(model):
         if not candidates:
-            raise no_equilibrium_error(model)
+            raise _no_equilibrium_error(model)
         return candidates[0]
     # A law with even powers may give F_N > 0 where there is no contact.
     pressed = [e for e in candidates if e.normal_force > 0 and e.penetration > 0]
@@ -300,41 +351,34 @@ def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
 
 def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
     automaton = automaton_of(model)
-    mode, points, _, why = first_mode_equilibria(automaton, isinstance(model, Model))
-    n, values = automaton.coordinates or len(automaton.state_names), parameter_values(automaton)
+    mode, points, why = first_mode_equilibria(automaton, isinstance(model, Model))
+    values, names = parameter_values(automaton), _state_names(automaton)
     members = (
         Equilibrium(
             x,
             *mode.shown(x, values),
-            residual=newton_residual(mode.flow, x, values),
+            residual=_newton_residual(mode.flow, x, values),
             model=model,
-            names=automaton.state_names[:n],
+            names=names,
         )
         for x in points.T
     )
     return Equilibria(members, why)
 
 
-def _penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float], str]:
-    """The penetrations at all equilibria, and why others are not excluded, if so."""
-    excess = excess_polynomial(statics, values)
-    if excess is None:
-        zeros = find_zeros(statics.equation, values)
-        with np.errstate(all="ignore"):
-            none = no_contact(statics, values, zeros.points[0])
-        return sorted(map(float, np.where(none, 0.0, zeros.points[0]))), zeros.why
-    with np.errstate(all="ignore"):  # at a double root the slope vanishes
-        roots = polish_roots(statics, values, np.array(real_roots(excess[:, 0])))
-    return [float(g) for g in roots], ""
+def _newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:
+    """The step that Newton's method would still take, relative to the state."""
+    step = np.abs(newton_step(flow, x[:, None], values)).max()
+    return float(step / max(np.abs(x).max(), np.finfo(float).tiny)) if step else 0.0
 
 
 def _sliding_equilibrium(
     model: Model, statics: Statics, values: Sequence[float], penetration: float
 ) -> Equilibrium | None:
     """The equilibrium at a penetration; None where double precision cannot solve the static equations."""
-    q: Any = np.array(statics.coordinates(penetration, *values), dtype=float)
-    normal, friction = map(float, statics.forces(penetration, *values))
-    residual, solved = is_static(statics, penetration, q, values, MAX_STATIC_RESIDUAL)
+    q: Any = np.array(statics.coordinates.arrays(penetration, *values), dtype=float)
+    normal, friction = map(float, statics.forces.arrays(penetration, *values))
+    residual, solved = statics.is_static(penetration, q, values, MAX_STATIC_RESIDUAL)
     if not solved:
         return None
     left = float(residual)

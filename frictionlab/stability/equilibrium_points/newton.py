@@ -250,14 +250,11 @@ class Zeros(NamedTuple):
     ----------
     points : array (m, K)
         Zeros, each once, by their distance from the origin.
-    complete : bool
-        Whether there are no others.
     why : str
-        Where that is not known, the reason.
+        Why others cannot be excluded; empty where it is known that there are none.
     """
 
     points: Array
-    complete: bool
     why: str = ""
 
 
@@ -271,16 +268,16 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
     """
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
         boxes = root_boxes(flow, values)
-        if boxes.complete and not boxes.starts.shape[1]:
-            return Zeros(boxes.starts, True)
+        if not boxes.why and not boxes.starts.shape[1]:
+            return Zeros(boxes.starts)
         random = np.random.default_rng(0)
         x, scale = _starts(flow, values, random)
         sure = boxes.starts[:, boxes.on_jump]
-        if boxes.complete and not flow.linear:
+        if not boxes.why and not flow.linear:
             inside = _zeros_in_boxes(flow, values, boxes, scale)
-            if inside.complete:
+            if not inside.why:
                 return inside
-            sure, boxes = inside.points, replace(boxes, complete=False, why=inside.why)
+            sure, boxes = inside.points, replace(boxes, why=inside.why)
         cheap = low_rank_newton(flow, values, x)
         candidates = _zeros_from(flow, values, np.hstack([x, boxes.starts]), scale, cheap)
         for _ in range(0 if flow.linear else RESTART_ROUNDS):
@@ -296,7 +293,7 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
                 break
         candidates = np.hstack([sure, _credible(flow, values, candidates, scale)])
     points = distinct_zeros(candidates, SAME_CANDIDATE_RTOL * np.abs(candidates)) if sure.size else candidates
-    return Zeros(points, boxes.complete, boxes.why)
+    return Zeros(points, boxes.why)
 
 
 def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale: Array) -> Zeros:
@@ -317,8 +314,7 @@ def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale
         ),
     )
     doubtful = ~met & ~left & ~boxes.on_jump
-    why = "rates come within rounding of zero elsewhere" if doubtful.any() else ""
-    return Zeros(points, not doubtful.any(), why)
+    return Zeros(points, "rates come within rounding of zero elsewhere" if doubtful.any() else "")
 
 
 def _credible(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Array:
@@ -371,8 +367,18 @@ def _restart_points(flow: Flow, values: Sequence[float], zeros: Array, random: n
     return np.hstack([combined, base + away[0] * length * only])
 
 
-def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[Any], count: int) -> Array:
-    """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`; NaN if lost."""
+def follow_zero(
+    flow: Flow,
+    x: Array,
+    base: Sequence[float],
+    admits: Callable[[Array, Sequence[Any]], Any],
+    values: Sequence[Any],
+    count: int,
+) -> Array:
+    """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`.
+
+    They are NaN where the zero is lost, and at states that `admits(states, values)` refuses.
+    """
     zeros = np.repeat(x[:, None], count, axis=1)
     with np.errstate(all="ignore"):
         first = newton_step(flow, zeros, values)
@@ -388,6 +394,7 @@ def follow_zero(flow: Flow, x: Array, base: Sequence[float], values: Sequence[An
             zeros = _newton(flow, zeros, between)
         scale = _replace_unknown(np.abs(x)[:, None] + np.abs(first))
         zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
+        zeros[:, ~admits(zeros, values)] = np.nan
     return zeros
 
 
@@ -455,7 +462,7 @@ def _search(newton: Callable[[Array], Array], x: Array) -> Array:
 def _is_solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
     """Where Newton's method has converged, and is not stuck at a singular matrix."""
     size = np.fmax(np.abs(x), scale)
-    forces = (np.abs(flow.jacobian(x, values)) @ size.T[:, :, None])[:, :, 0].T
+    forces = _times(np.abs(flow.jacobian(x, values)), size)
     left = np.abs(flow.rhs(x, values)) <= LAST_STEP_RTOL * forces
     step = np.abs(newton_step(flow, x, values))
     return left.all(axis=0) & (step <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale).all(axis=0)

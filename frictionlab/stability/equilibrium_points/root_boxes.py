@@ -90,34 +90,31 @@ class RootBoxes:
         Whether the start is a zero at which the one equation changes its sign with zero slope.
     on_jump : bool array (N,)
         Whether the start is a zero at which an equation jumps.
-    complete : bool
-        Whether all zeros lie in these boxes.
     why : str
-        Where it is not complete, what kept it from that.
+        Why there may be zeros outside these boxes; empty where it is known that there are none.
     """
 
     starts: Array
     room: Array
     flat: NDArray[np.bool_]
     on_jump: NDArray[np.bool_]
-    complete: bool
     why: str = ""
 
 
 def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
     """Boxes that hold the zeros of a flow."""
-    none = np.zeros((flow.size, 0))
-    nowhere = RootBoxes(none, none, *np.zeros((2, 0), dtype=bool), complete=True)
+    none, never = np.zeros((flow.size, 0)), np.zeros(0, dtype=bool)
+    nowhere = RootBoxes(none, none, never, never)
     try:
         with np.errstate(all="ignore"):
             reduced = _eliminate(flow, values)
             if reduced is None:
                 return nowhere
             if isinstance(reduced, str):
-                return replace(nowhere, complete=False, why=reduced)
+                return replace(nowhere, why=reduced)
             return _search(ReducedFlow(flow, values, reduced))
     except TypeError:  # a power of a negative number, whose exponent varies
-        return replace(nowhere, complete=False, why="a function has no bounds")
+        return replace(nowhere, why="a function has no bounds")
 
 
 # --- elimination
@@ -152,7 +149,9 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     origin, basis = solved
     unknowns = basis.shape[1]
     # Linear rows may have made columns of the others constant.
-    there = [_combination(origin[j], basis[j], [_whole()] * unknowns) for j in range(m)]
+    there = [
+        interval(state) if unknowns else state for state in _combined(origin, basis, [_whole()] * unknowns)
+    ]
     entries = flow.slopes(there, values)
     columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in left]
     linear = np.array([all(_constant(row[k]) is not None for row in columns) for k in range(unknowns)], bool)
@@ -222,15 +221,19 @@ def _column(entries: dict[tuple[int, int], Any], row: int, direction: Array) -> 
     return total
 
 
-def _combination(origin: float, row: Array, u: Sequence[Interval]) -> Any:
-    """A state as an interval; it is one of the unknowns itself in most cases."""
-    used = np.flatnonzero(row).tolist()
-    if len(used) == 1 and row[used[0]] == 1.0 and origin == 0.0:
-        return u[used[0]]
-    total: Any = origin
-    for k in used:
-        total = total + u[k] * float(row[k])
-    return interval(total) if u else total
+def _combined(origin: Array, basis: Array, u: Sequence[Any]) -> list[Any]:
+    """The states origin + basis u, where unknowns are numbers or intervals; most are one of the unknowns."""
+    states = []
+    for start, row in zip(origin.tolist(), basis, strict=True):
+        used = np.flatnonzero(row).tolist()
+        if len(used) == 1 and row[used[0]] == 1.0 and start == 0.0:
+            states.append(u[used[0]])
+            continue
+        total: Any = start
+        for k in used:
+            total = u[k] * float(row[k]) + total
+        states.append(total)
+    return states
 
 
 def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
@@ -329,20 +332,7 @@ class ReducedFlow:
         return replace(self, values=values)
 
     def _states(self, w: Sequence[Any]) -> list[Any]:
-        u: list[Any] = [0.0] * self.by.basis.shape[1]
-        for k, one in zip(self.by.nonlinear.tolist(), w, strict=True):
-            u[k] = one
-        states = []
-        for start, row in zip(self.by.origin, self.by.basis, strict=True):
-            used = [k for k in np.flatnonzero(row).tolist() if k in self.by.nonlinear]
-            if len(used) == 1 and row[used[0]] == 1.0 and start == 0.0:
-                states.append(u[used[0]])
-                continue
-            total: Any = float(start)
-            for k in used:
-                total = u[k] * float(row[k]) + total
-            states.append(total)
-        return states
+        return _combined(self.by.origin, self.by.basis[:, self.by.nonlinear], w)
 
     def _sums(self, rows: Sequence[Any]) -> list[Interval]:
         totals = []
@@ -458,7 +448,8 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     k = len(reduced.unknowns)
     if not k:  # linear, and no rate contradicts
         start = reduced.full_states(np.zeros((0, 1)))
-        return RootBoxes(start, np.full(start.shape, np.inf), *np.zeros((2, 1), dtype=bool), complete=True)
+        neither = np.zeros(1, dtype=bool)
+        return RootBoxes(start, np.full(start.shape, np.inf), neither, neither)
     everywhere = np.full((2, k, 1), LARGEST) * np.array([-1.0, 1.0])[:, None, None]
     search = isolate_zeros(reduced, Boxes(everywhere, np.zeros(1, dtype=np.intp)))
     clusters = _clusters(search.narrow.ends)
@@ -481,7 +472,7 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     why = f"{left} of {search.spent} boxes stay undecided" if left else ""
     if doubtful.size and not left:
         why = f"rates may come to zero beside a jump, near {doubtful[reduced.unknowns[0], 0]:.6g}"
-    return RootBoxes(starts, room, flat, on_jump, not why, why)
+    return RootBoxes(starts, room, flat, on_jump, why)
 
 
 def _zero_on_jump(reduced: ReducedFlow, box: Array) -> Array | None:

@@ -137,15 +137,12 @@ class ModeEquilibria(NamedTuple):
     mode : SteadyMode
         The first mode with equilibria inside its guards; if no mode has any, the last one searched.
     points : array (m, K)
-    complete : bool
-        Whether it is known that this mode, and those searched before, have no others.
     why : str
-        If that is not known, in which mode and why.
+        In which mode, this or one searched before, others cannot be excluded, and why; empty if in none.
     """
 
     mode: SteadyMode
     points: Array
-    complete: bool
     why: str
 
 
@@ -164,12 +161,12 @@ def _first_mode_equilibria(key: SearchKey) -> ModeEquilibria:
     for mode in steady_modes(automaton, key.sliding):
         if not mode.holds or _allows_rest(automaton, mode.derive()):
             zeros = find_zeros(mode.flow, key.values)
-            why = why or ("" if zeros.complete else f"in {mode.name} {zeros.why}")
+            why = why or (f"in {mode.name} {zeros.why}" if zeros.why else "")
             points = zeros.points[:, mode.admits(zeros.points, key.values)]
             if points.size:
-                return ModeEquilibria(mode, points, not why, why)
+                return ModeEquilibria(mode, points, why)
     mode = mode or _derived_mode(automaton, automaton.modes[0])
-    return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), not why, why)
+    return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), why)
 
 
 # --- modes of which functions are cached on disk

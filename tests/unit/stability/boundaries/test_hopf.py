@@ -16,8 +16,7 @@ from frictionlab.stability.boundaries.hopf import (
     hopf,
     parameter_derivative,
 )
-from frictionlab.stability.equilibrium_points.followed_equilibria import sliding_flow
-from frictionlab.stability.equilibrium_points.static_equations import sliding_equations
+from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from tests.helpers.lorenz import A, B, P, X, Y, Z, automaton, lorenz
 
 pytestmark = pytest.mark.blas
@@ -161,7 +160,7 @@ def test_derivatives_along_directions(model):
     start = np.concatenate([0.01 * rng.normal(size=m), list(scene.parameters.values())])
     directions = rng.normal(size=(3, m)) * np.repeat([0.01, 1.0], m // 2)
     equations = sliding_equations(model)
-    at = ExpansionPoint(sliding_flow(equations), start[:m], equations.values(model))
+    at = ExpansionPoint(equations.flow, start[:m], equations.values(model))
 
     def expected(*directions):
         def moved(i):
