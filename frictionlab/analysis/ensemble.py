@@ -108,11 +108,8 @@ def ensemble(
         if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
             raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
-    names, modes = (
-        tuple(map(str, first.states)),
-        problem_for_batch(first, problems[0].x0, 0.0, chosen).program.modes,
-    )
-    result = replace(ends, names=names, mode_names=modes)
+    modes = problem_for_batch(first, problems[0].x0, 0.0, chosen).program.modes
+    result = replace(ends, names=first.state_names, mode_names=modes)
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
     return result

@@ -79,6 +79,10 @@ class SteadyStateOptions:
         """The method as an object, also where it was given by name."""
         return method_of(self.method)
 
+    def specification(self, *names: str) -> dict[str, Any]:
+        """The method and some other fields, as data by which files tell computations apart."""
+        return {name: getattr(self, name) for name in names} | {"method": self.solver.describe()}
+
 
 @dataclass(frozen=True)
 class Execution:

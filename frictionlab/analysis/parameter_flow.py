@@ -234,8 +234,7 @@ def _saltation(varied: _VariedRun, i: int) -> Array:
 
 
 def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
-    known = {symbol.name: float(value) for symbol, value in automaton.parameters.items()}
-    return np.array([abs(known[name]) or 1.0 for name in names])
+    return np.array([abs(automaton.values[name]) or 1.0 for name in names], dtype=float)
 
 
 def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]) -> _VariedRun:

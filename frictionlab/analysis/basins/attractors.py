@@ -5,7 +5,7 @@ The features are the kind, the period and the range of each state.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from frictionlab.analysis.motion_scales import Array, state_groups, state_ranges
+from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import (
     EVEN_SAMPLES,
     MIN_DECAY_FACTOR,
@@ -31,13 +32,9 @@ PATH_POINTS = 400  # points that are kept to draw it
 REST_CHANGE_RTOL = 1e-8  # share of a state's range so far by which it may still change at rest
 MAX_REST_TRANSIENTS = 20  # most further transients in which a motion is to come to rest
 
-BasinSettings = Mapping[str, Any]  # the arguments of `fl.basins` by their names
-
-MIN_RANGE_SHARE = (
-    # least scale of a state, as a share of the largest scale in its group, and of its own range over the
-    # motions to the attractors
-    1e-2
-)
+# least scale of a state, as a share of the largest scale in its group, and of its own range over the motions
+# to the attractors
+MIN_RANGE_SHARE = 1e-2
 PERIOD_RTOL = 1e-3
 RANGE_RTOL = {
     MotionKind.EQUILIBRIUM: 1e-2,
@@ -55,9 +52,9 @@ def drifting_of(attractor: AttractorData) -> list[int]:
     return attractor.get("drifting", [])
 
 
-def probe_attractor(automaton: HybridAutomaton, start: Any, settings: BasinSettings) -> AttractorData:
+def probe_attractor(automaton: HybridAutomaton, start: Any, options: SteadyStateOptions) -> AttractorData:
     """One task: the attractor of the motion from one state (n,), with the range of each state on the way."""
-    run = _run(automaton, settings["transient"], np.asarray(start), settings)
+    run = _run(automaton, options.transient, np.asarray(start), options)
     passed = np.vstack([run.raw.step_states, run.final_state])
     reach = [passed.min(axis=0).tolist(), passed.max(axis=0).tolist()]
     if not run.status.ok:
@@ -67,24 +64,24 @@ def probe_attractor(automaton: HybridAutomaton, start: Any, settings: BasinSetti
             "state": run.final_state.tolist(),
             "reach": reach,
         }
-    attractor = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), settings)
-    return {**add_ranges(attractor, attractor_points(automaton, attractor, settings)), "reach": reach}
+    attractor = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), options)
+    return {**add_ranges(attractor, attractor_points(automaton, attractor, options)), "reach": reach}
 
 
 def classify_attractor(
-    automaton: HybridAutomaton, state: Array, spread: Array, settings: BasinSettings
+    automaton: HybridAutomaton, state: Array, spread: Array, options: SteadyStateOptions
 ) -> AttractorData:
     """The attractor of the motion from a state after the transient; `spread` (n,) is the range of each state
     so far."""
-    section, tolerance = settings["section"], settings["tolerance"]
-    run = _run(automaton, settings["window"], state, settings, sections_to_record(automaton, section))
+    section, tolerance = options.section, options.tolerance
+    run = _run(automaton, options.window, state, options, sections_to_record(automaton, section))
     verdict = classify_run(run, section, tolerance)
-    kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, settings["rtol"]) else verdict.kind
+    kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, options.rtol) else verdict.kind
     end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period
     drifting: list[int] = []
     if kind in RANGE_RTOL:
         drifting = [] if verdict.drift is None else verdict.drift.places
-        end = _state_on_attractor(automaton, end, kind, drifting, spread, settings)
+        end = _state_on_attractor(automaton, end, kind, drifting, spread, options)
     attractor = {"kind": kind, "period": period, "state": end.tolist()}
     return attractor | ({"drifting": drifting} if drifting else {})
 
@@ -107,7 +104,7 @@ def _state_on_attractor(
     kind: str,
     drifting: list[int],
     spread: Array,
-    settings: BasinSettings,
+    options: SteadyStateOptions,
 ) -> Array:
     """A state closer to the attractor, which is known to a few digits so far.
 
@@ -116,7 +113,7 @@ def _state_on_attractor(
     """
     size, moving = attractor_scale([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(MAX_REST_TRANSIENTS if kind == MotionKind.EQUILIBRIUM else 1):
-        before, state = state, _run(automaton, settings["transient"], state, settings).final_state
+        before, state = state, _run(automaton, options.transient, state, options).final_state
         change = np.abs(state - before) / size
         change[drifting] = 0.0
         if not change[:moving].max() > REST_CHANGE_RTOL:
@@ -124,22 +121,23 @@ def _state_on_attractor(
     return state
 
 
-def attractor_points(automaton: HybridAutomaton, attractor: AttractorData, settings: BasinSettings) -> Array:
+def attractor_points(
+    automaton: HybridAutomaton, attractor: AttractorData, options: SteadyStateOptions
+) -> Array:
     """Points (K, n) on an attractor, evenly in time; none where the motion has not settled or ended early."""
     state = np.array(attractor["state"])
     if attractor["kind"] == MotionKind.EQUILIBRIUM and len(state) <= 2 * automaton.coordinates:
         return state[None]
     if attractor["kind"] not in RANGE_RTOL:
         return state[None][:0]
-    run = _run(automaton, attractor["period"] or settings["window"], state, settings)
+    run = _run(automaton, attractor["period"] or options.window, state, options)
     return run(np.linspace(0.0, run.raw.t, ATTRACTOR_POINTS))
 
 
 def _run(
-    automaton: HybridAutomaton, t_end: float, state: Array, settings: BasinSettings, sections: Any = None
+    automaton: HybridAutomaton, t_end: float, state: Array, options: SteadyStateOptions, sections: Any = None
 ) -> Trajectory:
-    options: dict[str, Any] = {"method": settings["method"], "sections": sections, "progress": False}
-    return solve(automaton, t_end, x0=state, **options)
+    return solve(automaton, t_end, x0=state, method=options.solver, sections=sections, progress=False)
 
 
 def add_ranges(attractor: AttractorData, points: Array) -> AttractorData:
@@ -190,11 +188,11 @@ class Attractor:
         return self.kind in RANGE_RTOL
 
 
-def transient_ranges(probed: Sequence[AttractorData]) -> Array:
+def transient_ranges(probes: Sequence[AttractorData]) -> Array:
     """The range (n,) of each state over the motions that led to attractors; zeros where none did."""
-    reached = [np.array(a["reach"]) for a in probed if a["kind"] in RANGE_RTOL]
+    reached = [np.array(a["reach"]) for a in probes if a["kind"] in RANGE_RTOL]
     if not reached:
-        return np.zeros(len(probed[0]["state"]) if probed else 0)
+        return np.zeros(len(probes[0]["state"]) if probes else 0)
     low, high = np.min(reached, axis=0)[0], np.max(reached, axis=0)[1]
     return high - low
 
@@ -289,6 +287,23 @@ class AttractorCatalogue:
                 distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._rtol)[0]
                 index[about[distance < self._rtol]] = i
         return index
+
+
+def catalogue_of_probes(
+    probes: Sequence[AttractorData],
+    coordinates: int,
+    rtol: float,
+    points_on: Callable[[AttractorData], Array] | None = None,
+) -> AttractorCatalogue:
+    """The attractors that the probes led to, each once.
+
+    `points_on` gives points on an attractor; with it, :meth:`AttractorCatalogue.reached` recognises states.
+    """
+    catalogue = AttractorCatalogue(attractor_scale(probes, transient_ranges(probes), coordinates), rtol)
+    for attractor in probes:
+        if catalogue.known(attractor) == UNDECIDED:
+            catalogue.place(attractor, None if points_on is None else points_on(attractor))
+    return catalogue
 
 
 def name_attractors(attractors: Sequence[AttractorData]) -> tuple[Attractor, ...]:

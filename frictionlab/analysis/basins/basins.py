@@ -14,16 +14,16 @@ from frictionlab.analysis.basins.stored import (
     MAX_SAMPLES,
     check_results,
     check_specification,
-    probed_attractors,
+    stored_catalogue,
 )
-from frictionlab.analysis.basins.tasks import run_basin_tasks, state_names
+from frictionlab.analysis.basins.tasks import run_basin_tasks
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.sweeps.journal import DELETE, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.model import ModelOrAutomaton
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.stored_data import reading
 from frictionlab.validation import (
@@ -183,7 +183,7 @@ def _collect_labels(
 ) -> tuple[np.ndarray, tuple[Attractor, ...]]:
     """Labels of all initial states, and the attractors: those of the probes, then those of each group."""
     probes, group = specification["probes"], specification["group"]
-    catalogue = probed_attractors(specification, results)
+    catalogue = stored_catalogue(specification, results)
     known, labels = len(catalogue.attractors), np.full(specification["count"], UNDECIDED)
     for i in sorted(i for i in results if i >= probes):
         index = np.array([*range(known), *(catalogue.place(attractor) for attractor in results[i]["found"])])
@@ -264,7 +264,7 @@ def basins(
     >>> [attractor.kind for attractor in found.attractors]
     ['equilibrium', 'periodic']
     """
-    settings, how = _settings("basins", keywords, options, execution)
+    chosen, how = _options("basins", keywords, options, execution)
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
         raise ValueError(f"x and y must be two states, got {abbreviate(x[0])} twice: choose another")
@@ -277,7 +277,7 @@ def basins(
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}
-    return run_basin_tasks(model, starts, about, settings, how, basins_from_results)
+    return run_basin_tasks(model, starts, about, chosen, how, basins_from_results)
 
 
 def basin_stability(
@@ -324,7 +324,7 @@ def basin_stability(
     >>> found.fractions
     {'equilibrium': 1.0}
     """
-    settings, how = _settings("basin_stability", keywords, options, execution)
+    chosen, how = _options("basin_stability", keywords, options, execution)
     samples = check_number(
         "samples", samples, integer=True, least=1, most=MAX_SAMPLES, cure="1000 give errors of 0.016 at most"
     )
@@ -336,13 +336,13 @@ def basin_stability(
     points = random_initial_values(limits, samples, seed)
     starts = _initial_states(model, list(limits), points, x0)
     about = {"ranges": limits, "samples": int(samples), "seed": int(seed)}
-    return run_basin_tasks(model, starts, about, settings, how, basin_stability_from_results)
+    return run_basin_tasks(model, starts, about, chosen, how, basin_stability_from_results)
 
 
-def _settings(
+def _options(
     function: str, keywords: Mapping[str, Any], options: Any, execution: Any
-) -> tuple[dict[str, Any], Execution]:
-    """The options that tasks and files need, and how the tasks are run."""
+) -> tuple[SteadyStateOptions, Execution]:
+    """How motions are classified, and how the tasks are run."""
     bundles = {"options": (SteadyStateOptions, options), "execution": (Execution, execution)}
     chosen, how = merge_keywords(function, keywords, "t_max", **bundles)
     if not isinstance(chosen.method, Taylor):
@@ -352,13 +352,11 @@ def _settings(
     check_number("transient", chosen.transient, above=0.0, cure="give the seconds in which motions settle")
     if chosen.t_max is not None:
         raise ValueError(f"t_max must be None, got {chosen.t_max}: give a longer transient")
-    numbers = {name: float(getattr(chosen, name)) for name in ("transient", "window", "rtol")}
-    last = {"method": chosen.method, "section": chosen.section, "tolerance": float(chosen.tolerance)}
-    return {**numbers, **last}, how
+    return chosen, how
 
 
 def _axis(model: ModelOrAutomaton, which: str, axis: Any) -> tuple[str, Array]:
-    names = state_names(model)
+    names = automaton_of(model).state_names
     cure = f"for instance ({names[0]!r}, [0, 1])"
     name, numbers = check_pair(which, axis, "a name and its values", cure)
     check_choice(which, name, names)
@@ -371,14 +369,14 @@ def _axis(model: ModelOrAutomaton, which: str, axis: Any) -> tuple[str, Array]:
 
 
 def _range(model: ModelOrAutomaton, name: str, limits: Any) -> tuple[float, float]:
-    check_choice("ranges", name, state_names(model))
+    check_choice("ranges", name, automaton_of(model).state_names)
     return check_limits(f"the range of {name}", limits, "give (low, high)")
 
 
 def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array, x0: Any) -> Array:
     """Initial states (N, n): the named states take their values from the columns of `points`, the others from
     `x0`."""
-    known = state_names(model)
+    known = automaton_of(model).state_names
     own = callable(x0) and not isinstance(x0, type)
     base = np.zeros(len(known)) if own else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)

@@ -8,8 +8,7 @@ from typing import Any
 from frictionlab.analysis.basins.attractors import (
     RANGE_RTOL,
     AttractorCatalogue,
-    attractor_scale,
-    transient_ranges,
+    catalogue_of_probes,
 )
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.stored_data import (
@@ -88,7 +87,7 @@ def check_results(specification: Mapping[str, Any], results: Mapping[int, Any]) 
     first = [i for i in results if i >= probes][:1]
     if first and not all(i in results for i in range(probes)):
         raise ValueError(f"results[{first[0]}] must follow those of all {probes} probes, some are missing")
-    known = len(probed_attractors(specification, results).attractors)
+    known = len(stored_catalogue(specification, results).attractors)
     for i in (i for i in results if i >= probes):
         size = min(group, count - (i - probes) * group)
         _check_group(f"results[{i}]", results[i], known, size, len(specification["states"]))
@@ -115,11 +114,7 @@ def _check_group(name: str, group: Any, known: int, size: int, states: int) -> N
     indices(known + len(group["found"]))(f"{name}['labels']", group["labels"])
 
 
-def probed_attractors(specification: Mapping[str, Any], results: Mapping[int, Any]) -> AttractorCatalogue:
-    """The attractors that the probes found, each once."""
-    probed = [results[i] for i in range(specification["probes"]) if i in results]
-    size = attractor_scale(probed, transient_ranges(probed), specification["coordinates"])
-    catalogue = AttractorCatalogue(size, specification["rtol"])
-    for attractor in probed:
-        catalogue.place(attractor)
-    return catalogue
+def stored_catalogue(specification: Mapping[str, Any], results: Mapping[int, Any]) -> AttractorCatalogue:
+    """The attractors that the probes led to, each once."""
+    probes = [results[i] for i in range(specification["probes"]) if i in results]
+    return catalogue_of_probes(probes, specification["coordinates"], specification["rtol"])

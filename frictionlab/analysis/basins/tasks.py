@@ -13,16 +13,20 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.basins.attractors import (
-    BasinSettings,
+    UNDECIDED,
+    AttractorCatalogue,
+    AttractorData,
     add_ranges,
     attractor_points,
+    catalogue_of_probes,
     classify_attractor,
     probe_attractor,
+    transient_ranges,
 )
 from frictionlab.analysis.basins.stored import check_results
 from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.options import Execution
+from frictionlab.analysis.options import Execution, SteadyStateOptions
 from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section
@@ -32,29 +36,20 @@ from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 
-from .attractors import UNDECIDED, AttractorCatalogue, AttractorData, attractor_scale, transient_ranges
-
 PROBE_COUNT = 12  # initial states of the probes, which look for the attractors first
-MIN_GROUP_SIZE, MAX_GROUP_SIZE = (
-    250,
-    1000,
-)  # initial states in a task: enough that the overhead of a task does not matter
+# initial states in a task: enough that the overhead of a task does not matter
+MIN_GROUP_SIZE, MAX_GROUP_SIZE = 250, 1000
 TARGET_TASK_COUNT = 16  # tasks aimed at between these sizes, so that every processor has several
 
 CHECKS_PER_TRANSIENT = 20  # checks of the runs within the transient, evenly spaced
 EARLY_CHECKS = 4  # further checks before the first of them
 
 
-def state_names(model: ModelOrAutomaton) -> tuple[str, ...]:
-    """Names of the states, as in a run."""
-    return tuple(map(str, automaton_of(model).states))
-
-
 def run_basin_tasks(
     model: ModelOrAutomaton,
     starts: Array,
     about: dict[str, Any],
-    settings: dict[str, Any],
+    options: SteadyStateOptions,
     execution: Execution,
     result_of: Callable[[dict[str, Any], dict[int, Any]], Any],
 ) -> Any:
@@ -65,19 +60,19 @@ def run_basin_tasks(
     KeyboardInterrupt
         After ctrl-C, with what `result_of` makes of the results so far, None where there are none.
     """
-    check_section(model, settings["section"])
+    check_section(model, options.section)
     initial_state_of(model, starts[0])
     automaton, chosen = automaton_of(model), probe_indices(len(starts))
     size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
     layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
-    specification = _basin_arguments(model, automaton, {**about, **layout}, settings)
-    probes = [(automaton, starts[i], settings) for i in chosen]
+    specification = _basin_arguments(model, automaton, {**about, **layout}, options)
+    probes = [(automaton, starts[i], options) for i in chosen]
     names = [f"initial state {i}" for i in chosen]
     with Journal(specification, execution.resume, check_results) as journal:
         journal.run_tasks(probe_attractor, probes, names, execution, "attractors")
         if not journal.interrupted:
-            _run_groups(journal, automaton, groups, settings, len(chosen), execution)
+            _run_groups(journal, automaton, groups, options, len(chosen), execution)
     result = result_of(specification, journal.results) if journal.results else None
     return journal.finish(result, len(chosen) + len(groups))
 
@@ -86,19 +81,23 @@ def _run_groups(
     journal: Journal,
     automaton: HybridAutomaton,
     groups: Sequence[Array],
-    settings: dict[str, Any],
+    options: SteadyStateOptions,
     probes: int,
     execution: Execution,
 ) -> None:
     """Label the initial states by the attractors to which they lead."""
-    size, probed = len(groups[0]), [journal.results[i] for i in range(probes)]
+    size, ends = len(groups[0]), [journal.results[i] for i in range(probes)]
+
+    def points_on(attractor: AttractorData) -> Array:
+        return attractor_points(automaton, attractor, options)
+
     try:
-        known = catalogue_of_probes(automaton, probed, settings)
+        known = catalogue_of_probes(ends, automaton.coordinates, options.rtol, points_on)
     except KeyboardInterrupt:
         journal.interrupted = True
         return
-    settings = {**settings, "spread": transient_ranges(probed)}
-    tasks = [(automaton, group, known, settings) for group in groups]
+    spread = transient_ranges(ends)
+    tasks = [(automaton, group, known, spread, options) for group in groups]
     names = [f"initial states from {i * size} on" for i in range(len(groups))]
     journal.run_tasks(label_initial_states, tasks, names, execution, f"basins, {size} states each", probes)
 
@@ -110,11 +109,11 @@ def probe_indices(count: int) -> list[int]:
 
 
 def _basin_arguments(
-    model: ModelOrAutomaton, automaton: HybridAutomaton, about: dict[str, Any], settings: dict[str, Any]
+    model: ModelOrAutomaton, automaton: HybridAutomaton, about: dict[str, Any], options: SteadyStateOptions
 ) -> dict[str, Any]:
     identity = model.to_dict() if isinstance(model, Model) else _digest(_automaton_text(automaton).encode())
-    data = {"model": identity, "states": list(state_names(model)), "coordinates": automaton.coordinates}
-    return {**data, **about, **settings, "method": settings["method"].describe()}
+    data = {"model": identity, "states": list(automaton.state_names), "coordinates": automaton.coordinates}
+    return data | about | options.specification("transient", "window", "rtol", "section", "tolerance")
 
 
 def _automaton_text(automaton: HybridAutomaton) -> str:
@@ -140,18 +139,6 @@ def _digest(content: bytes) -> str:
     return sha256(content).hexdigest()
 
 
-def catalogue_of_probes(
-    automaton: HybridAutomaton, probed: Sequence[AttractorData], settings: BasinSettings
-) -> AttractorCatalogue:
-    """A catalogue of the attractors that the probes found, each once."""
-    size = attractor_scale(probed, transient_ranges(probed), automaton.coordinates)
-    catalogue = AttractorCatalogue(size, settings["rtol"])
-    for each in probed:
-        if catalogue.known(each) == UNDECIDED:
-            catalogue.place(each, attractor_points(automaton, each, settings))
-    return catalogue
-
-
 def check_times(transient: float) -> Array:
     """Times at which the runs are checked.
 
@@ -167,12 +154,17 @@ def check_times(transient: float) -> Array:
 
 
 def label_initial_states(
-    automaton: HybridAutomaton, starts: Array, known: AttractorCatalogue, settings: BasinSettings
+    automaton: HybridAutomaton,
+    starts: Array,
+    known: AttractorCatalogue,
+    spread: Array,
+    options: SteadyStateOptions,
 ) -> dict[str, list[Any]]:
     """One task: the attractors to which the initial states (N, n) lead.
 
     Runs are checked from time to time; one that has come to a known attractor is stopped.  Those left after
-    the transient are classified one by one.
+    the transient are classified one by one.  `spread` (n,) is the range of each state over the motions to the
+    known attractors.
 
     Returns
     -------
@@ -181,8 +173,9 @@ def label_initial_states(
     """
     catalogue, states = known.copy(), np.array(starts, dtype=float)
     labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
-    group = start_group(automaton, states, settings["method"])
-    for t in check_times(settings["transient"]):
+    method: Any = options.method  # a Taylor
+    group = start_group(automaton, states, method)
+    for t in check_times(options.transient):
         advance_group(group, t)
         states[left], labels[left] = group.runs.states, _labels_of_runs(group, catalogue)
         goes_on = labels[left] == UNDECIDED
@@ -192,7 +185,7 @@ def label_initial_states(
     for i in left:
         labels[i] = catalogue.reached(states[i : i + 1])[0]
         if labels[i] == UNDECIDED:
-            labels[i] = _label_after_transient(automaton, states[i], catalogue, settings)
+            labels[i] = _label_after_transient(automaton, states[i], catalogue, spread, options)
     return {"labels": labels.tolist(), "found": catalogue.attractors[len(known.attractors) :]}
 
 
@@ -207,9 +200,13 @@ def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
 
 
 def _label_after_transient(
-    automaton: HybridAutomaton, state: Array, catalogue: AttractorCatalogue, settings: BasinSettings
+    automaton: HybridAutomaton,
+    state: Array,
+    catalogue: AttractorCatalogue,
+    spread: Array,
+    options: SteadyStateOptions,
 ) -> int:
     """The attractor of the motion from a state after the transient."""
-    attractor = classify_attractor(automaton, state, settings["spread"], settings)
-    points = attractor_points(automaton, attractor, settings)
+    attractor = classify_attractor(automaton, state, spread, options)
+    points = attractor_points(automaton, attractor, options)
     return catalogue.place(add_ranges(attractor, points), points)

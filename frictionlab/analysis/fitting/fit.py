@@ -289,7 +289,7 @@ def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, boun
     for name in names:
         check_parameter(model, name, [])
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
-    states = tuple(map(str, automaton_of(model).states))
+    states = automaton_of(model).state_names
     check_data(records, automaton_of(model))
     unknown = _names("unknown", unknown)
     for name in unknown:
@@ -415,7 +415,7 @@ def _starts(task: Task, pieces: Pieces, x: Array) -> Array:
 
 
 def _result(task: Task, solution: _Solution, pieces: Pieces | None) -> Fit:
-    states = tuple(map(str, automaton_of(task.model).states))
+    states = automaton_of(task.model).state_names
     names = (*task.names, *(f"{states[i]} at 0" for i in task.unknown))
     sizes = np.ones(len(task.unknown)) if pieces is None else pieces.size[list(task.unknown)]
     scales = np.concatenate([task.scales, sizes])

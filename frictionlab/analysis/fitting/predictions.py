@@ -129,7 +129,7 @@ def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
 
 def inverse_error(task: Task, pieces: Pieces) -> float:
     """Size of the motion over the measurement's error, the median over all measured states."""
-    names = tuple(map(str, automaton_of(task.model).states))
+    names = automaton_of(task.model).state_names
     shares = [
         one.error[name] / pieces.size[names.index(name)]
         for one in task.data

@@ -198,7 +198,7 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
             f"orbit must be a PeriodicOrbit, got {abbreviate(orbit)}: find one with fl.periodic_orbit"
         )
     check_parameter_name(orbit.model, parameter)
-    value = {s.name: value for s, value in automaton_of(orbit.model).parameters.items()}[parameter]
+    value = automaton_of(orbit.model).values[parameter]
     low, high = check_limits("bounds", bounds, "give (low, high)")
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")

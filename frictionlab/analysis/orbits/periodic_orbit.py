@@ -185,7 +185,7 @@ def _check(model: ModelOrAutomaton, guess: Any, period: float | None, t_max: flo
     if period is not None:
         check_number("period", period, above=0.0, cure="give about the period in seconds")
     run = guess.trajectory if isinstance(guess, SteadyState) else guess
-    names = tuple(map(str, automaton_of(model).states))
+    names = automaton_of(model).state_names
     if isinstance(run, Trajectory):
         if run.names != names:
             raise ValueError(f"guess must have the model's states {names}, got {run.names}: run this model")

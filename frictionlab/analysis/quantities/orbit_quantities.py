@@ -279,7 +279,7 @@ class OrbitAmplitude(_OfOrbit):
 
     def _orbit(self, model: ModelOrAutomaton) -> PeriodicOrbit:
         automaton = automaton_of(model)
-        names = tuple(str(state) for state in automaton.states[: automaton.coordinates])
+        names = automaton.state_names[: automaton.coordinates]
         check_choice("name", self.name, names, "name one of the coordinates")
         return super()._orbit(model)
 

@@ -381,7 +381,7 @@ def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
             f"quantity must be one such as fl.CriticalValue('mu_k', (0, 4)), got {abbreviate(quantity)}: "
             "its derivatives have to be known"
         )
-    known = {symbol.name: value for symbol, value in automaton_of(model).parameters.items()}
+    known = automaton_of(model).values
     gradient = quantity.gradient(model)
     names = tuple(name for name in known if name in gradient.derivatives)
     at = np.array([known[name] for name in names], dtype=float)

@@ -460,7 +460,5 @@ def _sweep_arguments(
     values = [getattr(m, parameter) for m in models]
     states = list(model.automaton().state_names)
     about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}
-    asked = {
-        name: getattr(options, name) for name in ("transient", "window", "t_max", "section", "tolerance")
-    }
-    return {**about, **asked, "method": options.solver.describe(), "states": states}
+    asked = options.specification("transient", "window", "t_max", "section", "tolerance")
+    return {**about, **asked, "states": states}
