@@ -33,7 +33,7 @@ from .analysis.orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit
 from .analysis.orbits.periodic_orbit import periodic_orbit as periodic_orbit
 from .analysis.quantities.critical_quantities import CriticalFrequency as CriticalFrequency
 from .analysis.quantities.critical_quantities import CriticalValue as CriticalValue
-from .analysis.quantities.critical_quantities import FoldValue as FoldValue
+from .analysis.quantities.folds import FoldValue as FoldValue
 from .analysis.quantities.optimum import Optimum as Optimum
 from .analysis.quantities.optimum import ParameterValue as ParameterValue
 from .analysis.quantities.optimum import optimum as optimum

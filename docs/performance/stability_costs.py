@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
-from frictionlab.analysis.quantities.critical_quantities import CriticalFrequency, CriticalValue, FoldValue
+from frictionlab.analysis.quantities.critical_quantities import CriticalFrequency, CriticalValue
+from frictionlab.analysis.quantities.folds import FoldValue
 from frictionlab.analysis.quantities.orbit_quantities import OrbitAmplitude, OrbitIntensity, OrbitPeriod
 from frictionlab.analysis.quantities.quantities import (
     EquilibriumCoordinate,

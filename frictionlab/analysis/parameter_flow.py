@@ -22,13 +22,13 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import (
     carry_rows,
     check_taylor_run,
     event_saltation,
-    smooth_segments,
 )
 from frictionlab.hybrid.variational.tangent_jets import (
     SaltationError,
@@ -82,12 +82,7 @@ def parameter_flow(
     check_taylor_run(run)
     n, q, count = len(run.names), len(integrands), len(names)
     varied = _varied_run(run, tuple(names), tuple(integrands))
-    rows = np.ascontiguousarray(_first_frame(varied, n, q, count, free).T)
-    for part, event in smooth_segments(varied.run):
-        _carry(varied, part, rows)
-        if event is not None:
-            rows = np.ascontiguousarray(rows @ _saltation(varied, event).T)
-    end = rows.T
+    *_, end = _carry(varied, _first_frame(varied, n, q, count, free))
     by_parameters = end[: n + q, n:] / _scales(run.automaton, names)
     return ParameterFlow(end[:n, :n], by_parameters[:n], end[n : n + q, :n], by_parameters[n:])
 
@@ -122,7 +117,7 @@ def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool
     states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
     plain = None if varied.plain is None else _split_steps(varied.plain, times, states)
     split = _VariedRun(_split_steps(varied.run, times, states), plain)
-    samples, moved, end = (part / scales for part in _sample(split, frame, times))
+    samples, moved, end = (part / scales for part in _carry(split, frame, times))
     return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
 
 
@@ -147,7 +142,9 @@ def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
     return Trajectory(run.automaton, run.problem, split, run.samples, description=run.description)
 
 
-def _sample(varied: _VariedRun, frame: Array, times: Array) -> tuple[Array, Array, Array]:
+def _carry(
+    varied: _VariedRun, frame: Array, times: Sequence[float] | Array = ()
+) -> tuple[Array, Array, Array]:
     """Tangent vectors at times, derivatives of the events' times, and tangent vectors at the end."""
     raw, width = varied.run.raw, frame.shape[1]
     rows = np.ascontiguousarray(frame.T)
@@ -159,16 +156,15 @@ def _sample(varied: _VariedRun, frame: Array, times: Array) -> tuple[Array, Arra
     first = 0
     for t, is_event, i in marks:
         last = int(np.searchsorted(starts, t))
-        if last > first:
-            _carry(varied, slice(first, last), rows)
-            first = last
+        _carry_steps(varied, slice(first, last), rows)
+        first = last
         if is_event:
+            saltation = _saltation(varied, i)  # raises where an event has no derivative
             moved[i] = _event_time_slopes(varied, i, rows)
-            rows = np.ascontiguousarray(rows @ _saltation(varied, i).T)
+            rows = np.ascontiguousarray(rows @ saltation.T)
         else:
             samples[i] = rows.T
-    if len(starts) > first:
-        _carry(varied, slice(first, len(starts)), rows)
+    _carry_steps(varied, slice(first, len(starts)), rows)
     return samples, moved, rows.T.copy()
 
 
@@ -208,10 +204,11 @@ class _VariedRun(NamedTuple):
     plain: Trajectory | None
 
 
-def _carry(varied: _VariedRun, part: slice, rows: Array) -> None:
-    """Propagate tangent vectors along a smooth segment."""
+def _carry_steps(varied: _VariedRun, part: slice, rows: Array) -> None:
+    """Propagate tangent vectors along steps without an event, in slices short enough for ctrl-C."""
     if varied.plain is None:
-        carry_rows(carry_steps, varied.run, part, rows)
+        for first in range(part.start, part.stop, RECORD_CAPACITY):
+            carry_rows(carry_steps, varied.run, slice(first, min(first + RECORD_CAPACITY, part.stop)), rows)
         return
     for i in range(part.start, part.stop):
         before = rows.copy()

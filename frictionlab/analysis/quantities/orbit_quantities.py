@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import sympy
 
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.options import SteadyStateOptions
@@ -32,8 +31,13 @@ from frictionlab.analysis.quantities.quantities import (
 )
 from frictionlab.analysis.simulate import named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.steady_state import steady_state
-from frictionlab.automaton import HybridAutomaton
+from frictionlab.analysis.steady_state.steady_state import (
+    SQUARED_DISTANCE,
+    displacements,
+    squared_distance,
+    steady_state,
+    with_equilibrium_parameters,
+)
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
@@ -125,30 +129,24 @@ def _rest_point(model: ModelOrAutomaton, names: tuple[str, ...], count: int) -> 
 class _SquaredDistance(NamedTuple):
     """A run over one period of an orbit that integrates the squared distance from a point.
 
-    `expression` is that squared distance, `mean` its mean over the period, and `displacements` (c,) the mean
+    `integrand` is that squared distance, `mean` its mean over the period, and `displacements` (c,) the mean
     of each coordinate's difference from the point.
     """
 
     run: Trajectory
-    expression: Any
+    integrand: Any
     mean: float
     displacements: Array
 
 
 def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
-    run, period = orbit.trajectory, orbit.period
-    chosen = run.automaton.states[: len(point)]
-    rest = [sympy.Symbol(f"{x.name} at rest") for x in chosen]
-    displacements = [x - e for x, e in zip(chosen, rest)]
-    square = sum((d**2 for d in displacements), sympy.S.Zero)
-    named = {e: float(value) for e, value in zip(rest, point)}
-    automaton = HybridAutomaton(
-        run.automaton.states, run.automaton.modes, {**run.automaton.parameters, **named}, len(chosen)
-    )
-    asked = {"square": square} | {f"displacement {i}": d for i, d in enumerate(displacements)}
-    again = solve(automaton, period, x0=orbit.state, quadratures=asked, progress=False)
-    means = np.array([again.quadratures[f"displacement {i}"] for i in range(len(point))]) / period
-    return _SquaredDistance(again, square, float(again.quadratures["square"] / period), means)
+    automaton = with_equilibrium_parameters(orbit.trajectory.automaton, point)
+    integrand, names = squared_distance(automaton), [f"displacement {i}" for i in range(len(point))]
+    asked = {SQUARED_DISTANCE: integrand, **dict(zip(names, displacements(automaton), strict=True))}
+    run = solve(automaton, orbit.period, x0=orbit.state, quadratures=asked, progress=False)
+    means = np.array([run.quadratures[name] for name in names]) / orbit.period
+    mean = float(run.quadratures[SQUARED_DISTANCE] / orbit.period)
+    return _SquaredDistance(run, integrand, mean, means)
 
 
 @dataclass(frozen=True)
@@ -334,7 +332,7 @@ class OrbitIntensity(_OfOrbit):
     def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
         point, moves = _rest_point(orbit.model, names, orbit.trajectory.automaton.coordinates)
         distance = _squared_distance(orbit, point)
-        flow = parameter_flow(distance.run, names, (distance.expression,), free=True)
+        flow = parameter_flow(distance.run, names, (distance.integrand,), free=True)
         at = _orbit_derivatives(orbit, flow.state, flow.parameters)
         end = float(((distance.run.final_state[: len(point)] - point) ** 2).sum())
         total = flow.integrals_by_state[0] @ at.start + flow.integrals_by_parameters[0] + end * at.period

@@ -7,7 +7,7 @@ The quantities of an equilibrium are its coordinates and the growth rates and fr
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,19 +17,18 @@ from numpy.typing import NDArray
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, dataframe, state_unit, text_table
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem
+from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import (
     EquilibriumDerivatives,
     equilibrium_derivatives,
     null_vectors,
 )
-from frictionlab.validation import abbreviate, check_choice, check_field, check_key, check_text
+from frictionlab.validation import abbreviate, check_choice, check_field, check_key, check_limits, check_text
 
 if TYPE_CHECKING:
     from frictionlab.models.model import ModelOrAutomaton
 
 Array = NDArray[np.float64]
-BLOCK = 2500  # points that one task computes together
 LISTED = 5  # parameters listed in the text of a result
 DEFECTIVE_PRODUCT = 1e-6  # |l r| below which two eigenvalues coalesce: single ones have no derivative
 
@@ -84,25 +83,21 @@ class Quantity(ABC):
         return repr(self)
 
 
-def evaluation_tasks(
-    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
-) -> tuple[list[tuple[Any, ...]], list[str]]:
-    """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
-    size = BLOCK if isinstance(quantity, Quantity) else 1
-    starts = range(0, len(values), size)
-    tasks = [(model, quantity, tuple(names), values[i : i + size]) for i in starts]
-    return tasks, [f"the point {i}" if size == 1 else f"one of the points from {i} on" for i in starts]
+@dataclass(frozen=True)
+class WithinBounds(Quantity):
+    """A quantity that is looked for between two values of a parameter."""
 
+    parameter: str
+    bounds: tuple[float, float]
 
-def evaluate(
-    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
-) -> list[float | None]:
-    """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
-    if isinstance(quantity, Quantity):
-        at_once = quantity.values(model, dict(zip(names, values.T)))
-        return [None if np.isnan(number) else float(number) for number in at_once]
-    numbers = (quantity(model.replace(**dict(zip(names, map(float, point))))) for point in values)
-    return [None if number is None or np.isnan(number) else float(number) for number in numbers]
+    def __post_init__(self) -> None:
+        check_text("parameter", self.parameter, "name a parameter")
+        object.__setattr__(self, "bounds", check_limits("bounds", self.bounds, "give (low, high)"))
+
+    def problem(self, model: ModelOrAutomaton) -> tuple[EquilibriumProblem, tuple[float, float]]:
+        """The equilibrium of a model as the parameter varies, and the bounds, if it can have these."""
+        problem = equilibrium_problem(model)
+        return problem, check_bounds(problem.model, self.parameter, self.bounds)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ variance for integrals of smooth functions", Annals of Statistics 25, 1997.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.quantities.quantities import Quantity, evaluate, evaluation_tasks
+from frictionlab.analysis.quantities.quantities import Quantity
 from frictionlab.analysis.sweeps.journal import Journal, results_schema
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
 from frictionlab.models.model import require_model
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 GROUPS = 8
+BLOCK = 2500  # points that one task computes together
 MOST = 1 << 30  # points, of which no more are distinct; seeds
 
 
@@ -389,7 +390,7 @@ def _check_task(model: Model, quantity: Any, distributions: Any, n: Any, seed: A
 
 def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     """The quantity (N,) at values (N, d), by tasks that can be resumed; NaN where there is none."""
-    tasks, names = evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
+    tasks, names = _evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
     schema = results_schema([listed(none_or(real), len(block[3])) for block in tasks])
@@ -398,3 +399,24 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
     flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
     return journal.finish(flat, len(tasks))
+
+
+def _evaluation_tasks(
+    model: Model, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
+) -> tuple[list[tuple[Any, ...]], list[str]]:
+    """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
+    size = BLOCK if isinstance(quantity, Quantity) else 1
+    starts = range(0, len(values), size)
+    tasks = [(model, quantity, tuple(names), values[i : i + size]) for i in starts]
+    return tasks, [f"the point {i}" if size == 1 else f"one of the points from {i} on" for i in starts]
+
+
+def evaluate(
+    model: Model, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
+) -> list[float | None]:
+    """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
+    if isinstance(quantity, Quantity):
+        at_once = quantity.values(model, dict(zip(names, values.T)))
+        return [None if np.isnan(number) else float(number) for number in at_once]
+    numbers = (quantity(model.replace(**dict(zip(names, map(float, point))))) for point in values)
+    return [None if number is None or np.isnan(number) else float(number) for number in numbers]

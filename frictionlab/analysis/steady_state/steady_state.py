@@ -54,14 +54,15 @@ def with_equilibrium_parameters(automaton: HybridAutomaton, point: Array) -> Hyb
     return replace(automaton.derived(), parameters={**automaton.parameters, **resting})
 
 
-def squared_distance(automaton: HybridAutomaton) -> dict[str, Any]:
-    """The integrand of Eq. (20), sum of (x_i - x_e,i)^2 over the coordinates, as a quadrature."""
-    pairs = [
-        (x, _equilibrium_symbol(x))
-        for x in automaton.states
-        if _equilibrium_symbol(x) in automaton.parameters
-    ]
-    return {SQUARED_DISTANCE: sum(((x - e) ** 2 for x, e in pairs), sympy.S.Zero)}
+def displacements(automaton: HybridAutomaton) -> list[Any]:
+    """x_i - x_e,i for each coordinate of an automaton that has the equilibrium as parameters."""
+    pairs = ((x, _equilibrium_symbol(x)) for x in automaton.states)
+    return [x - e for x, e in pairs if e in automaton.parameters]
+
+
+def squared_distance(automaton: HybridAutomaton) -> Any:
+    """The integrand of Eq. (20), the sum of the squared displacements."""
+    return sum((d**2 for d in displacements(automaton)), sympy.S.Zero)
 
 
 def _equilibrium_symbol(state: sympy.Symbol) -> sympy.Symbol:
@@ -79,7 +80,7 @@ def intensity(run: Trajectory, period: float) -> float:
         return float("nan") if point is None else _intensity_of_samples(run, point, period)
     if np.isnan(period):
         return run.quadratures[SQUARED_DISTANCE] / run.raw.t
-    start, square = run(run.raw.t - period), squared_distance(run.automaton)
+    start, square = run(run.raw.t - period), {SQUARED_DISTANCE: squared_distance(run.automaton)}
     again = solve(run.automaton, period, x0=start, quadratures=square, progress=False)
     return again.quadratures[SQUARED_DISTANCE] / period
 
@@ -293,5 +294,5 @@ def _run_window(model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, pr
         options["sections"] = sections_to_record(automaton, chosen.section)
     if method.records_sections and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
-        options["quadratures"] = squared_distance(automaton)
+        options["quadratures"] = {SQUARED_DISTANCE: squared_distance(automaton)}
     return solve(automaton, chosen.window, x0=x0, **options)
