@@ -20,6 +20,7 @@ from .analysis.fitting.data import SpectrumRecord as SpectrumRecord
 from .analysis.fitting.data import TimeRecord as TimeRecord
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
+from .analysis.load import load as load
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
 from .analysis.motion_scales import Spectrum as Spectrum
@@ -51,7 +52,6 @@ from .analysis.quantities.uncertainty import SobolIndices as SobolIndices
 from .analysis.quantities.uncertainty import Uncertainty as Uncertainty
 from .analysis.quantities.uncertainty import sobol_indices as sobol_indices
 from .analysis.quantities.uncertainty import uncertainty as uncertainty
-from .analysis.simulate import load as load
 from .analysis.simulate import simulate as simulate
 from .analysis.steady_state.steady_state import SteadyState as SteadyState
 from .analysis.steady_state.steady_state import steady_state as steady_state

@@ -1,7 +1,7 @@
 """Analyses of models: runs, and what can be learnt from them.
 
-``simulate``, ``ensemble``
-    One run of a model; many runs at once.
+``simulate``, ``ensemble``, ``load``
+    One run of a model; many runs at once; a run from a file.  ``initial_states`` has what they begin from.
 ``lyapunov``, ``motion_scales``, ``energy_audit``, ``parameter_flow``
     Of a motion: its exponents; its ranges, period and spectrum; its energy balance; its derivatives by
     parameters.

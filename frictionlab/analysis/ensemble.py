@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.compilation.decorators import needs_compilation

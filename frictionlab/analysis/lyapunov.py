@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.independent_method import IndependentMethod
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array, motion_size
 from frictionlab.analysis.run_comparison import (
     RunComparison,
@@ -18,7 +19,6 @@ from frictionlab.analysis.run_comparison import (
     compare_runs,
 )
 from frictionlab.analysis.run_conditions import broken_condition, unjudged_steps
-from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor

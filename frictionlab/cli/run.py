@@ -197,11 +197,11 @@ def _method_settings(method: Any) -> dict[str, Any]:
 
 def initial_state_from_options(chosen: argparse.Namespace, model: Model) -> Any:
     """The state that --x0 names, or the numbers it holds."""
-    from frictionlab.analysis.simulate import model_initial_state
+    from frictionlab.analysis.initial_states import initial_state_of
 
     text, n = chosen.x0, 2 * len(model.coordinates)
     if "," not in text:
-        return model_initial_state(model, text)
+        return initial_state_of(model, text)
     try:
         state = [float(part) for part in text.split(",")]
     except ValueError:

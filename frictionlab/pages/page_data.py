@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.simulate import model_initial_state
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components.component import Parameter
 from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
@@ -99,7 +99,7 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
     try:
         released = symbolic_copy(model.structure_key).release()
     except (TypeError, AttributeError):  # `release` needs numbers, as to compare them
-        return [float(value) for value in model_initial_state(model, "rest", automaton)]
+        return [float(value) for value in initial_state_of(model, "rest", automaton)]
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 

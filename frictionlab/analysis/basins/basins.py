@@ -17,9 +17,9 @@ from frictionlab.analysis.basins.stored import (
     stored_catalogue,
 )
 from frictionlab.analysis.basins.tasks import run_basin_tasks
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.sweeps.journal import DELETE, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor

@@ -25,9 +25,9 @@ from frictionlab.analysis.basins.attractors import (
 )
 from frictionlab.analysis.basins.stored import check_results
 from frictionlab.analysis.ensemble import advance_group, start_group
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions
-from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal

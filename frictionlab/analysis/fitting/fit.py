@@ -34,7 +34,7 @@ from frictionlab.analysis.fitting.predictions import (
     inverse_error,
     motion_misfit,
 )
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.models.model import automaton_of, require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import eig, null_space
 from scipy.optimize import minimize_scalar
 
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import (
     AT_REST_RTOL,
     Array,
@@ -23,7 +24,6 @@ from frictionlab.analysis.motion_scales import (
     state_ranges,
     state_scales,
 )
-from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from frictionlab.analysis.initial_states import named_state
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
@@ -29,7 +30,6 @@ from frictionlab.analysis.quantities.quantities import (
     derivatives_at,
     equilibrium_at,
 )
-from frictionlab.analysis.simulate import named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import (
     SQUARED_DISTANCE,

@@ -14,9 +14,9 @@ import numpy as np
 import sympy
 from numpy.typing import NDArray
 
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of
 from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
 from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record

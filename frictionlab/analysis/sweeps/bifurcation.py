@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.ensemble import ensemble
+from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import DELETE, Journal, read_journal, write_journal

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.simulate import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.components.component import Component
 from frictionlab.models.composition import nonlinearities_of

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.simulate import initial_state_of, named_state
 from frictionlab.analysis.sweeps.journal import Journal, results_schema
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model

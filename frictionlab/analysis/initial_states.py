@@ -1,0 +1,71 @@
+"""Initial states of runs: what "rest", "near", a mapping or an array stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
+from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.masses import check_masses
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
+from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
+
+
+def initial_state_of(
+    model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton | None = None
+) -> np.ndarray:
+    """The initial state (n,) of a run of a model or an automaton; raises for a bad `x0`.
+
+    States of a model that a mapping leaves out are as at rest; those that an array leaves out are zero.  Give
+    the model's automaton where it is at hand, to save its assembly.
+    """
+    automaton = automaton_of(model) if automaton is None else automaton
+    start = state_from_x0(automaton, _completed(model, x0, automaton))
+    if isinstance(model, MechanicalModel):
+        check_masses(model, start)
+    return start
+
+
+def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> Any:
+    """The state that a name stands for; a mapping or an array with the states that it leaves out."""
+    if isinstance(x0, str):
+        names = ("rest", "near") if isinstance(model, Model) else ("rest",)
+        check_choice("x0", x0, names, "or give numbers, one for each state")
+        return displaced_equilibrium(model) if x0 == "near" else _state_at_rest(model, automaton)
+    if isinstance(x0, Mapping):
+        return state_from_mapping(automaton, x0, _state_at_rest(model, automaton))
+    if not isinstance(model, Model):
+        return x0
+    n, names = len(model.coordinates), automaton.state_names
+    given = float_array("x0", x0, f"give a number for each of the states {', '.join(names)}")
+    return np.append(given, np.zeros(len(names) - 2 * n)) if given.shape == (2 * n,) else given
+
+
+def _state_at_rest(model: ModelOrAutomaton, automaton: HybridAutomaton) -> np.ndarray:
+    names = automaton.state_names
+    start = np.zeros(len(names))
+    for name, value in model.release().items() if isinstance(model, Model) else ():
+        start[names.index(name)] = value
+    return start
+
+
+def named_state(x0: Any) -> Any:
+    """An initial state of any model as data that JSON can hold; names stay names.
+
+    Raises ValueError for what is none of any model.
+    """
+    if isinstance(x0, Mapping):
+        check_mapping("x0", x0, "give states by their names")
+        cure = "give one in SI units"
+        return {name: check_number(f"x0[{abbreviate(name)}]", each, cure=cure) for name, each in x0.items()}
+    if isinstance(x0, str):
+        return x0
+    numbers = float_array("x0", x0, "give a number for each state", finite=True)
+    if numbers.ndim != 1 or not numbers.size:
+        raise ValueError(f"x0 must be a list of numbers, got {abbreviate(x0)}: give one for each state")
+    return numbers.tolist()
