@@ -13,7 +13,6 @@ stick, a distance of zero in contact.  Judged are
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionI
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
-from frictionlab.models.mechanical.mechanics import Stop
+from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
 OF_FRICTION = {*RUBBING, "slip", *APART, CHATTER_MODE}
@@ -395,11 +394,10 @@ class _Judge:
 
     def _laws(self) -> list[Any]:
         """The impact laws of all contacts, with numbers."""
-        names, x0 = self.run.names, self.run.problem.x0.tolist()
-        n = self.stated.n
-        q, v = (dict(zip(names[:n], x0[a : a + n], strict=True)) for a in (0, n))
-        phase = x0[2 * n] if len(x0) > 2 * n else 0.0
-        about = self.run.source.mechanics(SimpleNamespace(**q, phase=phase), SimpleNamespace(**v))
+        model, start = self.run.source, self.run.problem.x0[: len(self.run.names)].tolist()
+        n, further = self.stated.n, len(start) - len(model.states)
+        phase = (*start[2 * n : further], 0.0)[0]
+        about = mechanics_at(model, start[:n], start[n : 2 * n], phase, start[further:])
         laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]
         return [None if law is None else law.reduced() for law in laws]
 

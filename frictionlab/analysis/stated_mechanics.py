@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.mechanics import Friction, Stop, mechanics_at
 from frictionlab.models.symbols import (
     parameter_symbols,
     structure_values,
@@ -65,7 +64,10 @@ class StatedContact:
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """Energies (J), loads (N) and contacts as functions of states and parameters."""
+    """Energies (J), loads (N) and contacts as functions of states and parameters.
+
+    `others` are the rates of the states that follow coordinates and velocities: phase and further states.
+    """
 
     names: tuple[str, ...]
     kinetic: StateFunction
@@ -73,16 +75,19 @@ class Statement:
     dissipation: StateFunction
     loads: tuple[StateFunction, ...]
     contacts: tuple[StatedContact, ...]
-    frequency: StateFunction | None
+    others: tuple[StateFunction, ...]
 
 
 @lru_cache(maxsize=64)
 def _statement_of(key: StructureKey) -> Statement:
     copy = symbolic_copy(key)
     names = tuple(copy.coordinates)
-    q, v = ({name: symbol(name + prime) for name in names} for prime in ("", "'"))
-    about = copy.mechanics(SimpleNamespace(**q, phase=symbol("phase")), SimpleNamespace(**v))
-    states = [*q.values(), *v.values(), *([] if about.frequency is None else [symbol("phase")])]
+    q, v = ([symbol(name + prime) for name in names] for prime in ("", "'"))
+    phase, further = symbol("phase"), [*map(symbol, copy.states)]
+    about = mechanics_at(copy, q, v, phase, further)
+    in_time = about.frequency is not None
+    states = [*q, *v, *([phase] if in_time else []), *further]
+    others = [*([about.frequency] if in_time else []), *(about.rates[name] for name in copy.states)]
 
     def compiled(expression: Any) -> StateFunction:
         return function_along_run([*states, *parameter_symbols(key)], expression)
@@ -94,7 +99,7 @@ def _statement_of(key: StructureKey) -> Statement:
         compiled(about.dissipation),
         tuple(compiled(about.loads.get(name, 0)) for name in names),
         tuple(_contact(contact, compiled) for contact in about.contacts),
-        None if about.frequency is None else compiled(about.frequency),
+        tuple(map(compiled, others)),
     )
 
 
@@ -156,8 +161,8 @@ class StatedMechanics:
         """The rates (N, states) of the states with these accelerations."""
         rates, n = np.zeros_like(states), self.n
         rates[:, :n], rates[:, n : 2 * n] = states[:, n : 2 * n], accelerations
-        if self.statement.frequency is not None:
-            rates[:, -1] = self.at(self.statement.frequency, states)
+        for i, rate in enumerate(self.statement.others):
+            rates[:, 2 * n + i] = self.at(rate, states)
         return rates
 
     def momentum(self, states: Array, i: int) -> Array:

@@ -168,7 +168,7 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
 
 
 def _functions(system: LagrangeSystem) -> dict[Any, Any]:
-    functions = time_functions((*system.q, *system.v), len(system.q))
+    functions = time_functions((*system.q, *system.v, *system.further), len(system.q))
     if system.phase:
         functions[system.phase[0]] = system.mechanics.frequency * TIME
     return functions
@@ -195,6 +195,7 @@ def _mode_equations(
     forces = [_force_function(system, i) for i in each]
     rubbing = [i for i in each if isinstance(system.mechanics.contacts[i], Friction)]
     others = [_contact_function(system, name, i) for i in rubbing for name in ("F_N", "v_r")]
+    others += map(write, (*system.q, *system.further))
     return Equations(
         mode,
         motion=_motion(write, forces),
@@ -202,13 +203,13 @@ def _mode_equations(
         definitions=_definitions(write),
         constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
         conditions=tuple(c for i in each for c in _conditions(write, mode, chosen[i], i)),
-        symbols={**known, **{str(f.func): f for f in (*forces, *others, *map(write, system.q))}},
+        symbols={**known, **{str(f.func): f for f in (*forces, *others)}},
         letters=letters,
     )
 
 
 def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...]:
-    """Eq. (1): M q'' + forces of energies and dampers = loads + sum of W F."""
+    """Eq. (1): M q'' + forces of energies and dampers = loads + sum of W F; the rates of further states."""
     system = write.system
     second = sympy.Matrix([sympy.diff(write(x), TIME, 2) for x in system.q])
     left = system.mass * second + sympy.Matrix([write(r) for r in system.internal])
@@ -216,7 +217,11 @@ def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...
     for i, (contact, force) in enumerate(zip(system.mechanics.contacts, forces, strict=True)):
         right += system.direction(contact) * force
         right += system.normal(contact) * _contact_function(system, "F_N", i)
-    return tuple(map(equation, left.applyfunc(write), right.applyfunc(write)))
+    rates = (
+        equation(sympy.diff(write(one), TIME), write(system.mechanics.rates[str(one)]))
+        for one in system.further
+    )
+    return (*map(equation, left.applyfunc(write), right.applyfunc(write)), *rates)
 
 
 def _forces(

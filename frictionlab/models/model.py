@@ -69,8 +69,8 @@ class Model(Component):
     * `coordinates`: the names of its n coordinates;
     * either :meth:`~frictionlab.models.MechanicalModel.mechanics` (derive from
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
-      follow; or :meth:`derive`: the automaton itself, whose states are the coordinates, their velocities
-      (named with a prime), and further states.
+      follow, and `states`, the names of further states, if it has any; or :meth:`derive`: the automaton
+      itself, whose states are the coordinates, their velocities (named with a prime), and further states.
 
     It may have `reference` (its source), `period` (the approximate period of an oscillation; pictures show a
     multiple of it), :meth:`release` (where a run from rest begins), `mechanism` (its picture),

@@ -11,7 +11,7 @@ import numpy as np
 import frictionlab as fl
 from tests.differential import judge as judge_of_models
 from tests.differential.judge import AGREES, UNDECIDED
-from tests.doors.mechanism import Mechanism, automaton_of, model_of
+from tests.doors.mechanism import Mechanism, model_of
 from tests.doors.reference import Reference
 from tests.reference.hybrid import START, Happening, Undecided, Walker, _advance
 
@@ -131,8 +131,6 @@ def run_of(one: Mechanism, t_end: float, tol: float = 1e-15, t_eval: Any = None)
     given = {"x0": x0, "method": fl.Taylor(tol=tol, max_steps=400_000), "t_eval": t_eval, "progress": False}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        if one.further:
-            return fl.solve(automaton_of(one), t_end, **given)
         return fl.simulate(model_of(one), t_end, **given)
 
 

@@ -7,18 +7,13 @@ their own; loads and given normal forces may depend on them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
-
-import sympy
 
 import frictionlab as fl
 from frictionlab import functions
-from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.models import Friction, Mechanics
 from frictionlab.models.mechanical.mechanics import Stop
-from frictionlab.models.symbols import symbol
 from tests.differential.laws import OWN
 
 FUNCTIONS = ("sin", "cos", "exp", "tanh")
@@ -121,24 +116,22 @@ def evaluated(text: str, names: dict[str, Any]) -> Any:
 
 
 def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
-    """The package's model; for it further states are parameters."""
+    """The package's model."""
     one = mechanism
 
     @fl.model
     class Made(fl.MechanicalModel):
         """A random mechanism."""
 
-        s1: float = fl.parameter(0.0, symbol="s_1", meaning="a further state")
-        s2: float = fl.parameter(0.0, symbol="s_2", meaning="another one")
-
         coordinates = one.coordinates
+        states = one.names
         period = one.period
 
-        def mechanics(self, q: Any, v: Any) -> Mechanics:
+        def mechanics(self, q: Any, v: Any, s: Any = None) -> Mechanics:
             names = {name: getattr(functions, name) for name in FUNCTIONS}
             names |= {f"q{i + 1}": getattr(q, name) for i, name in enumerate(one.coordinates)}
             names |= {f"v{i + 1}": getattr(v, name) for i, name in enumerate(one.coordinates)}
-            names |= {"p": q.phase, **{name: getattr(self, name) for name in one.names}}
+            names |= {"p": q.phase, **{name: getattr(s, name) for name in one.names}}
             loads = {
                 name: evaluated(text, names)
                 for name, text in zip(one.coordinates, one.loads, strict=True)
@@ -151,33 +144,10 @@ def model_of(mechanism: Mechanism) -> fl.MechanicalModel:
                 loads=loads,
                 frequency=one.frequency or None,
                 contacts=tuple(_contact(each, names) for each in one.contacts),
+                rates={name: evaluated(state.rate, names) for name, state in zip(one.names, one.further)},
             )
 
     return Made()
-
-
-def automaton_of(one: Mechanism) -> HybridAutomaton:
-    """The model's automaton, in which further states are no parameters any longer, but have rates."""
-    derived = model_of(one).automaton()
-    names = {name: getattr(functions, name) for name in FUNCTIONS} | {"p": symbol("phase")}
-    names |= {f"q{i + 1}": symbol(name) for i, name in enumerate(one.coordinates)}
-    names |= {f"v{i + 1}": symbol(f"{name}'") for i, name in enumerate(one.coordinates)}
-    names |= (further := {name: symbol(name) for name in one.names})
-    rates = tuple(sympy.sympify(evaluated(state.rate, names)) for state in one.further)
-
-    def completed(mode: Mode | None) -> Mode:
-        assert mode is not None
-        return replace(mode, flow=(*mode.flow, *rates))
-
-    modes = derived.modes
-    if isinstance(modes, ModesOnDemand):
-        parts, allowed = modes.parts, set(modes.names.combinations())
-        completed_modes: Any = ModesOnDemand(parts, lambda c: completed(modes.mode(c)), allowed.__contains__)
-    else:
-        completed_modes = tuple(map(completed, modes))
-    numbers = {s: value for s, value in derived.parameters.items() if s not in further.values()}
-    states = (*derived.states, *further.values())
-    return HybridAutomaton(states, completed_modes, numbers, derived.coordinates)
 
 
 def law_of(law: Law) -> Any:

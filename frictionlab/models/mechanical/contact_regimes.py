@@ -373,7 +373,7 @@ def _limit(system: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
         "friction_force": sympy.S.Zero,
         "relative_velocity": contact.relative_velocity,
     }
-    flow = (*system.v, *_accelerations(system, contact, force), *system.phase_rate)
+    flow = (*system.v, *_accelerations(system, contact, force), *system.other_rates)
     constraints = (contact.penetration, system.rate(contact.penetration))
     events = (*_chatter_events(system, contact, rate, closing), *period_events(system, CHATTER_MODE))
     return Mode(CHATTER_MODE, flow, events, constraints, outputs, limit=True)
@@ -401,7 +401,7 @@ def leaving_rate(system: LagrangeSystem, contact: Friction) -> Any:
 
 def closing_acceleration(system: LagrangeSystem, contact: Friction) -> Any:
     """Second derivative of the penetration in flight, Eq. (9)."""
-    rates = (*system.v, *_accelerations(system, contact, 0), *system.phase_rate)
+    rates = (*system.v, *_accelerations(system, contact, 0), *system.other_rates)
     penetration_rate = system.rate(contact.penetration)
     return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(system.states, rates, strict=True))
 

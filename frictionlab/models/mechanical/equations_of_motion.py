@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, wraps
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
@@ -17,13 +16,12 @@ from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
-from frictionlab.validation import did_you_mean_or_known
 
 from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
 from .meaning import check_linear, check_mechanics, mass_matrix
-from .mechanics import Friction, Mechanics, Stop
+from .mechanics import Friction, Mechanics, Stop, mechanics_at
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -66,6 +64,7 @@ class LagrangeSystem:
     mass: Any
     internal: tuple[Any, ...]
     loads: tuple[Any, ...]
+    further: tuple[Any, ...] = ()
 
     @cached_property
     def inverse(self) -> Any:
@@ -224,24 +223,26 @@ class LagrangeSystem:
         return () if self.mechanics.frequency is None else (symbol(PHASE),)
 
     @property
-    def phase_rate(self) -> tuple[Any, ...]:
-        """The rate of the phase, where something depends on time."""
-        return tuple(self.mechanics.frequency for _ in self.phase)
+    def other_rates(self) -> tuple[Any, ...]:
+        """The rates of the phase, where something depends on time, and of the further states."""
+        phase = tuple(self.mechanics.frequency for _ in self.phase)
+        return (*phase, *(self.mechanics.rates[str(one)] for one in self.further))
 
     @property
     def states(self) -> tuple[Any, ...]:
-        """Coordinates, velocities, phase."""
-        return (*self.q, *self.v, *self.phase)
+        """Coordinates, velocities, phase, further states."""
+        return (*self.q, *self.v, *self.phase, *self.further)
 
     def rate(self, expression: Any) -> Any:
-        """Time derivative of a function of coordinates and phase; of one of velocities too, the part of its
-        time derivative that has no accelerations."""
-        return _rate(expression, self.mechanics, self.q, self.v)
+        """Time derivative of a function of all states but the velocities; of one of velocities too, the part
+        of its time derivative that has no accelerations."""
+        moving = (*self.q, *self.phase, *self.further)
+        return _dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
     def explicit_rate(self, expression: Any) -> Any:
-        """The part of a time derivative that is there with all coordinates and velocities at rest: that by
-        the phase."""
-        return _dot(self.gradient(expression, self.phase), self.phase_rate)
+        """The part of a time derivative that is there with all coordinates and velocities at rest, of what
+        does not depend on further states: that by the phase."""
+        return _dot(self.gradient(expression, self.phase), self.other_rates[: len(self.phase)])
 
     def varies(self, expression: Any) -> bool:
         """Whether an expression depends on the state."""
@@ -254,8 +255,8 @@ class LagrangeSystem:
         return expression.subs({rate: 0 for rate in self.v if rate in there})
 
     def speed_at_origin(self, contact: Friction) -> Any:
-        """The speed of the belt, v_r at rest, where all coordinates and the phase are zero."""
-        origin = dict.fromkeys((*self.q, *self.phase), 0)
+        """The speed of the belt, v_r at rest, where coordinates, phase and further states are zero."""
+        origin = dict.fromkeys((*self.q, *self.phase, *self.further), 0)
         return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
 
     def sliding_sign(self, contact: Friction) -> Any:
@@ -330,10 +331,9 @@ def system_of(key: StructureKey) -> LagrangeSystem:
 
 def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
-    names = model.coordinates
-    at = _Symbols(**dict(zip(names, q, strict=True)), phase=symbol(PHASE))
-    about = _stated(model, at, _Symbols(**dict(zip(names, v, strict=True))))
-    about = _in_regimes(check_mechanics(about, model, q, v), model, (*q, *v, symbol(PHASE)))
+    names, further = model.coordinates, tuple(map(symbol, model.states))
+    about = check_mechanics(_stated(model, q, v, further), model, q, v)
+    about = _in_regimes(about, model, (*q, *v, symbol(PHASE), *further))
     about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
@@ -341,17 +341,17 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     if linear:
         check_linear(about, model, q, v)
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
-    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads)
+    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further)
 
 
 # How numpy, math and sympy begin their errors where a number is wanted of a symbol.
 NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
 
 
-def _stated(model: MechanicalModel, q: Any, v: Any) -> Mechanics:
+def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further: Sequence[Any]) -> Mechanics:
     """What `mechanics` returns; TypeError, with the cure, where it takes symbols for numbers."""
     try:
-        return model.mechanics(q, v)
+        return mechanics_at(model, q, v, symbol(PHASE), further)
     except TypeError as error:
         if not str(error).startswith(NO_NUMBER):
             raise
@@ -359,13 +359,6 @@ def _stated(model: MechanicalModel, q: Any, v: Any) -> Mechanics:
             f"{type(model).__name__}.mechanics must be a formula of symbols, and fails with them ({error}): "
             "write fl.functions.cos and the like, none of numpy or math, and no if, min or max of coordinates"
         ) from error
-
-
-class _Symbols(SimpleNamespace):
-    """The symbols of the coordinates, or of the velocities, by the coordinates' names."""
-
-    def __getattr__(self, name: str) -> Any:
-        raise AttributeError(f"there is no coordinate {name!r}{did_you_mean_or_known(name, vars(self))}")
 
 
 class Regimes(NamedTuple):
@@ -421,7 +414,7 @@ def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Seq
 
 
 def _rate(expression: Any, about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
-    """Time derivative of an expression at constant velocities: by the coordinates, and by the phase."""
+    """Time derivative of a momentum at constant velocities: by the coordinates, and by the phase."""
     moving, rates = (*q,), (*v,)
     if about.frequency is not None:
         moving, rates = (*q, symbol(PHASE)), (*v, about.frequency)

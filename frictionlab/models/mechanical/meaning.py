@@ -43,12 +43,21 @@ def check_mechanics(about: Any, model: MechanicalModel, q: Sequence[Any], v: Seq
         if name not in model.coordinates:
             hint = did_you_mean_or_known(name, model.coordinates)
             raise ValueError(f"loads of {of} must be on its coordinates, got one on {name!r}{hint}")
+    if {*about.rates} != {*model.states}:
+        raise ValueError(
+            f"rates of {of} must be those of its states {', '.join(model.states) or '(it has none)'}, got "
+            f"{', '.join(about.rates) or 'none'}: write states = (...) in the class, and a rate for each"
+        )
     check = _Check(of, model, about.frequency is not None, q, v)
     check.expression("frequency", about.frequency, ())
-    check.free("kinetic", about.kinetic, (), "")
+    stored = "what a further state does to a body is a load"
+    check.free("kinetic", about.kinetic, check.further, stored)
     potential = about.potential if isinstance(about.potential, Mapping) else {"potential": about.potential}
     for name, energy in potential.items():
         check.free(f"the energy {name!r}", energy, v, "a force that depends on velocities is a load")
+        check.free(f"the energy {name!r}", energy, check.further, stored)
+    for name, rate in about.rates.items():
+        check.free(f"the rate of {name!r}", rate, (), "")
     check.expression("dissipation", about.dissipation)
     if about.dissipation != 0 and not any(gradient(about.dissipation, v)):
         raise ValueError(
@@ -75,8 +84,9 @@ class _Check:
         self, of: str, model: MechanicalModel, in_time: bool, q: Sequence[Any], v: Sequence[Any]
     ) -> None:
         self.of, self.q, self.v = of, q, v
-        self.names = model.structure_key.parameters
-        self.states = {*q, *v, *([symbol(PHASE)] if in_time else [])}
+        self.names, self.further = model.structure_key.parameters, tuple(map(symbol, model.states))
+        self.states = {*q, *v, *self.further, *([symbol(PHASE)] if in_time else [])}
+        self.moving = (*v, *self.further)
 
     def expression(self, what: str, given: Any, states: Any = None) -> Any:
         """The expression that is given, with symbols of the parameters and of `states`, by default all."""
@@ -142,7 +152,7 @@ class _Check:
         """The expressions of a contact."""
         place = "where bodies touch depends on coordinates and time only"
         if isinstance(contact, Stop):
-            distance = self.free("distance of a Stop", contact.distance, self.v, place)
+            distance = self.free("distance of a Stop", contact.distance, self.moving, place)
             if not any(gradient(distance, self.q)):
                 raise ValueError(
                     f"distance of a Stop of {self.of} must depend on a coordinate, got {distance}: write it "
@@ -155,7 +165,7 @@ class _Check:
                 f"relative_velocity of {self.of} must depend on the velocities, got {abbreviate(speed)}: "
                 "write it with the velocities v, as in self.v - v.x"
             )
-        if any({*one.free_symbols} & {*self.v} for one in map(multiply_out, gradient(speed, self.v))):
+        if any({*one.free_symbols} & {*self.moving} for one in map(multiply_out, gradient(speed, self.v))):
             raise ValueError(
                 f"relative_velocity of {self.of} must be linear in the velocities, got {abbreviate(speed)}: "
                 "its gradient by them is the direction of the friction force; a function of it belongs into "
@@ -173,10 +183,10 @@ class _Check:
         force, sliding = sympy.symbols("normal_force speed", nonnegative=True)
         self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
         if contact.penetration is not None:
-            self.free("penetration", contact.penetration, self.v, place)
+            self.free("penetration", contact.penetration, self.moving, place)
         if contact.normal is not None:
             for one in contact.normal:
-                self.free("normal", one, self.v, place)
+                self.free("normal", one, self.moving, place)
             if len(contact.normal) != len(self.q):
                 raise ValueError(
                     f"normal of {self.of} must have one entry for each of its {len(self.q)} coordinates, got "
@@ -243,12 +253,14 @@ def _structurally_without(mass: Any) -> list[int]:
 
 def check_linear(about: Mechanics, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> None:
     """Raise ValueError unless all but the contact is linear, and constant in time, as `statics` needs."""
-    fixed, still = {*q, *v, symbol(PHASE)}, dict.fromkeys(v, sympy.S.Zero)
+    fixed = {*q, *v, symbol(PHASE), *map(symbol, model.states)}
+    still = dict.fromkeys(v, sympy.S.Zero)
     momenta = gradient(about.kinetic, v)
     others = [one.xreplace(still) for one in (sympy.sympify(about.kinetic, strict=True), *momenta)]
     checks = {
         "kinetic": [*(one for p in momenta for one in gradient(p, (*q, symbol(PHASE)))), *others],
         "frequency": [] if about.frequency is None else [symbol(PHASE)],
+        "rates": [*map(symbol, model.states)],
     }
     curved = {"potential": (about.stored, q), "dissipation": (about.dissipation, v)}
     for name, (energy, x) in curved.items():

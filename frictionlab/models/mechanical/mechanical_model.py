@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model, model
+from frictionlab.validation import abbreviate
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
@@ -28,8 +29,30 @@ class MechanicalModel(Model):
     """Base of the models that state their energies and contacts; modes, resets and equations follow.
 
     Besides its other components a model has an `interface`: the regimes of its contacts, by default all.
+    `states` names further states, such as a current or a temperature, if it has any.
+
+    Examples
+    --------
+    A motor without friction, whose current builds up as that of a coil:
+
+    >>> import frictionlab as fl
+    >>> @fl.model
+    ... class Motor(fl.MechanicalModel):
+    ...     U: float = 12.0
+    ...     K: float = 0.1
+    ...     coordinates = ("theta",)
+    ...     states = ("i",)
+    ...
+    ...     def mechanics(self, q, v, s):
+    ...         loads = {"theta": self.K * s.i - 0.01 * v.theta}
+    ...         rates = {"i": (self.U - 2.0 * s.i - self.K * v.theta) / 0.05}
+    ...         return fl.Mechanics(0.02 * v.theta**2 / 2, loads=loads, rates=rates)
+    >>> run = fl.simulate(Motor(), 200.0)  # to K U/(2 c + K^2)
+    >>> round(float(run["theta'"][-1]), 9)
+    40.0
     """
 
+    states: ClassVar[tuple[str, ...]] = ()
     interface: Interface = StickSlipSeparation()
 
     @property
@@ -60,9 +83,27 @@ class MechanicalModel(Model):
 
         return system_of(self.structure_key)
 
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``."""
-        raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
+    if TYPE_CHECKING:  # a model with further states has mechanics(q, v, s)
+        mechanics: Any
+    else:
+
+        def mechanics(self, q: Any, v: Any) -> Mechanics:
+            """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``.
+
+            A model with further states has ``mechanics(self, q, v, s)``, in which they are ``s.<name>``.
+            """
+            raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
+
+    def check(self) -> None:
+        """Raise ValueError if the names of further states are none, or are taken."""
+        super().check()
+        for name in self.states:
+            taken = {*self.coordinates, *(f"{q}'" for q in self.coordinates), *self.parameters, "phase"}
+            if not isinstance(name, str) or name in taken or self.states.count(name) > 1:
+                raise ValueError(
+                    f"states of {type(self).__name__} must be names that no coordinate and no parameter has, "
+                    f"got {abbreviate(name)}: rename it"
+                )
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton; models that differ only in parameter values share its `modes` object.

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton.mode import check_elements
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.validation import abbreviate, check_sequence
+from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
 
@@ -120,6 +124,10 @@ class Mechanics:
     frequency : Expr or None
         Angular frequency (rad/s) of what depends on time, one number: the rate of the state ``q.phase``,
         which goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
+    rates : mapping of str to Expr
+        The rate of each of the model's further `states`, such as a current, a temperature, or what a filter
+        lets through.  Rates, loads, dissipation, relative velocities, normal forces and what laws are given
+        may depend on these states; energies and distances do not.
     """
 
     kinetic: Any
@@ -128,6 +136,7 @@ class Mechanics:
     contacts: tuple[Friction | Stop, ...] = ()
     loads: Mapping[str, Any] = field(default_factory=dict)
     frequency: Any = None
+    rates: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.loads, Mapping):
@@ -135,9 +144,15 @@ class Mechanics:
                 f"loads must map coordinates to forces, got {abbreviate(self.loads)}: write "
                 'loads={"x": self.F}'
             )
+        if not isinstance(self.rates, Mapping):
+            raise TypeError(
+                f"rates must map further states to their rates, got {abbreviate(self.rates)}: write "
+                'rates={"i": (self.U - self.R * s.i) / self.L}'
+            )
         check_elements("contacts", self.contacts, Friction, Stop)
         potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
+        given += self.rates.values()
         given += [getattr(contact, about.name) for contact in self.contacts for about in fields(contact)]
         if texts := [one for one in given if isinstance(one, str)]:  # which sympy would run as Python
             raise TypeError(
@@ -149,6 +164,24 @@ class Mechanics:
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
+
+
+class _Named(SimpleNamespace):
+    """Coordinates, velocities or further states by their names."""
+
+    def __getattr__(self, name: str) -> Any:
+        hint = did_you_mean_or_known(name, vars(self))
+        raise AttributeError(f"there is no coordinate or state {name!r}{hint}")
+
+
+def mechanics_at(
+    model: MechanicalModel, q: Iterable[Any], v: Iterable[Any], phase: Any, further: Iterable[Any]
+) -> Mechanics:
+    """What a model states at coordinates, velocities, a phase and further states: symbols or numbers."""
+    at = _Named(**dict(zip(model.coordinates, q, strict=True)), phase=phase)
+    moving = _Named(**dict(zip(model.coordinates, v, strict=True)))
+    others = _Named(**dict(zip(model.states, further, strict=True)))
+    return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)
 
 
 def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:

@@ -231,7 +231,7 @@ def _sparse_product(one: Any, other: Any) -> Any:
 
 def flow_of(system: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:
     """The rates of all states."""
-    return (*system.v, *accelerations, *system.phase_rate)
+    return (*system.v, *accelerations, *system.other_rates)
 
 
 def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
