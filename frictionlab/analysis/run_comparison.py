@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.analysis.run_conditions import is_of_series
 from frictionlab.hybrid.trajectory import Trajectory
 
 SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
@@ -99,8 +99,7 @@ def compare_runs(
     one, two = mode_stays(run, together), mode_stays(other, together)
     differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
     end = min(end, differs_at)
-    taylor = other.description["method"]["name"] == Taylor.name
-    t = _comparison_times(two, end) if taylor else other.raw.step_times[:, 0]
+    t = _comparison_times(two, end) if is_of_series(other) else other.raw.step_times[:, 0]
     t = t[
         (t <= end)
         & _between_events(one, t, together)

@@ -7,6 +7,7 @@ rounding errors only.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from frictionlab.hybrid.guard_bounds import (
 )
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states
+from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 
 MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
@@ -47,22 +49,33 @@ def unjudged_steps(run: Trajectory) -> str:
     return f"Event functions were bounded in {chosen} of {count} steps." if chosen < count else ""
 
 
+def is_of_series(run: Trajectory) -> bool:
+    """Whether a run's dense output is a series, so that it reaches across each step."""
+    return run.description["method"]["name"] == Taylor.name
+
+
 def largest_violation(run: Trajectory) -> float:
     """The share of a condition's size by which a sound run may break it."""
-    tol = run.description["method"].get("tol")
-    return VIOLATION_WITHOUT_TOLERANCE if tol is None else largest_sound_defect(tol)
+    if not is_of_series(run):
+        return VIOLATION_WITHOUT_TOLERANCE
+    return largest_sound_defect(run.description["method"]["tol"])
+
+
+def evenly_spread(count: int, most: int) -> Array:
+    """Indices below `count`, evenly spread, at most so many."""
+    return np.unique(np.linspace(0, count - 1, most).astype(int))
 
 
 def _broken_guard(run: Trajectory, limit: float) -> str:
-    steps, raw, code = _chosen_steps(run), run.raw, run.problem.program.code
+    states = run.raw.step_states
     first, words, worst = np.inf, "", 0.0
-    for mode in np.unique(raw.step_modes[steps]):
-        tape, inside = Tape(code, run.problem.numbers, int(mode)), steps[raw.step_modes[steps] == mode]
+    for mode, steps in _steps_by_mode(run):
+        tape = Tape(run.problem.program.code, run.problem.numbers, mode)
         if not tape.functions:
             continue
-        sizes = tape.sizes(np.vstack([_spread(raw.step_states), _spread(raw.step_states[inside])]))
+        sizes = tape.sizes(np.vstack([_spread(states), _spread(states[steps])]))
         bounds = np.where(sizes > 0.0, -limit * sizes, -np.inf)
-        for some in np.array_split(inside, -(-len(inside) // PIECES_AT_ONCE)):
+        for some in _at_once(steps):
             bad = negative_points(tape, _pieces(run, some), bounds)
             if not len(bad.times):
                 continue
@@ -70,7 +83,7 @@ def _broken_guard(run: Trajectory, limit: float) -> str:
             k = int(bad.times.argmin())
             if bad.times[k] < first:
                 first = _beginning(run, tape, bounds, bad, k)
-                words = _name_of_function(run, mode, bad.functions[k])
+                words = _name_of_function(run, mode, int(bad.functions[k]))
     if not words:
         return ""
     return (
@@ -90,7 +103,7 @@ def _beginning(run: Trajectory, tape: Tape, bounds: Array, bad: Negative, k: int
     return broken
 
 
-def _name_of_function(run: Trajectory, number: Any, function: Any) -> str:
+def _name_of_function(run: Trajectory, number: int, function: int) -> str:
     mode = run.automaton.mode(run.mode_names[number])
     missed = [f"event {event.name!r} of mode {mode.name!r} is missed" for event in mode.events]
     return [*missed, *(f"a constraint of mode {mode.name!r} is broken" for _ in mode.constraints)][function]
@@ -103,12 +116,24 @@ def _chosen_steps(run: Trajectory) -> Array:
     if len(steps) <= MOST_STEPS:
         return steps
     longest = steps[np.argsort(-lengths[steps], kind="stable")[: MOST_STEPS // 2]]
-    return np.union1d(longest, steps[np.linspace(0, len(steps) - 1, MOST_STEPS // 2).astype(int)])
+    return np.union1d(longest, steps[evenly_spread(len(steps), MOST_STEPS // 2)])
+
+
+def _steps_by_mode(run: Trajectory) -> Iterator[tuple[int, Array]]:
+    """The modes in which steps are looked at, and the steps in each."""
+    steps, modes = _chosen_steps(run), run.raw.step_modes
+    for mode in np.unique(modes[steps]):
+        yield int(mode), steps[modes[steps] == mode]
+
+
+def _at_once(steps: Array) -> list[Array]:
+    """Steps in parts that are looked at together."""
+    return np.array_split(steps, -(-len(steps) // PIECES_AT_ONCE))
 
 
 def _spread(states: Array) -> Array:
     """Some of the states, evenly spread."""
-    return states[np.unique(np.linspace(0, len(states) - 1, SAMPLES_OF_SIZES).astype(int))]
+    return states[evenly_spread(len(states), SAMPLES_OF_SIZES)]
 
 
 def _pieces(run: Trajectory, steps: Array) -> Pieces:
@@ -116,7 +141,7 @@ def _pieces(run: Trajectory, steps: Array) -> Pieces:
     across a step."""
     raw, program, order = run.raw, run.problem.program, run.samples.order
     begins, lengths = raw.step_times[steps].T
-    if "tol" not in run.description["method"]:
+    if not is_of_series(run):
         return Pieces(begins, 0.0 * lengths, raw.step_states[steps][:, None])
     # By times from the starts of the steps: the rounding of the clock would spoil slopes.
     local = np.column_stack([0.0 * lengths, lengths])
@@ -147,15 +172,12 @@ def _broken_reset(run: Trajectory, limit: float) -> str:
 
 def _broken_flow(run: Trajectory, limit: float) -> str:
     """Where a run is no motion of its modes' equations; only of series, whose dense output is one."""
-    if "tol" not in run.description["method"]:
+    if not is_of_series(run):
         return ""
-    steps, raw, sizes = _chosen_steps(run), run.raw, motion_size(run)
-    for mode in np.unique(raw.step_modes[steps]):
-        tape, inside = (
-            Tape(run.problem.program.code, run.problem.numbers, int(mode)),
-            steps[raw.step_modes[steps] == mode],
-        )
-        for some in np.array_split(inside, -(-len(inside) // PIECES_AT_ONCE)):
+    sizes = motion_size(run)
+    for mode, steps in _steps_by_mode(run):
+        tape = Tape(run.problem.program.code, run.problem.numbers, mode)
+        for some in _at_once(steps):
             defect = largest_defect(tape, _pieces(run, some), sizes)
             if defect.share > limit:
                 return (

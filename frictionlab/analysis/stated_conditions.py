@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.analysis.motion_scales import motion_size
-from frictionlab.analysis.run_conditions import largest_violation
+from frictionlab.analysis.run_conditions import evenly_spread, is_of_series, largest_violation
 from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
 from frictionlab.automaton.mode import JOINT
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
@@ -88,11 +88,6 @@ class Places(NamedTuple):
         return Places(*(field[some] for field in self))
 
 
-def is_of_series(run: Trajectory) -> bool:
-    """Whether a run's dense output is a series, so that it reaches across each step."""
-    return "tol" in run.description["method"]
-
-
 def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Places, Array, Array]:
     """Places within steps of each mode, accelerations there by differences along the run, their errors."""
     begins, lengths = run.raw.step_times.T
@@ -113,21 +108,112 @@ def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Place
 def _some_steps(run: Trajectory, steps: Array) -> Array:
     """The longest of some steps, and others all over them."""
     longest = steps[np.argsort(-run.raw.step_times[steps, 1])][:LONGEST_STEPS]
-    spread = steps[np.unique(np.linspace(0, len(steps) - 1, PLACES_PER_MODE).astype(int))]
-    return np.union1d(longest, spread)
+    return np.union1d(longest, steps[evenly_spread(len(steps), PLACES_PER_MODE)])
+
+
+class Jumps(NamedTuple):
+    """Jumps of velocities: times, states before them, and with the velocities after them; whether each is of
+    one event, and closes an accumulation."""
+
+    t: Array
+    before: Array
+    after: Array
+    single: Array
+    closed: Array
+
+
+class ImpactTerms(NamedTuple):
+    """A contact at jumps: its number and law, whether it is closed, the directions of its impulses, the rate
+    of the gap by time alone, the speed of the belt, the rate of the gap before; and whether the normal force
+    acts along the gradient of the gap, so that it does no work but by that rate."""
+
+    number: int
+    law: Any
+    closed: Array
+    normal: Array
+    along: Array | None
+    moved: Array
+    belt: Array
+    before: Array
+    conservative: bool
+
+
+class Forces(NamedTuple):
+    """Given forces (N, n) of contacts and the magnitudes of their parts, and directions (N, k, n) of forces
+    that hold, with the least and the most that each can be (N, k)."""
+
+    given: Array
+    sizes: Array
+    columns: Array
+    least: Array
+    most: Array
+
+    def at(self, k: int) -> tuple[Array, Array, Array]:
+        """The directions, as columns, and limits of the forces that can hold at one place."""
+        some = self.most[k] > 0.0
+        return self.columns[k][some].T, self.least[k][some], self.most[k][some]
+
+
+class Held(NamedTuple):
+    """By how much the equations are missed, as a share; the worst of them; whether forces without limits
+    would do."""
+
+    miss: float
+    worst: int
+    bounded: bool
+
+
+def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array, scale: Array) -> Held:
+    """The least by which holding forces miss the balance `values` - W lambda = 0."""
+    W, least, most = forces
+    some = np.isfinite(rooms)
+    matrix, right = (W / scale[:, None])[some], (values / scale)[some]
+    shares, names = (rooms / scale)[some], np.flatnonzero(some)
+
+    def missed(forces: Array) -> tuple[float, int]:
+        misses = np.abs(right - matrix @ forces) - shares
+        return (float(misses.max()), int(names[misses.argmax()])) if len(misses) else (0.0, 0)
+
+    free = np.linalg.lstsq(matrix, right)[0] if W.shape[1] else np.zeros(0)
+    slack = 1e-6 * np.where(np.isfinite(most), most, 0.0)
+    if not W.shape[1] or ((free >= least - slack) & (free <= most + slack)).all():
+        return Held(*missed(free), False)
+    from scipy.optimize import lsq_linear
+
+    bounded = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
+    return Held(*missed(bounded), missed(free)[0] < missed(bounded)[0])
+
+
+def can_hold(matrix: Array, right: Array, least: Array, most: Array) -> bool:
+    """Whether forces within limits solve matrix @ forces = right."""
+    from scipy.optimize import lsq_linear
+
+    rows = np.abs(matrix).max(axis=1, initial=0.0) > 0.0
+    if not rows.any():
+        return False
+    sizes = np.abs(matrix[rows]).max(axis=1)
+    matrix, right = matrix[rows] / sizes[:, None], right[rows] / sizes
+    free = most > least
+    scale = max(float(np.abs(right).max(initial=0.0)), float(most[free & np.isfinite(most)].max(initial=0.0)))
+    if not free.any() or scale == 0.0:
+        return False
+    forces = lsq_linear(matrix[:, free], right, (least[free], most[free]), tol=1e-14).x
+    return bool(np.abs(matrix[:, free] @ forces - right).max() <= 1e-8 * scale)
 
 
 class _Judge:
+    """Compares a run with the statement of its model."""
+
     def __init__(self, run: Trajectory, stated: StatedMechanics) -> None:
         self.run, self.stated, self.limit = run, stated, largest_violation(run)
-        self.names = [name.split(JOINT) if stated.contacts else [] for name in run.mode_names]
+        self.regimes = [name.split(JOINT) if stated.contacts else [] for name in run.mode_names]
         t = np.concatenate([np.linspace(0.0, run.raw.t, SAMPLES), *self._in_steps()])
         t = np.unique(t[t < run.raw.t])
         self.samples = Places(t, *run.states_and_modes(t))
 
     def _in_steps(self) -> list[Array]:
         begins, lengths = self.run.raw.step_times.T
-        some = np.unique(np.linspace(0, len(begins) - 1, SAMPLES).astype(int))
+        some = evenly_spread(len(begins), SAMPLES)
         inside = [begins[some] + lengths[some] * s for s in (0.3, 0.8)] if is_of_series(self.run) else []
         return [begins[some], *inside]
 
@@ -140,24 +226,25 @@ class _Judge:
     def _knows_modes(self) -> bool:
         """Whether the visited modes are named by regimes of the contacts."""
         return all(
-            len(self.names[mode]) == len(self.stated.contacts)
+            len(self.regimes[mode]) == len(self.stated.contacts)
             and all(
                 word in (OF_STOPS if c.speed is None else OF_FRICTION)
-                for word, c in zip(self.names[mode], self.stated.contacts, strict=True)
+                for word, c in zip(self.regimes[mode], self.stated.contacts, strict=True)
             )
             for mode in np.unique(self.run.raw.step_modes)
         )
 
-    def _words(self, i: int, modes: Array) -> Array:
+    def _regimes_of(self, i: int, modes: Array) -> Array:
         """The regime of contact `i` in each mode."""
-        return np.array([words[i] for words in self.names])[modes]
+        return np.array([regimes[i] for regimes in self.regimes])[modes]
 
     # --- what the names of the modes claim
 
     def claims(self) -> str:
+        """The rule that the regimes of a contact state, and the run breaks; an empty text for none."""
         for i, contact in enumerate(self.stated.contacts):
-            words = self._words(i, self.samples.modes)
-            for rule, amounts in self._amounts(contact, words):
+            regimes = self._regimes_of(i, self.samples.modes)
+            for rule, amounts in self._amounts(contact, regimes):
                 if (amounts > self.limit).any():
                     first = int(np.argmax(amounts > self.limit))
                     return (
@@ -166,20 +253,20 @@ class _Judge:
                     )
         return ""
 
-    def _amounts(self, contact: StatedContact, words: Array) -> Any:
+    def _amounts(self, contact: StatedContact, regimes: Array) -> Any:
         """Rules and by how much, as shares of sizes, they are broken at the samples."""
         if contact.speed is not None:
             speed = self._share(contact.speed)
-            yield "v_r is not zero in stick", np.where(words == "stick", np.abs(speed), 0.0)
+            yield "v_r is not zero in stick", np.where(regimes == "stick", np.abs(speed), 0.0)
             for name, sign in (("slip+", 1), ("slip-", -1)):
-                yield f"v_r has not the sign of {name}", np.where(words == name, -sign * speed, 0.0)
+                yield f"v_r has not the sign of {name}", np.where(regimes == name, -sign * speed, 0.0)
         if contact.gap is not None:
             gap = self._share(contact.gap)
-            in_flight = (words == "separation") | (words == "flight")
+            in_flight = (regimes == "separation") | (regimes == "flight")
             yield "bodies overlap in flight", np.where(in_flight, -gap, 0.0)
-            yield "a closed contact is open", np.where(words == "contact", np.abs(gap), 0.0)
+            yield "a closed contact is open", np.where(regimes == "contact", np.abs(gap), 0.0)
         if contact.pressing is not None and self._separates(contact):
-            force, rubs = self._share(contact.pressing), np.isin(words, [*RUBBING, "slip"])
+            force, rubs = self._share(contact.pressing), np.isin(regimes, [*RUBBING, "slip"])
             yield "the normal force pulls", np.where(rubs, -force, 0.0)
             if contact.gap is not None:
                 yield "friction acts on a contact that is open", np.where(rubs, gap, 0.0)
@@ -209,7 +296,7 @@ class _Judge:
         there = self.stated.imbalance(places.states, accelerations + errors)[0]
         rooms = rooms + np.abs(there - values)
         values, sizes = values - forces.given, sizes + forces.sizes
-        for k, words in enumerate(self._names_at(places)):
+        for k, mode in enumerate(places.modes):
             scale = np.where(sizes.max(axis=0) > 0.0, sizes.max(axis=0), 1.0)
             solution = held_forces(values[k], forces.at(k), rooms[k], scale)
             if solution.miss > max(LEAST_TOLERANCE, self.limit):
@@ -218,13 +305,11 @@ class _Judge:
                     "with forces of its contacts within their limits" if solution.bounded else "by any force"
                 )
                 return (
-                    f"at t = {places.t[k]:.6g} s, in mode {words!r}, Lagrange's equation of {name!r} is not "
-                    f"kept {why}: {solution.miss:.1g} of the forces in it are missing"
+                    f"at t = {places.t[k]:.6g} s, in mode {self.run.mode_names[mode]!r}, "
+                    f"Lagrange's equation of {name!r} is not kept {why}: "
+                    f"{solution.miss:.1g} of the forces in it are missing"
                 )
         return ""
-
-    def _names_at(self, places: Places) -> list[str]:
-        return [self.run.mode_names[mode] for mode in places.modes]
 
     def _forces(self, places: Places, resting: float = RESTING) -> Forces:
         """The forces of all contacts, given or holding, at places."""
@@ -232,19 +317,19 @@ class _Judge:
         given, sizes = np.zeros(shape), np.zeros(shape)
         columns, least, most = [], [], []
         for i, contact in enumerate(self.stated.contacts):
-            words = self._words(i, places.modes)
+            regimes = self._regimes_of(i, places.modes)
             normal = self.stated.normal_direction(contact, places.states)
             if contact.speed is None:
                 columns.append(normal)
-                least.append(np.zeros(len(words)))
-                most.append(np.where(words == "contact", np.inf, 0.0))
+                least.append(np.zeros(len(regimes)))
+                most.append(np.where(regimes == "contact", np.inf, 0.0))
                 continue
             at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
-            open_contact = np.isin(words, [*APART, CHATTER_MODE])
+            open_contact = np.isin(regimes, [*APART, CHATTER_MODE])
             pressing = np.where(open_contact, 0.0, at(contact.pressing, places.states))
-            speed, sign = at(contact.speed, places.states), self._signs(contact, words, places)
+            speed, sign = at(contact.speed, places.states), self._signs(contact, regimes, places)
             still = (
-                (words != "slip")
+                (regimes != "slip")
                 & (np.abs(speed) <= resting * self._speed_size(contact, along))
                 & ~open_contact
             )
@@ -256,7 +341,7 @@ class _Judge:
             limit = np.where(still, np.maximum(at(contact.limit, places.states), 0.0), 0.0)
             columns += [along, normal]
             least += [-limit, 0.0 * limit]
-            most += [limit, np.where(words == CHATTER_MODE, np.inf, 0.0)]
+            most += [limit, np.where(regimes == CHATTER_MODE, np.inf, 0.0)]
         if not columns:
             return Forces(given, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
         return Forces(given, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
@@ -267,10 +352,12 @@ class _Judge:
         some = self.samples.states[:: max(1, len(self.samples.t) // 50)]
         return max(moving, float(np.abs(self.stated.at(contact.speed, some)).max(initial=0.0)))
 
-    def _signs(self, contact: StatedContact, words: Array, places: Places) -> Array:
+    def _signs(self, contact: StatedContact, regimes: Array, places: Places) -> Array:
         """The direction of slip: that of v_r, or of the belt where sliding keeps its direction."""
         belt = self.stated.at(contact.speed, np.zeros((1, places.states.shape[1])))[0]
-        return np.where(words == "slip", np.sign(belt), np.sign(self.stated.at(contact.speed, places.states)))
+        return np.where(
+            regimes == "slip", np.sign(belt), np.sign(self.stated.at(contact.speed, places.states))
+        )
 
     # --- stick that ends or does not begin
 
@@ -284,10 +371,10 @@ class _Judge:
         index = {name: k for k, name in enumerate(self.run.mode_names)}
         rows = []
         for e in np.flatnonzero(continuous & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
-            old, new = self.names[index[events.source[e]]], self.names[index[events.target[e]]]
+            old, new = self.regimes[index[events.source[e]]], self.regimes[index[events.target[e]]]
             if any(a == "stick" and b in ("slip+", "slip-") for a, b in zip(old, new, strict=True)):
                 rows.append((events.t[e], events.before[e], index[events.target[e]], "leaves stick"))
-        first = self.names[self.run.raw.step_modes[0]]
+        first = self.regimes[self.run.raw.step_modes[0]]
         if any(word in ("slip+", "slip-") for word in first):
             rows.append(
                 (0.0, self.run.problem.x0, int(self.run.raw.step_modes[0]), "does not start in stick")
@@ -309,7 +396,7 @@ class _Judge:
         masses, free = stated.masses(places.states), stated.imbalance(places.states)[0] - forces.given
         rows, rates = [], []
         for i, contact in enumerate(stated.contacts):
-            closed = self._words(i, places.modes) == "contact"
+            closed = self._regimes_of(i, places.modes) == "contact"
             if contact.speed is None:
                 still, row = closed, stated.normal_direction(contact, places.states)
                 second = lambda z, c=contact: stated.rate_of(c.gap, z)  # noqa: E731  this contact's
@@ -330,16 +417,13 @@ class _Judge:
             limits = (1.0 - BREAKAWAY_SLACK) * forces.least[k], (1.0 - BREAKAWAY_SLACK) * forces.most[k]
             slipping = any(
                 word in ("slip+", "slip-") and forces.most[k][2 * i] > 0.0
-                for i, word in self._rubbing_words(places.modes[k])
+                for i, word in enumerate(self.regimes[places.modes[k]])
             )
             # J (M^-1 (W lambda - free)) + rate = 0
             right = J @ inverse @ free[k] - np.array([rate[k] for rate in rates])
             if slipping and can_hold(J @ inverse @ W, right, *limits):
                 holdable.append(k)
         return holdable
-
-    def _rubbing_words(self, mode: int) -> list[tuple[int, str]]:
-        return list(enumerate(self.names[mode]))
 
     # --- impacts
 
@@ -489,93 +573,3 @@ class _Judge:
             slope = self.stated.slope(lambda z: self.stated.at(function, z), some, along)[0]
             size = max(size, float(np.abs(slope).max(initial=0.0)))
         return size or 1.0
-
-
-class Jumps(NamedTuple):
-    """Jumps of velocities: times, states before them, and with the velocities after them; whether each is of
-    one event, and closes an accumulation."""
-
-    t: Array
-    before: Array
-    after: Array
-    single: Array
-    closed: Array
-
-
-class ImpactTerms(NamedTuple):
-    """A contact at jumps: its number and law, whether it is closed, the directions of its impulses, the rate
-    of the gap by time alone, the speed of the belt, the rate of the gap before; and whether the normal force
-    acts along the gradient of the gap, so that it does no work but by that rate."""
-
-    number: int
-    law: Any
-    closed: Array
-    normal: Array
-    along: Array | None
-    moved: Array
-    belt: Array
-    before: Array
-    conservative: bool
-
-
-class Forces(NamedTuple):
-    """Given forces (N, n) of contacts and the magnitudes of their parts, and directions (N, k, n) of forces
-    that hold, with the least and the most that each can be (N, k)."""
-
-    given: Array
-    sizes: Array
-    columns: Array
-    least: Array
-    most: Array
-
-    def at(self, k: int) -> tuple[Array, Array, Array]:
-        """The directions, as columns, and limits of the forces that can hold at one place."""
-        some = self.most[k] > 0.0
-        return self.columns[k][some].T, self.least[k][some], self.most[k][some]
-
-
-class Held(NamedTuple):
-    """By how much the equations are missed, as a share; the worst of them; whether forces without limits
-    would do."""
-
-    miss: float
-    worst: int
-    bounded: bool
-
-
-def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array, scale: Array) -> Held:
-    """The least by which holding forces miss the balance `values` - W lambda = 0."""
-    W, least, most = forces
-    some = np.isfinite(rooms)
-    matrix, right = (W / scale[:, None])[some], (values / scale)[some]
-    shares, names = (rooms / scale)[some], np.flatnonzero(some)
-
-    def missed(forces: Array) -> tuple[float, int]:
-        misses = np.abs(right - matrix @ forces) - shares
-        return (float(misses.max()), int(names[misses.argmax()])) if len(misses) else (0.0, 0)
-
-    free = np.linalg.lstsq(matrix, right)[0] if W.shape[1] else np.zeros(0)
-    slack = 1e-6 * np.where(np.isfinite(most), most, 0.0)
-    if not W.shape[1] or ((free >= least - slack) & (free <= most + slack)).all():
-        return Held(*missed(free), False)
-    from scipy.optimize import lsq_linear
-
-    bounded = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
-    return Held(*missed(bounded), missed(free)[0] < missed(bounded)[0])
-
-
-def can_hold(matrix: Array, right: Array, least: Array, most: Array) -> bool:
-    """Whether forces within limits solve matrix @ forces = right."""
-    from scipy.optimize import lsq_linear
-
-    rows = np.abs(matrix).max(axis=1, initial=0.0) > 0.0
-    if not rows.any():
-        return False
-    sizes = np.abs(matrix[rows]).max(axis=1)
-    matrix, right = matrix[rows] / sizes[:, None], right[rows] / sizes
-    free = most > least
-    scale = max(float(np.abs(right).max(initial=0.0)), float(most[free & np.isfinite(most)].max(initial=0.0)))
-    if not free.any() or scale == 0.0:
-        return False
-    forces = lsq_linear(matrix[:, free], right, (least[free], most[free]), tol=1e-14).x
-    return bool(np.abs(matrix[:, free] @ forces - right).max() <= 1e-8 * scale)

@@ -28,11 +28,8 @@ from frictionlab.tape.formulas import function_along_run
 Array = Any
 StateFunction = Callable[..., Any]
 
-FIRST_SHARE, REFINEMENT, LEVELS = (
-    1e-2,
-    0.25,
-    7,
-)  # of the steps of differences: share of a state's size, factor
+# of the steps of differences: share of a state's size, factor, number
+FIRST_SHARE, REFINEMENT, LEVELS = 1e-2, 0.25, 7
 CENTRAL_WEIGHTS = 4 / 5, -1 / 5, 4 / 105, -1 / 280
 
 

@@ -29,17 +29,12 @@ from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_flag, check_number, explains_keywords
 
-NEIGHBOUR_OFFSET = (
-    # share of the initial motion by which the neighbouring run's start is changed, to show how far the motion
-    # is predictable
-    1e-9
-)
+# share of the initial motion by which the neighbouring run's start is changed, to show how far the motion is
+# predictable
+NEIGHBOUR_OFFSET = 1e-9
 FIRST_SAMPLES = 80  # samples of the first ten steps: some periods of the fastest vibration
-UNPREDICTABLE_DEVIATION = (
-    # share of the motion's size: once the neighbouring run deviates by this, the motion is no longer
-    # predictable
-    1e-3
-)
+# share of the motion's size: once the neighbouring run deviates by this, the motion is no longer predictable
+UNPREDICTABLE_DEVIATION = 1e-3
 TRUSTED_DEVIATION = 1e-4  # share of the motion's size: runs that agree so well coincide in a plot
 EXTRA_ORDERS, TOLERANCE_FACTOR = 6, 0.1  # added to the order, and times the tolerance, for the second run
 INDEPENDENT_RTOL = 1e-12  # relative tolerance of the independent method

@@ -18,24 +18,37 @@ from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
 from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.presentation import Kind
-from frictionlab.tape.formulas import formulas_of
+from frictionlab.tape.formulas import function_along_run
 from frictionlab.tape.lowering import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
-UNIT_CIRCLE_ATOL = (
-    1e-3  # how far from the unit circle rounding may put the multipliers of a Neimark-Sacker point
-)
-
+# how far from the unit circle rounding may put the multipliers of a Neimark-Sacker point
+UNIT_CIRCLE_ATOL = 1e-3
 TEST_ATOL = 1e-9  # test functions are differences of numbers of about 1: below this they are rounding
 NO_ORBIT = "no orbit found"
 VANISHING_STAY_SHARE = 1e-3  # share of the period below which a stay is about to vanish
-GRAZING_RTOL = (
-    1e-4  # an orbit grazes where an event function falls to this share of its largest value between events
-)
+# an orbit grazes where an event function falls to this share of its largest value between events
+GRAZING_RTOL = 1e-4
 SAMPLES_PER_PERIOD = 4001
 # Shares of the distance of the bounds: how far an orbit that touches may be from the last one that impacts,
 # and the first step of the search for it.
 MAX_TOUCH_DISTANCE, TOUCH_STEP = 0.2, 1e-4
+
+BOUND, MAX_POINTS, INTERRUPTED = "bound", "most orbits", "interrupted"  # why a branch ends
+# the longest step over this: a shorter step that fails means that the sequence of modes changes
+SHORTEST_STEP_PARTS = 64
+END_BISECTIONS = 40  # halvings of that step, until both sides of such a change have met
+# up to so many iterations of Newton's method the next step is longer, from so many on shorter
+FAST_ITERATIONS, SLOW_ITERATIONS = 3, 6
+RESTART_LENGTHS = 5  # lengths tried to step beyond such a change, each a quarter of the one before
+MIN_ALIGNMENT = 0.8  # least cosine of the angle between a step's chord and the tangent at its end
+MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
+# most orbits in a fit; and orbits it needs in excess of its coefficients, to estimate the scatter
+HOPF_FIT_POINTS, HOPF_FIT_SPARE = 12, 3
+EXTRAPOLATION_RTOL = (
+    1e-6  # share of the bounds' distance: a value extrapolated so far beyond a bound is at it
+)
+HOPF_SIZE_RTOL = 1e-2  # an orbit smaller than this share of the largest so far has shrunk to an equilibrium
 
 
 def transverse_multipliers(point: BranchPoint) -> Array:
@@ -168,7 +181,7 @@ def _grazes(automaton: HybridAutomaton, point: BranchPoint) -> bool:
     arguments, numbers = [*automaton.states, *automaton.parameters], automaton.parameters.values()
     for i in np.unique(modes):
         for event in automaton.mode(run.mode_names[i]).events:
-            values = formulas_of(arguments, [event.function]).along_run(*states.T, *numbers)[0]
+            values = function_along_run(arguments, event.function)(*states.T, *numbers)
             if _has_zero_minimum(np.where(modes == i, values, np.nan)):
                 return True
     return False
@@ -194,9 +207,9 @@ def _at_guard_limit(automaton: HybridAutomaton, point: BranchPoint) -> bool:
         for event in modes[target].events:
             if sign_normal_form(event.function) in zero:
                 continue
-            value = formulas_of(arguments, [event.function])
-            along = value.along_run(*point.shot.run.states.T, *numbers)[0]
-            if abs(value.along_run(*state, *numbers)[0]) < GRAZING_RTOL * np.abs(along).max():
+            function = function_along_run(arguments, event.function)
+            along = function(*point.shot.run.states.T, *numbers)
+            if abs(function(*state, *numbers)) < GRAZING_RTOL * np.abs(along).max():
                 return True
     return False
 
@@ -227,7 +240,7 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
     without = replace(left, events=tuple(event for event in left.events if event.name != guard))
     modes = tuple(without if other.name == mode else other for other in automaton.modes)
     free = replace(automaton.derived(), modes=modes)
-    least = formulas_of([*automaton.states, *automaton.parameters], [function]).along_run
+    gap = function_along_run([*automaton.states, *automaton.parameters], function)
     resting = point._replace(tangent=np.zeros_like(point.tangent))  # so that only the value is moved
     numbers, at = tuple(automaton.parameters.values()), [resting]
 
@@ -235,9 +248,9 @@ def _touching_value(automaton: HybridAutomaton, point: BranchPoint, mode: str, g
         at[0] = continuation_step(free, at[0], MAX_TOUCH_DISTANCE, value)._replace(tangent=resting.tangent)
         run = at[0].shot.run
         t = np.linspace(0.0, run.raw.t, SAMPLES_PER_PERIOD)
-        i = int(np.argmin(least(*run(t).T, *numbers)[0]))
+        i = int(np.argmin(gap(*run(t).T, *numbers)))
         near = minimize_scalar(
-            lambda s: float(least(*run(s % run.raw.t), *numbers)[0]),
+            lambda s: float(gap(*run(s % run.raw.t), *numbers)),
             bounds=(t[i] - t[1], t[i] + t[1]),
             method="bounded",
             options={"xatol": 1e-9 * run.raw.t},
@@ -259,27 +272,6 @@ def _has_zero_minimum(values: Array) -> bool:
     inner = values[1:-1]
     least = (inner <= values[:-2]) & (inner < values[2:])
     return bool((inner[least] < GRAZING_RTOL * np.nanmax(np.abs(values))).any())
-
-
-BOUND, MAX_POINTS, INTERRUPTED = "bound", "most orbits", "interrupted"
-# the longest step over this: a shorter step that fails means that the sequence of modes changes
-SHORTEST_STEP_PARTS = 64
-END_BISECTIONS = 40  # halvings of that step, until both sides of such a change have met
-FAST_ITERATIONS, SLOW_ITERATIONS = (
-    3,
-    6,
-)  # up to so many iterations of Newton's method the next step is longer, from so many on shorter
-RESTART_LENGTHS = 5  # lengths tried to step beyond such a change, each a quarter of the one before
-MIN_ALIGNMENT = 0.8  # least cosine of the angle between a step's chord and the tangent at its end
-MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
-HOPF_FIT_POINTS, HOPF_FIT_SPARE = (
-    12,
-    3,
-)  # most orbits in a fit; and orbits it needs in excess of its coefficients, to estimate the scatter
-EXTRAPOLATION_RTOL = (
-    1e-6  # share of the bounds' distance: a value extrapolated so far beyond a bound is at it
-)
-HOPF_SIZE_RTOL = 1e-2  # an orbit smaller than this share of the largest so far has shrunk to an equilibrium
 
 
 class BranchHalf(NamedTuple):

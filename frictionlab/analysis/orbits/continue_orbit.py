@@ -17,7 +17,7 @@ from frictionlab.analysis.orbits.branches import (
     SpecialPoint,
     follow_branch,
 )
-from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, floquet_multipliers, mode_sequence
+from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, orbit_of_run
 from frictionlab.analysis.orbits.pseudo_arclength import (
     BranchPoint,
     first_point,
@@ -227,16 +227,7 @@ def _orbit_at(model: ModelOrAutomaton, parameter: str, point: BranchPoint) -> Pe
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
     run = solve(automaton_of(here), point.period, x0=start, progress=False)
-    return PeriodicOrbit(
-        model=here,
-        period=point.period,
-        state=start.copy(),
-        monodromy=point.monodromy.copy(),
-        multipliers=floquet_multipliers(point.monodromy),
-        modes=mode_sequence(run),
-        residual=point.shot.residual,
-        trajectory=run,
-    )
+    return orbit_of_run(here, run, point.monodromy.copy(), point.shot.residual)
 
 
 def _special_orbit(model: ModelOrAutomaton, parameter: str, special: SpecialPoint) -> SpecialOrbit:

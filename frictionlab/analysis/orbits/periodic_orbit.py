@@ -43,9 +43,8 @@ MAX_HALVINGS = 8
 RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
 # relative singular values below this belong to a family of orbits: no step is taken in their directions
 FAMILY_RCOND = 1e-11
-ERROR_FACTOR = (
-    10.0  # times the error estimated: that of a nearly double multiplier is more than first order tells
-)
+# times the error estimated: that of a nearly double multiplier is more than first order tells
+ERROR_FACTOR = 10.0
 CIRCLE_SAMPLES = 64  # points of the unit circle
 MAX_PERIOD_FACTOR = 2.0  # factor by which the period may change in one iteration
 MIN_ORBIT_SIZE = 1e-3  # an orbit smaller than this share of the guess is in fact an equilibrium
@@ -166,15 +165,21 @@ def periodic_orbit(
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
     check_orbit(shot, start)
-    run = shot.run
+    return orbit_of_run(model, shot.run, shot.matrix, shot.residual)
+
+
+def orbit_of_run(
+    model: ModelOrAutomaton, run: Trajectory, monodromy: Array, residual: float
+) -> PeriodicOrbit:
+    """The periodic orbit whose one period is a run."""
     return PeriodicOrbit(
         model=model,
         period=run.raw.t,
         state=run.raw.step_states[0].copy(),
-        monodromy=shot.matrix,
-        multipliers=floquet_multipliers(shot.matrix),
+        monodromy=monodromy,
+        multipliers=floquet_multipliers(monodromy),
         modes=mode_sequence(run),
-        residual=shot.residual,
+        residual=residual,
         trajectory=run,
     )
 

@@ -25,15 +25,15 @@ from frictionlab.analysis.orbits.periodic_orbit import (
 )
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
 
 MAX_CORRECTOR_ITERATIONS = 12
 RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
 # Least over largest singular value below which an orbit is one of a family at one value of the parameter.
 FAMILY_SINGULAR_RATIO = 1e-9
-CORRECTOR_RCOND = (
-    1e-13  # share of the largest singular value of the corrector's matrix: smaller ones are due to rounding
-)
+# share of the largest singular value of the corrector's matrix: smaller ones are due to rounding
+CORRECTOR_RCOND = 1e-13
 # How far from its prediction, beyond the length of the step, an orbit may be found.
 MAX_PREDICTION_ERROR = 0.01
 SHORTEST_CHORD = 1e-6  # of a shorter one rounding turns the direction
@@ -218,7 +218,7 @@ def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoi
     return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved))
 
 
-def _middle_of_free_stay(automaton: HybridAutomaton, run: Any) -> float:
+def _middle_of_free_stay(automaton: HybridAutomaton, run: Trajectory) -> float:
     """Time of the middle of the longest stay in a mode without constraints; 0 where there are no events."""
     t, period = run.events.t, run.raw.t
     if not len(t):
@@ -229,7 +229,7 @@ def _middle_of_free_stay(automaton: HybridAutomaton, run: Any) -> float:
     return float((t[i] + 0.5 * lengths[i]) % period)
 
 
-def cyclic_mode_sequence(run: Any) -> tuple[str, ...]:
+def cyclic_mode_sequence(run: Trajectory) -> tuple[str, ...]:
     """The modes entered at the events of a periodic orbit, rotated so that the first in the alphabet comes
     first."""
     names = tuple(run.events.target.tolist())

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.automaton import Mode
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import JOINT, ModeNames
 from frictionlab.hybrid.problem import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.tape.arguments import read_expression
-from frictionlab.tape.formulas import formulas_of
+from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import abbreviate, check_number, check_text
 
 STICK = "stick"
@@ -85,7 +85,7 @@ def phase_on_circle(run: Trajectory, states: Array) -> Array:
     return np.column_stack(columns)
 
 
-def section_function(automaton: Any, section: Section) -> dict[str, Any]:
+def section_function(automaton: HybridAutomaton, section: Section) -> dict[str, Any]:
     """The section as :func:`frictionlab.solve` takes it; empty for onsets of stick, which are events anyway.
 
     Parameters
@@ -134,7 +134,7 @@ def check_section_form(section: Any) -> tuple[str, int]:
     return check_text("section", text, cure), direction
 
 
-def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any]:
+def sections_to_record(automaton: HybridAutomaton, section: Section | None) -> dict[str, Any]:
     """The section that a run records to check recurrence.
 
     It is the given one; turning points where there is none, or where it is "stick", whose onsets are events.
@@ -144,7 +144,7 @@ def sections_to_record(automaton: Any, section: Section | None) -> dict[str, Any
     )
 
 
-def turning_section(automaton: Any) -> tuple[str, int]:
+def turning_section(automaton: HybridAutomaton) -> tuple[str, int]:
     """The section where the first coordinate is largest; without coordinates, where the first state passes
     zero."""
     return (str(automaton.states[automaton.coordinates]), -1)
@@ -232,5 +232,5 @@ def _section_values(run: Trajectory, function: Any) -> Any:
     if isinstance(function, str):
         return lambda t: run.output(function, t)
     parameters = run.automaton.parameters
-    formulas = formulas_of([*run.automaton.states, *parameters], [function])
-    return lambda t: formulas.along_run(*run(t).T, *parameters.values())[0]
+    value = function_along_run([*run.automaton.states, *parameters], function)
+    return lambda t: value(*run(t).T, *parameters.values())
