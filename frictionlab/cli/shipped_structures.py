@@ -3,8 +3,8 @@
 ``python -m frictionlab.cli.shipped_structures FILE`` derives the structures of the library's models, that is
 the tapes and formulas that runs, equilibria and pictures need, and writes them to an archive for the wheel.
 So not even the first process on a machine needs sympy.  The code that derives them for the cache folder does
-it, and the archive's files are those of that folder.  :mod:`frictionlab.models.serialisation` reads them, if
-they were derived from its own sources.
+it, and the archive's files are those of that folder.  :mod:`frictionlab.models.kept_structures` reads them,
+if they were derived from its own sources.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
     """
     from frictionlab import cache_folder
     from frictionlab.file_writing import write_file
-    from frictionlab.models import serialisation
+    from frictionlab.models import kept_structures
 
     with TemporaryDirectory() as folder:
         os.environ[cache_folder.FOLDER_VARIABLE] = folder
@@ -74,7 +74,7 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
             derive(model)
         path.parent.mkdir(parents=True, exist_ok=True)
         with write_file(path) as beside, ZipFile(beside, "w", ZIP_DEFLATED, compresslevel=9) as archive:
-            archive.comment = serialisation.LOADED.digest.encode()
+            archive.comment = kept_structures.LOADED.digest.encode()
             for structure in sorted(Path(folder).rglob("*.structure")):
                 entry = ZipInfo(structure.name)  # of no date, so that the archive is the same each time
                 entry.compress_type = ZIP_DEFLATED
@@ -83,12 +83,12 @@ def write_archive(path: Path, library: Iterable[Any]) -> None:
 
 def main() -> None:
     """Write the archive, unless one derived from the present sources is there already."""
-    from frictionlab.models import serialisation
+    from frictionlab.models import kept_structures
 
     parser = argparse.ArgumentParser(description="Derive the structures of the library's models beforehand.")
     parser.add_argument("file", type=Path, metavar="FILE", help="the archive")
     path = parser.parse_args().file
-    if serialisation.archive_digest(path) != serialisation.LOADED.digest:
+    if kept_structures.archive_digest(path) != kept_structures.LOADED.digest:
         write_archive(path, shipped_models())
 
 

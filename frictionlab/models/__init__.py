@@ -12,8 +12,10 @@
     Derives a model once for its structure, and puts the numbers back: the `HybridAutomaton` that the solver
     runs.
 ``serialisation``
-    Models as JSON data for files; what has been derived of the library's models, cached on disk for later
-    processes, which need no sympy for what runs ask of it.
+    Models as JSON data for files.
+``kept_structures``
+    What has been derived of the library's models, cached on disk for later processes, which need no sympy for
+    what runs ask of it.
 ``mechanical``
     From energies and contacts to an automaton.
 ``library``

@@ -18,12 +18,8 @@ from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Symbol, names_o
 from frictionlab.components.component import StructureKey, structure_of
 from frictionlab.validation import abbreviate
 
-from .serialisation import (
-    Derivations,
-    derivations_of,
-    loaded_class,
-    value_from_data,
-)
+from .kept_structures import Derivations, derivations_of
+from .serialisation import loaded_class, value_from_data
 from .symbols import check_laws, symbol, symbolic_copy
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from frictionlab.lazy_names import sympy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
 
-from .serialisation import derivations_of
+from .kept_structures import derivations_of
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model

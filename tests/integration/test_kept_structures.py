@@ -15,9 +15,9 @@ import frictionlab as fl
 from frictionlab import cache_folder
 from frictionlab.cli.shipped_structures import shipped_models
 from frictionlab.components import FrictionLaw
-from frictionlab.models import serialisation
+from frictionlab.models import kept_structures
 from frictionlab.models.automaton_of_model import automaton_of_structure
-from frictionlab.models.serialisation import derivations_of
+from frictionlab.models.kept_structures import derivations_of
 
 ROOT = Path(__file__).parents[2]
 # Of each run the bits of all that a picture or a summary asks for.
@@ -164,8 +164,8 @@ print(1)
 """
 USE_ARCHIVE = """
 from pathlib import Path
-from frictionlab.models import serialisation
-serialisation.ARCHIVE = Path({path!r})
+from frictionlab.models import kept_structures
+kept_structures.ARCHIVE = Path({path!r})
 """
 
 
@@ -237,20 +237,20 @@ def test_a_law_whose_method_was_exchanged_is_ones_own(monkeypatch, tmp_path):
 
 
 def test_an_edit_of_a_source_or_another_sympy_names_another_folder(monkeypatch, tmp_path):
-    before = serialisation.sources().digest
+    before = kept_structures.sources().digest
     assert len(before) == cache_folder.DIGEST_LENGTH
     (tmp_path / "release.py").write_text("__version__ = '0'")
-    monkeypatch.setattr(serialisation, "_beside", lambda package, name: tmp_path / "release.py")
-    found = {before, serialisation.sources().digest}
+    monkeypatch.setattr(kept_structures, "_beside", lambda package, name: tmp_path / "release.py")
+    found = {before, kept_structures.sources().digest}
     (tmp_path / "models").mkdir()
-    monkeypatch.setattr(serialisation, "SOURCES", ("models",))
-    monkeypatch.setattr(serialisation, "PACKAGE", tmp_path)
+    monkeypatch.setattr(kept_structures, "SOURCES", ("models",))
+    monkeypatch.setattr(kept_structures, "PACKAGE", tmp_path)
     for text in ("k = 1", "k = 2"):
         (tmp_path / "models" / "law.py").write_text(text)
-        found.add(serialisation.sources().digest)
+        found.add(kept_structures.sources().digest)
     assert len(found) == 4
     (tmp_path / "models" / "law.py").unlink()  # byte code alone is installed, or the package is a zip file
-    assert serialisation.sources() == ("", ())
+    assert kept_structures.sources() == ("", ())
 
 
 def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
@@ -258,15 +258,15 @@ def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
     (tmp_path / "models").mkdir()
     law = tmp_path / "models" / "law.py"
     law.write_text("k = 1")
-    monkeypatch.setattr(serialisation, "SOURCES", ("models",))
-    monkeypatch.setattr(serialisation, "PACKAGE", tmp_path)
-    monkeypatch.setattr(serialisation, "LOADED", serialisation.sources())
+    monkeypatch.setattr(kept_structures, "SOURCES", ("models",))
+    monkeypatch.setattr(kept_structures, "PACKAGE", tmp_path)
+    monkeypatch.setattr(kept_structures, "LOADED", kept_structures.sources())
     path = tmp_path / "x.structure"
-    kept = serialisation.Derivations(path)
+    kept = kept_structures.Derivations(path)
     kept.keep("one", 1)
     law.write_text("k = 22")
     kept.keep("two", 2)
-    again = serialisation.Derivations(path)
+    again = kept_structures.Derivations(path)
     assert (again.get("one"), again.get("two")) == (1, None)
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
-from frictionlab.models.serialisation import derivations_of
+from frictionlab.models.kept_structures import derivations_of
 
 from .mechanics import Friction
 

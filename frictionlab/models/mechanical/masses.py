@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from frictionlab.components.component import Parameter, StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.serialisation import derivations_of
+from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.symbols import symbol, symbolic_copy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 

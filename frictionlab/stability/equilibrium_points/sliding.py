@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
+from frictionlab.models.kept_structures import Derivations, derivations_of
 from frictionlab.models.model import ModelOrAutomaton
-from frictionlab.models.serialisation import Derivations, derivations_of
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero
 from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial, real_roots

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
-from frictionlab.models.serialisation import Derivations
+from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
