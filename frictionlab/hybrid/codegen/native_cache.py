@@ -44,6 +44,7 @@ ROOM_TO_COMPILE = (
 )  # bytes of free memory below which nothing is compiled: LLVM ends a process without them
 NAME, STEP = "jets", "step"
 _MADE: WeakKeyDictionary[Program, NativeCode] = WeakKeyDictionary()
+_INTERPRETED: WeakKeyDictionary[Program, Code] = WeakKeyDictionary()
 _ENGINES: list[Any] = []  # engines own the code, so they live as long as the process
 
 
@@ -68,7 +69,7 @@ class NativeCode:
         self._of_steps = {mode: _step_structure(program.code, mode) for mode in modes}
         self.requested: dict[int, Future[None]] = {}
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
-        self.interpreted = passed_again(program.code)
+        self.interpreted = interpreted_code(program)
         self.code: Code = passed_again(program.code._replace(native=addresses, lanes=steps))
         # of this program and those that it grew from or grows into; weak, as only the last one is in use
         self._family: list[ref[NativeCode]] = [] if before is None else before._family
@@ -139,6 +140,13 @@ class NativeCode:
 def passed_again(arrays: T) -> T:
     """The named tuple of arrays, prepared for kernels that take it at every run."""
     return arrays if machine_code.LOADED is None else remember_words(arrays)
+
+
+def interpreted_code(program: Program) -> Code:
+    """The program's arrays without native code, prepared for kernels that take them again and again."""
+    if program not in _INTERPRETED:
+        _INTERPRETED[program] = passed_again(program.code)
+    return _INTERPRETED[program]
 
 
 def native_code(program: Program) -> NativeCode:

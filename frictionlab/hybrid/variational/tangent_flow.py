@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.compilation.decorators import kernel
+from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
@@ -171,7 +172,8 @@ def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more
     scratch = TangentScratch(J, np.zeros((*J.shape, len(rows))))
     stored = StepData(raw.step_times[part], raw.step_modes[part], raw.step_states[part])
     truncation = Truncation(order, run.description["method"]["tol"])
-    arguments = problem.program.code, problem.numbers, truncation, stored, raw.state.copy(), rows, scratch
+    code = interpreted_code(problem.program)
+    arguments = code, problem.numbers, truncation, stored, raw.state.copy(), rows, scratch
     with np.errstate(all="ignore"):
         failed = steps(*arguments, *more)
     if failed >= 0 or not np.isfinite(rows).all():

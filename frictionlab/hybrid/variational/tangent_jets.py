@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
+from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.jets import copy_vector, has_series, mode_operations, run_tape, states_at
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE
@@ -271,10 +272,10 @@ def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.
 
 
 def _linear(program, numbers, operations: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> LinearisedTape:
-    code, n = program.code, len(z)
+    n = len(z)
     scratch = TangentScratch(np.zeros((program.slots, 3)), np.zeros((program.slots, 1, n)))
     with np.errstate(all="ignore"):
-        linearise(code, numbers, operations, flow, z, scratch)
+        linearise(interpreted_code(program), numbers, operations, flow, z, scratch)
     return LinearisedTape(scratch.J, scratch.T[:, 0])
 
 
