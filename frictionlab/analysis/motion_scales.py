@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.models import Model
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count
 from frictionlab.validation import check_choice, check_number
 
@@ -81,12 +82,12 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
     return ranges
 
 
-def oscillation_period(source: Any) -> float:
+def oscillation_period(source: ModelOrAutomaton | None) -> float:
     """Approximate period of oscillation (s) of a model; for an automaton, that of the slider on a belt."""
     return source.period if isinstance(source, Model) else DEFAULT_PERIOD
 
 
-def rounded_period(source: Any) -> float:
+def rounded_period(source: ModelOrAutomaton | None) -> float:
     """That period, rounded down to 1, 2 or 5 times a power of ten."""
     return round_down_1_2_5(oscillation_period(source))
 
@@ -144,7 +145,7 @@ class Spectrum(NamedTuple):
 
 
 def amplitude_spectrum(
-    run: Any, name: str | None = None, *, f_max: float | None = None, start: float | None = None
+    run: Trajectory, name: str | None = None, *, f_max: float | None = None, start: float | None = None
 ) -> Spectrum | None:
     """Amplitude spectrum of a state, with a Hann window and without the mean.
 
@@ -198,6 +199,6 @@ def amplitude_spectrum(
     return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, shown)
 
 
-def highest_frequency(source: Any) -> float:
+def highest_frequency(source: ModelOrAutomaton | None) -> float:
     """The highest frequency (Hz) that a spectrum of a model shows."""
     return HARMONICS_SHOWN / rounded_period(source)

@@ -277,13 +277,9 @@ def _agreement_message(
         text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
     if not run.status.ok:
         text += f" There the run ended: {run.status}."
-    return " ".join(filter(None, [text, unjudged_steps(run), _unjudged_statement(run)]))
+    from frictionlab.analysis.stated_conditions import unjudged_statement  # needs sympy, as above
 
-
-def _unjudged_statement(run: Trajectory) -> str:
-    from frictionlab.analysis.stated_conditions import unjudged_statement
-
-    return unjudged_statement(run)
+    return " ".join(filter(None, [text, unjudged_steps(run), unjudged_statement(run)]))
 
 
 def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,6 +225,12 @@ class Frequencies:
 
 
 KINDS = (TimeRecord, SpectrumRecord, EventTimes, Frequencies)
+Measurement = TypeVar("Measurement")
+
+
+def of_kind(data: Sequence[Any], kind: type[Measurement]) -> list[Measurement]:
+    """The measurements of one kind."""
+    return [one for one in data if isinstance(one, kind)]
 
 
 def as_data(data: Any) -> tuple[Any, ...]:

@@ -21,6 +21,7 @@ from frictionlab.analysis.fitting.data import (
     TimeRecord,
     as_data,
     check_data,
+    of_kind,
 )
 from frictionlab.analysis.fitting.plausibility import doubts_about
 from frictionlab.analysis.fitting.predictions import (
@@ -424,10 +425,10 @@ def _result(task: Task, solution: _Solution, pieces: Pieces | None) -> Fit:
     slopes = solution.misfit.slopes.copy()
     slopes[:, : len(task.names)] /= task.scales
     covariance, rank, undetermined = covariance_of(slopes, names, scales)
-    times = [np.full(one.count, np.nan) for one in task.data if isinstance(one, Frequencies)]
-    times += [np.tile(one.t, len(one.values)) for one in task.data if isinstance(one, TimeRecord)]
-    times += [one.t for one in task.data if isinstance(one, EventTimes)]
-    times += [np.full(one.count, np.nan) for one in task.data if isinstance(one, SpectrumRecord)]
+    times = [np.full(one.count, np.nan) for one in of_kind(task.data, Frequencies)]
+    times += [np.tile(one.t, len(one.values)) for one in of_kind(task.data, TimeRecord)]
+    times += [one.t for one in of_kind(task.data, EventTimes)]
+    times += [np.full(one.count, np.nan) for one in of_kind(task.data, SpectrumRecord)]
     return Fit(
         model=task.at(solution.x),
         parameters=names,

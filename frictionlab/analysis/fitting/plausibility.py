@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.fitting.data import TimeRecord
+from frictionlab.analysis.fitting.data import TimeRecord, of_kind
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import state_unit
 
@@ -25,7 +25,7 @@ DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle 
 def doubts_about(data: Sequence[Any], run: Trajectory) -> Iterator[str]:
     """What is odd about time records, each in a sentence; `run` is the model's where the search begins."""
     shortest = shortest_period(run)
-    for record in (one for one in data if isinstance(one, TimeRecord)):
+    for record in of_kind(data, TimeRecord):
         yield from _doubts_about_times(record.t, shortest)
         for name, column in record.values.items():
             yield from _doubts_about_size(name, column, run)

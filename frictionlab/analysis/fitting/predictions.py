@@ -16,7 +16,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 
-from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights
+from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights, of_kind
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
@@ -99,8 +99,8 @@ def first_run(task: Task) -> Trajectory:
     """The model's motion where the search begins, a little longer than the data."""
     last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
     # Measured events have to happen within the run, even if they come later with the first parameters.
-    late = any(isinstance(one, EventTimes) for one in task.data)
-    end = last * (1.0 + (0.05 if late else END_MARGIN))
+    margin = 0.05 if of_kind(task.data, EventTimes) else END_MARGIN
+    end = last * (1.0 + margin)
     return solve(automaton_of(task.model), end, x0=task.start, progress=False)
 
 
@@ -108,7 +108,7 @@ def even_pieces(task: Task, run: Trajectory, segments: int) -> Pieces:
     """The time of the data in even pieces, and the motion's size, from a run and from time records."""
     end = run.problem.t_end
     size = state_scales(run.states, run.automaton.coordinates)
-    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+    for record in of_kind(task.data, TimeRecord):
         for name, column in record.values.items():
             i = run.names.index(name)
             size[i] = max(size[i], float(np.ptp(column)))
@@ -118,7 +118,7 @@ def even_pieces(task: Task, run: Trajectory, segments: int) -> Pieces:
 def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
     """States (S - 1, n) at the start of the later pieces: from time records, else from a run of the model."""
     states, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
-    for record in (one for one in task.data if isinstance(one, TimeRecord)):
+    for record in of_kind(task.data, TimeRecord):
         measured = {run.names.index(name): column for name, column in record.values.items()}
         for i, column in measured.items():
             states[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
@@ -173,7 +173,7 @@ def motion_misfit(
         flow = _flow(model, run, names, times - low)
         moments += [(low, run, flow, piece)]
         samples += [(times, flow, _columns_of(piece, pieces, count))]
-        for record in (one for one in data if isinstance(one, TimeRecord)):
+        for record in of_kind(data, TimeRecord):
             here = np.flatnonzero(np.isin(times, record.t))
             there = np.searchsorted(record.t, times[here])
             for name, column in record.values.items():
@@ -186,9 +186,9 @@ def motion_misfit(
             add(missed, block[:, :n], block[:, n:], piece)
             place = count + first + n * piece
             slopes[-1][np.arange(n), place + np.arange(n)] -= pieces.weight / pieces.size
-    for one in (one for one in data if isinstance(one, EventTimes)):
+    for one in of_kind(data, EventTimes):
         _add_event_times(one, moments, n, add)
-    for one in (one for one in data if isinstance(one, SpectrumRecord)):
+    for one in of_kind(data, SpectrumRecord):
         misfit = _spectrum_misfit(one, samples, moments[0][1].names, unknowns)
         rows.append(misfit.values)
         slopes.append(misfit.slopes)
@@ -245,7 +245,7 @@ def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) 
 def frequency_misfit(model: Model, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
     """Residuals of eigenfrequencies, over their errors."""
     rows, slopes = [], []
-    for one in (one for one in data if isinstance(one, Frequencies)):
+    for one in of_kind(data, Frequencies):
         for mode, measured in one.values.items():
             gradient = ModeFrequency(mode).gradient(model)
             rows.append((gradient.value - measured) / one.error)

@@ -292,7 +292,9 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
         low, high = sorted((t[i - 1], t[i + 1]))
         scales = np.maximum(largest[i], still)
         minimum: Any = minimize_scalar(
-            _relative_distance, args=(run, start, scales), bounds=(low, high), method="bounded"
+            lambda at, scales=scales: float((_distances(run, [at], start) / scales).max()),
+            bounds=(low, high),
+            method="bounded",
         )
         if minimum.fun < RETURN_RTOL:
             return float(abs(minimum.x - start))
@@ -300,10 +302,6 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
         f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
         f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as period="
     )
-
-
-def _relative_distance(t: float, run: Trajectory, start: float, scales: Array) -> float:
-    return float((_distances(run, [t], start) / scales).max())
 
 
 def _distances(run: Trajectory, t: Any, start: float) -> Array:
