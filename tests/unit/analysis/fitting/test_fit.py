@@ -143,7 +143,7 @@ def test_amplitudes_of_a_record_are_those_of_its_transform():
         assert square == pytest.approx(2 * lines[0].error["x"] ** 2, rel=0.12)
 
 
-@pytest.mark.parametrize("segments", [1, 5])
+@pytest.mark.parametrize("segments", slow_but([1], [1, 5]))
 def test_a_spectrum_determines_friction_and_spring(segments):
     data = lines_of(TRUTH, 0.01)
     run = fl.simulate(TRUTH, LAST, progress=False)

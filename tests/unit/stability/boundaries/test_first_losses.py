@@ -25,7 +25,8 @@ def lines_of(model, shares, count):
     return {n: model.parameters[n] * (a + (b - a) * column) for (n, (a, b)), column in columns}
 
 
-@pytest.mark.parametrize("name", slow_but(["near"], CASES))
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
 def test_they_are_those_of_scans(name):
     model, bounds, shares = CASES[name]
     count = 256
@@ -66,7 +67,10 @@ def test_random_oscillators_lose_stability_where_scans_say(seed):
     found = first_losses(problem, "p", (0.0, 1.5), fixed)
     scanned = [first_loss_change(c) for c in changes_on_lines(problem, "p", (0.0, 1.5), fixed)]
     values = np.array([np.nan if c is None else c.value for c in scanned])
+    frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
+    assert np.isfinite(values).sum() > count / 4
     assert found.values == pytest.approx(values, rel=1e-8, abs=1e-9, nan_ok=True)
+    assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
 
 
 @pytest.mark.slow

@@ -185,7 +185,13 @@ def test_derivatives_along_directions(model):
 # Other views of the same point
 
 
-@pytest.mark.parametrize(("model", "bounds"), [(fl.SliderOnBelt(k_nl=1e7), (0, 0.8)), (SCENES[2], (0, 4))])
+@pytest.mark.parametrize(
+    ("model", "bounds"),
+    [
+        pytest.param(fl.SliderOnBelt(k_nl=1e7), (0, 0.8), marks=pytest.mark.slow),
+        (SCENES[2], (0, 4)),
+    ],
+)
 def test_speed_of_crossing(model, bounds):
     """Against differences of the eigenvalue; and the same point found along other parameters."""
     point = hopf(model, "mu_k", bounds)

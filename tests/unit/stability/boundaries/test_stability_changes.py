@@ -279,7 +279,7 @@ def test_where_an_equilibrium_begins_nothing_changes():
     ("model", "over"),
     [
         pytest.param(S(), ("F", np.linspace(-50, 1000, 8)), marks=pytest.mark.slow),
-        (S(F=1000, l1=0.1, l2=0.3), ("l1", [0.05, 0.1, 0.2, 0.4])),
+        pytest.param(S(F=1000, l1=0.1, l2=0.3), ("l1", [0.05, 0.1, 0.2, 0.4]), marks=pytest.mark.slow),
         (S(), ("k3", [0.0, 1e3, 6e3])),
         pytest.param(S(**UNDAMPED), ("k_nl", [0.0, 1e4, 1e7]), marks=pytest.mark.slow),
         (
