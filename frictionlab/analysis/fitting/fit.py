@@ -161,11 +161,11 @@ class Fit(Drawable):
         level : float
             Share of such intervals that contain the true value.
         """
-        from scipy.stats import norm
+        from scipy.special import ndtri
 
         check_number("level", level, above=0.0, below=1.0, cure="0.95 is usual")
         value = self[parameter]
-        half = float(norm.ppf(0.5 + 0.5 * level)) * float(self.errors[self.parameters.index(parameter)])
+        half = float(ndtri(0.5 + 0.5 * level)) * float(self.errors[self.parameters.index(parameter)])
         return value - half, value + half
 
     def summary(self) -> str:
