@@ -273,15 +273,20 @@ def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) ->
 
 
 def explains_keywords(function: Callable[P, R]) -> Callable[P, R]:
-    """Let a function answer an unknown keyword with what was meant, by :func:`check_keywords`."""
+    """Let a function answer an unknown keyword with what was meant, and a missing argument with its usage."""
     code = function.__code__
     known = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
     names = frozenset(known)
+    needed = known[: code.co_argcount - len(function.__defaults__ or ())]
 
     @wraps(function)
     def call(*arguments: P.args, **keywords: P.kwargs) -> R:
         if not names.issuperset(keywords):
             check_keywords(function.__name__, keywords, known)
+        for name in needed[len(arguments) :]:
+            if name not in keywords:
+                usage = f"{function.__name__}({', '.join(needed)})"
+                raise TypeError(f"{function.__name__} needs {name} too: write {usage}")
         return function(*arguments, **keywords)
 
     return call

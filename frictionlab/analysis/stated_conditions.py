@@ -99,7 +99,8 @@ def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Place
     clear = (t - 4.0 * first > begins[steps]) & (t + 4.0 * first < begins[steps] + lengths[steps])
     t, first = t[clear], first[clear]
     accelerations, errors = differences(lambda h: run(t + h)[:, n : 2 * n], first, TIME_LEVELS)
-    errors += ROUNDING * (stated.sizes[n : 2 * n] + np.abs(accelerations) * t[:, None]) / first[:, None]
+    fastest = np.abs(run.raw.step_states).max(axis=0)[n : 2 * n]
+    errors += ROUNDING * (fastest + np.abs(accelerations) * t[:, None]) / first[:, None]
     known = np.isfinite(errors).all(axis=1)
     t = t[known]
     return Places(t, *run.states_and_modes(t)), accelerations[known], errors[known]

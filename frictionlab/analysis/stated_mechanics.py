@@ -7,7 +7,7 @@ their difference its error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -30,6 +30,7 @@ StateFunction = Callable[..., Any]
 
 # of the steps of differences: share of a state's size, factor, number
 FIRST_SHARE, REFINEMENT, LEVELS = 1e-2, 0.25, 7
+ROUNDING = 4 * np.finfo(float).eps  # share of a function's values that is rounding in their differences
 CENTRAL_WEIGHTS = 4 / 5, -1 / 5, 4 / 105, -1 / 280
 
 
@@ -165,9 +166,13 @@ class StatedMechanics:
     def momentum(self, states: Array, i: int) -> Array:
         """dT/dv_i (N,): T is a polynomial of degree 2 in the velocities, so that no step is too long."""
         h = np.zeros(states.shape[1])
-        h[self.n + i] = step = self.sizes[self.n + i]
+        h[self.n + i] = step = self._velocity_step(states, i)
         there, back = (self.at(self.statement.kinetic, states + side * h) for side in (1, -1))
         return (there - back) / (2.0 * step)
+
+    def _velocity_step(self, states: Array, i: int) -> float:
+        """A step of a velocity that rounding spoils least: a motion may be small beside its velocity."""
+        return float(np.abs(states[:, self.n + i]).max(initial=self.sizes[self.n + i]))
 
     def momenta(self, states: Array) -> Array:
         """dT/dv (N, n)."""
@@ -190,7 +195,7 @@ class StatedMechanics:
         columns = []
         for j in range(self.n):
             h = np.zeros(states.shape[1])
-            h[self.n + j] = step = self.sizes[self.n + j]
+            h[self.n + j] = step = self._velocity_step(states, j)
             columns.append((self.momenta(states + h) - self.momenta(states - h)) / (2.0 * step))
         return np.stack(columns, axis=-1)
 
@@ -214,14 +219,18 @@ class StatedMechanics:
 
 def differences(function: Callable[[Array], Array], first: Array, levels: int) -> tuple[Array, Array]:
     """The derivative at 0 of a function of steps (N,), and its error; infinite where there is none."""
-    known: Sequence[Array] = []
+    known: list[Array] = []
+    rounding: list[Array] = []
     for level in range(levels):
         h = first * REFINEMENT**level
-        pairs = (w * (function(k * h) - function(-k * h)) for k, w in enumerate(CENTRAL_WEIGHTS, start=1))
-        total = sum(pairs)
-        known = [*known, total / h.reshape(-1, *[1] * (np.ndim(total) - 1))]
+        ends = [(function(k * h), function(-k * h)) for k in range(1, len(CENTRAL_WEIGHTS) + 1)]
+        total: Any = sum(w * (ahead - back) for w, (ahead, back) in zip(CENTRAL_WEIGHTS, ends, strict=True))
+        size = np.max([np.abs(one) for pair in ends for one in pair], axis=0)
+        steps = h.reshape(-1, *[1] * (np.ndim(total) - 1))
+        known.append(total / steps)
+        rounding.append(ROUNDING * size / steps)
     values = np.array(known)
-    errors = np.abs(np.diff(values, axis=0))
+    errors = np.abs(np.diff(values, axis=0)) + np.array(rounding[1:])
     errors = np.where(np.isfinite(errors), errors, np.inf)
     best = errors.argmin(axis=0)[None]
     value = np.take_along_axis(values, best + 1, 0)[0]

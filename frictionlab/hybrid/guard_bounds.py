@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
 from frictionlab.tape import functions as kinds
 from frictionlab.tape.formulas import ALONG_RUNS
 from frictionlab.tape.intervals import Interval
@@ -285,7 +286,8 @@ def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
     with np.errstate(all="ignore"):
         for _ in range(MOST_HALVINGS):
             flow, slopes, reach, hidden = _flow(tape, pieces)
-            defects = np.abs(slopes - flow) * pieces.lengths[:, None, None] / sizes
+            missed = np.abs(slopes - flow) * pieces.lengths[:, None, None]
+            defects = np.fmax(missed - _slope_rounding(pieces)[:, None], 0.0) / sizes
             defects = np.where(np.isnan(defects), 0.0, defects)
             if (most := float(defects.max(initial=0.0))) > worst.share:
                 piece, point, state = np.unravel_index(int(defects.argmax()), defects.shape)
@@ -301,6 +303,15 @@ def largest_defect(tape: Tape, pieces: Pieces, sizes: Array) -> Defect:
                 break
             pieces = pieces.chosen(doubtful.any(axis=1)).halves()
     return worst
+
+
+def _slope_rounding(pieces: Pieces) -> Array:
+    """How far rounding of the states spoils slopes of the polynomials, times the length (pieces, states).
+
+    Coefficient k amplifies it k^2 times.  It counts where a motion is small beside its states.
+    """
+    order = pieces.coefficients.shape[1] - 1
+    return 2.0 * MACHINE_EPSILON * order**3 * np.abs(pieces.coefficients).max(axis=1)
 
 
 def _flow(tape: Tape, pieces: Pieces) -> tuple[Array, Array, Interval, Array]:

@@ -74,6 +74,11 @@ REFUSED = {
         lambda: fl.solve(BELT.automaton(), 1.0, x0=[0, 0], rtol=1e-6), TypeError, "solve takes no 'rtol'",
     ),
     "a dataclass as model": (WithConstructor, TypeError, "write @fl.model in place of @dataclass"),
+    "a map of one axis": (
+        lambda: fl.stability_map(BELT, {"k": [1, 2]}), TypeError,
+        r"stability_map needs y too: write stability_map\(model, x, y\)",
+    ),
+    "a run to verify": (lambda: fl.verify(RUN), TypeError, r"verify needs t_end too: write verify\(model"),
     "a map of one mapping": (
         lambda: fl.stability_map(BELT, {"k": [1, 2]}, ("N", [1, 2])), ValueError, "x must be a para",
     ),

@@ -203,7 +203,12 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")
     check_number("bounds[1]", high, least=value, above=low, cure=f"the orbit is at {parameter} = {value:g}")
     for bound in bounds:
-        orbit.model.replace(**{parameter: bound})  # a model raises for values outside the parameter's range
+        try:
+            orbit.model.replace(**{parameter: bound})
+        except ValueError as error:
+            raise ValueError(
+                f"bounds must be values that {parameter} can have, got {bound:g}: {error}"
+            ) from error
     check_number("step", step, above=0.0, cure="0.1 is usual")
     check_number(
         "max_points", max_points, integer=True, least=1, cure="give the number of orbits to stop after"

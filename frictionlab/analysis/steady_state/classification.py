@@ -295,6 +295,14 @@ class Comparison(NamedTuple):
             return phase_on_circle(self.run, states)
         return self.drift.leave_out(states)
 
+    def sizes(self) -> Array:
+        """Size of the motion in each of the columns; 0 where a drift leaves but rounding of it."""
+        size = state_ranges(self.columns(self.run.raw.step_states))
+        if self.drift is not None:
+            left = size[: self.drift.across.shape[1]]
+            left[left <= self.drift.rounding] = 0.0
+        return size
+
     def resting_parts(self, states: Array) -> list[tuple[Array, float]]:
         """What is constant in states (N, m) where the motion has come to rest, in parts of one unit each, and
         the least size of each."""
@@ -366,7 +374,7 @@ def _decays_slowly(run: Trajectory) -> bool:
 
 def _has_trend(of: Comparison, crossings: Array) -> bool:
     """Whether a motion that does not repeat drifts, grows or decays throughout the window."""
-    run, size = of.run, state_ranges(of.columns(of.run.raw.step_states))
+    run, size = of.run, of.sizes()
     whole = run.raw.step_states if of.drift is None else of.columns(run.raw.step_states)
     if crossings_drift(crossings, size) or amplitude_changes(whole) or part_decays(crossings, size):
         return True
@@ -441,7 +449,7 @@ def _section_recurrence(
 ) -> tuple[Array, Recurrence]:
     """The states at crossings of a section, as they are compared, and their recurrence."""
     crossings = _separate_crossings(crossings)
-    states, size = of.columns(crossings.state), state_ranges(of.columns(of.run.raw.step_states))
+    states, size = of.columns(crossings.state), of.sizes()
     return states, find_recurrence(crossings.t, states, size, tolerance)
 
 

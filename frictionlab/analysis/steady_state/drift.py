@@ -3,7 +3,8 @@
 A state drifts where its means in eight parts of a run all ascend, or all descend.  Flow, event functions,
 constraints and resets of the modes that the run visits say whether a shift of such states changes nothing:
 any shift along a direction in which all their derivatives vanish, as of the place of a cart, or of two blocks
-together; or a whole turn, where angles enter through sine and cosine only.  Along the first the states are
+together; or a whole turn, where angles enter through sine and cosine only, alone or with a shift of others in
+proportion, as of gears.  Along the first the states are
 left out of comparisons, a turning angle becomes a point on a circle.
 """
 
@@ -26,7 +27,9 @@ from frictionlab.tape.formulas import Formulas, formulas_of
 TREND_PARTS = 8  # parts of the window: eight random numbers ascend or descend only twice in 40320 times
 SAMPLES = 32  # states in each of these parts
 INVARIANCE_RTOL = 1e-9  # share of a function, or of a row of derivatives, that is rounding
+DIFFERENCE_ROUNDING = 64 * np.finfo(float).eps
 TURN = 2 * np.pi
+TURN_CORRECTIONS = 2  # of the ratios of states that turn together, which the mean motion gives roughly
 
 
 def drifting_states(run: Trajectory) -> list[int]:
@@ -84,6 +87,11 @@ class Drift:
         return float(np.abs((self.run.final_state - self.run.raw.step_states[0])[self.places]).max())
 
     @property
+    def rounding(self) -> float:
+        """What of a difference between the places is rounding, as of two bodies that turn as one."""
+        return DIFFERENCE_ROUNDING * float(np.abs(self.run.raw.step_states[:, self.places]).max())
+
+    @property
     def section(self) -> tuple[Any, int]:
         """Where the first coordinate is ahead of its mean motion most; without coordinates, where the first
         state that does not drift falls below its mean, or the first angle begins a turn."""
@@ -107,13 +115,36 @@ def drift_of(run: Trajectory) -> Drift | None:
     across = _directions_across(run, places)
     if across.shape[1] < len(places):
         return Drift(run, places, across, [])
-    angles = [i for i in places if _is_same_after(run, [i])]
+    angles = [i for i in places if _is_same_after(run, [i], TURN)]
     if angles:
         basis = np.eye(len(places))[:, [k for k, i in enumerate(places) if i not in angles]]
         return Drift(run, places, basis, angles)
-    if len(places) > 1 and _is_same_after(run, places):  # all of them turn together
-        return Drift(run, places, np.vstack([-np.ones(len(places) - 1), np.eye(len(places) - 1)]), places[:1])
+    for k, angle in enumerate(places if len(places) > 1 else []):  # all of them turn together
+        shift = _common_turn(run, places, k)
+        if _is_same_after(run, places, shift):
+            others = [i for i in range(len(places)) if i != k]
+            across = np.eye(len(places))[:, others]
+            across[k] = -shift[others] / TURN
+            return Drift(run, places, across, [angle])
     return None
+
+
+def _common_turn(run: Trajectory, places: list[int], angle: int) -> Array:
+    """How far states that drift move while one of them, `places[angle]`, makes a turn, as with gears.
+
+    From their mean motion, corrected so that all functions that are linear are as before the turn.
+    """
+    moved = (run.final_state - run.raw.step_states[0])[places]
+    shift = TURN / moved[angle] * moved
+    others = [k for k in range(len(places)) if k != angle]
+    for _ in range(TURN_CORRECTIONS):
+        missed = zip(
+            _along_run(run, _values, places, shift), _along_run(run, _values, places, 0 * shift), strict=True
+        )
+        left = np.concatenate([(later - values).T.ravel() for later, values in missed])
+        slopes = [np.concatenate(each) for each in _along_run(run, _gradients, places)]
+        shift[others] -= np.linalg.lstsq(np.concatenate(slopes)[:, others], left)[0]
+    return shift
 
 
 def _directions_across(run: Trajectory, places: list[int]) -> Array:
@@ -127,21 +158,22 @@ def _directions_across(run: Trajectory, places: list[int]) -> Array:
     return directions[spread > INVARIANCE_RTOL * spread[0]].T
 
 
-def _is_same_after(run: Trajectory, turning: list[int]) -> bool:
-    """Whether all functions are the same after a turn of these states."""
-    for values, later in zip(_along_run(run, _values, []), _along_run(run, _values, turning), strict=True):
+def _is_same_after(run: Trajectory, places: list[int], shift: Any) -> bool:
+    """Whether all functions are the same after a shift of these states."""
+    pairs = zip(_along_run(run, _values, places, 0.0), _along_run(run, _values, places, shift), strict=True)
+    for values, later in pairs:
         size = np.abs(values).max(axis=0)
         if (np.abs(later - values) > INVARIANCE_RTOL * np.where(size > 0, size, 1.0)).any():
             return False
     return True
 
 
-def _along_run(run: Trajectory, what: Callable[..., Any], places: list[int]) -> list[Any]:
+def _along_run(run: Trajectory, what: Callable[..., Any], places: list[int], *shift: Any) -> list[Any]:
     """`what` in each mode that the run visits, at states (N, m) in it."""
     automaton = run.automaton
     states, modes = run.states_and_modes(_sample_times(run))
     return [
-        what(automaton, automaton.mode(run.mode_names[mode]), places, states[modes == mode])
+        what(automaton, automaton.mode(run.mode_names[mode]), places, states[modes == mode], *shift)
         for mode in np.unique(modes)
     ]
 
@@ -150,12 +182,11 @@ def _sample_times(run: Trajectory) -> Array:
     return np.linspace(0.0, run.raw.t, 1 + TREND_PARTS * SAMPLES)
 
 
-def _values(automaton: HybridAutomaton, mode: Mode, turning: list[int], states: Array) -> Array:
-    """The mode's functions (N, f) after a turn of some states."""
-    turned = states.copy()
-    turned[:, turning] += TURN
-    functions = _functions(mode, automaton.states, tuple(turning))
-    return _evaluate(automaton, functions, turned)
+def _values(automaton: HybridAutomaton, mode: Mode, places: list[int], states: Array, shift: Any) -> Array:
+    """The mode's functions (N, f) after a shift of some states."""
+    shifted = states.copy()
+    shifted[:, places] += shift
+    return _evaluate(automaton, _functions(mode, automaton.states, tuple(places)), shifted)
 
 
 def _gradients(automaton: HybridAutomaton, mode: Mode, places: list[int], states: Array) -> list[Array]:

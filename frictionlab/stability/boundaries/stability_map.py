@@ -29,7 +29,7 @@ from frictionlab.stability.equilibrium_problem import (
     growth_rates,
     unstable_pairs,
 )
-from frictionlab.validation import abbreviate, check_flag
+from frictionlab.validation import abbreviate, check_flag, explains_keywords
 
 Array = NDArray[np.float64]
 NO_EQUILIBRIUM = -1
@@ -99,6 +99,7 @@ class StabilityMap(Drawable):
         return f"StabilityMap({axes}; {stable}, {curves})"
 
 
+@explains_keywords
 def stability_map(
     model: ModelOrAutomaton, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
 ) -> StabilityMap:

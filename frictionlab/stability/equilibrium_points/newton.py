@@ -111,6 +111,8 @@ MAX_POLISH_STEPS = 64
 POLISH_CONTRACTION = 0.9  # if a step is longer than this share of the last, it is rounding alone
 NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
 NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
+FINER_DISTANCES = 1e-11, 1e-14  # the same where the flow is not linear so far, such as a sine of many turns
+TURNED_SHARE = 0.1  # of the Jacobian's change at the first distance: so much at the last is all of it
 ORIGIN_DISTANCE = 1e4  # times rounding of the usual size: how far they are from a zero at the origin
 POLE_DISTANCE, POLE_FACTOR = 1e-5, 16.0  # share of a state; near a pole rates are so many times those there
 # Relative change of the Jacobian beyond which a change of the flow is more than linear and rounding.
@@ -160,12 +162,12 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
     rounding determines its place.  It is left out.  `scale` (m, 1) is the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
-    noise, moved, terms = _rounding_noise(flow, x, values, scale)
-    least = SCALE_ROUNDING * np.fmax(scale, terms)
+    noise, moved, terms, distance = _rounding_noise(flow, x, values, scale)
+    least, rtol = SCALE_ROUNDING * np.fmax(scale, terms), LAST_STEP_RTOL / NOISE_DISTANCE * distance
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
     # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
-    solved = np.abs(flow.rhs(x, values)) <= np.fmax(LAST_STEP_RTOL * forces, SAME_ZERO_FACTOR * noise)
-    settled = step <= np.fmax(LAST_STEP_RTOL * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
+    solved = np.abs(flow.rhs(x, values)) <= np.fmax(rtol * forces, SAME_ZERO_FACTOR * noise)
+    settled = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
     settled &= ~_is_pole(flow, x, values)
     unknown = step + moved
     chosen = (solved & settled & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
@@ -201,28 +203,73 @@ def _polish(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Array]:
     return x, np.abs(step)
 
 
-def _rounding_noise(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array, Array]:
-    """The uncertainty of zeros (m, N) by the flow's rounding, which is sampled at neighbouring points.
+def _rounding_noise(
+    flow: Flow, x: Array, values: Sequence[Any], scale: Array
+) -> tuple[Array, Array, Array, Array]:
+    """The flow's rounding at zeros (m, N), and the uncertainty of the zeros by it.
 
-    Also the size of the terms whose sum gives each state of a zero: larger than the state where they cancel.
+    Also the size of the terms whose sum gives each state of a zero, larger than the state where they cancel;
+    and the distance (N,) of the samples, as a share of the state: within it the flow is linear.
     """
     matrices, random = flow.jacobian(x, values), np.random.default_rng(0)
-    noise = np.zeros_like(x)
-    for least in MACHINE_EPSILON * np.append(
-        np.zeros(NOISE_SAMPLES), np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES)
-    ):
-        way = random.uniform(-1, 1, size=(len(x), 1)) * (NOISE_DISTANCE * np.abs(x) + least * scale)
-        ahead, back = x + way, x - way  # both, since curvature is no rounding
-        linear = _times(matrices, ahead - back)
-        missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
-        bend = np.abs(_times(flow.jacobian(ahead, values) - flow.jacobian(back, values), way))
-        bent = bend > NONLINEARITY_RTOL * _times(
-            np.abs(matrices), np.abs(way)
-        )  # the sample is too far from a zero so near to the origin
-        noise = np.where(bent & (least > 0), noise, np.fmax(noise, missed))
+    distance = np.full(x.shape[1], NOISE_DISTANCE)
+    noise, bent, turned = _sampled_noise(flow, x, values, random, NOISE_DISTANCE)
+    closer = np.random.default_rng(1)
+    for finer in FINER_DISTANCES:
+        (there,) = np.nonzero(bent)
+        if not there.size:
+            break
+        some = [_chosen(one, there) for one in values]
+        noise[:, there], bent[there], now = _sampled_noise(flow, x[:, there], some, closer, finer)
+        # Where all of the Jacobian turns within the last digits, nothing is known.  At a double zero it turns
+        # in proportion to the distance.
+        distance[there] = np.where(bent[there] & (now > TURNED_SHARE * turned[there]), 0.0, finer)
+    noise[:, distance == 0.0] = 0.0
+    for least in MACHINE_EPSILON * np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES):
+        way = _random_way(random, distance * np.abs(x) + least * scale)
+        missed, curved, _ = _missed(flow, x, values, way)
+        noise = np.where(curved, noise, np.fmax(noise, missed))  # too far from a zero so near to the origin
     inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
-    return noise, MACHINE_EPSILON * terms + _times(inverse, noise), terms
+    return noise, MACHINE_EPSILON * terms + _times(inverse, noise), terms, distance
+
+
+def _sampled_noise(
+    flow: Flow, x: Array, values: Sequence[Any], random: np.random.Generator, distance: float
+) -> tuple[Array, Array, Array]:
+    """The flow's rounding near zeros, at a distance that is a share of the states.
+
+    Also where the flow is not linear so far, and the largest change of its Jacobian there.
+    """
+    noise, bent, turned = np.zeros_like(x), np.zeros(x.shape[1], dtype=bool), np.zeros(x.shape[1])
+    for _ in range(NOISE_SAMPLES):
+        missed, curved, change = _missed(flow, x, values, _random_way(random, distance * np.abs(x)))
+        noise, bent, turned = np.fmax(noise, missed), bent | curved.any(axis=0), np.fmax(turned, change)
+    return noise, bent, turned
+
+
+def _random_way(random: np.random.Generator, distance: Array) -> Array:
+    """A way (m, N) from each point; all points have the same random numbers."""
+    return random.uniform(-1, 1, size=(len(distance), 1)) * distance
+
+
+def _chosen(values: Any, there: Any) -> Any:
+    """The values of a parameter at some of the points, if it has one for each."""
+    return values[there] if np.ndim(values) else values
+
+
+def _missed(flow: Flow, x: Array, values: Sequence[Any], way: Array) -> tuple[Array, Array, Array]:
+    """By how much the flow's change along a way, ahead and back, is not that of its Jacobian.
+
+    Ahead and back, since curvature is no rounding.  Also where the Jacobian changes along the way, and the
+    largest change of its entries.
+    """
+    matrices, ahead, back = flow.jacobian(x, values), x + way, x - way
+    linear = _times(matrices, ahead - back)
+    missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
+    change = flow.jacobian(ahead, values) - flow.jacobian(back, values)
+    curved = np.abs(_times(change, way)) > NONLINEARITY_RTOL * _times(np.abs(matrices), np.abs(way))
+    return missed, curved, np.abs(change).max(axis=(1, 2), initial=0.0)
 
 
 def _times(matrices: Array, x: Array) -> Array:

@@ -37,6 +37,29 @@ class Crank(MechanicalModel):
         )
 
 
+@fl.model
+class Flywheel(MechanicalModel):
+    """A piston that hardly rubs."""
+
+    N: float = 1e-3
+    friction: FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
+    coordinates = ("theta",)
+
+    def mechanics(self, q, v):
+        piston = Friction(-0.2 * functions.sin(q.theta) * v.theta, self.N, self.friction)
+        return Mechanics(v.theta**2 / 2, contacts=(piston,))
+
+
+@pytest.mark.parametrize("N", [1e-7, pytest.param(1e-5, marks=pytest.mark.slow), 1e-3])
+def test_a_motion_that_changes_little_beside_its_velocity_is_verified(N):
+    """Friction takes 0.06 N (1 + cos 0.3) of the energy 2 from theta = 0.3 to pi."""
+    model = Flywheel(N=N)
+    assert fl.verify(model, 5.0, x0=[0.3, 2.0], progress=False).ok
+    at = fl.simulate(model, 5.0, x0=[0.3, 2.0], progress=False).events.state[0]
+    assert at[0] == pytest.approx(np.pi, rel=1e-14)
+    assert 2.0 - at[1] ** 2 / 2 == pytest.approx(0.06 * N * (1 + np.cos(0.3)), abs=1e-14)
+
+
 @pytest.mark.parametrize("method", ["taylor", "DOP853", fl.RK4(step=1e-2)], ids=["taylor", "scipy", "rk4"])
 def test_a_crank_turns_past_its_dead_centres(method):
     """From one to the next friction takes 2 r mu N of its energy; after each the piston slides back."""

@@ -105,6 +105,25 @@ def test_two_bodies_that_turn_together_against_gravity():
     assert (both.kind, both.period) == ("periodic", pytest.approx(one.period, rel=1e-9))
 
 
+def test_states_that_turn_in_a_ratio_are_periodic():
+    """V = 2 (1 - cos x) + 5 (y - x/3)^2 turns x while y moves by a third of it; the period by DOP853."""
+    pull = 10 * (Y - X / 3)
+    flow = (V, W, 4 - 2 * sp.sin(X) + pull / 3 - V / 2, -pull - 3 * W / 5)
+    found = settled(only(flow, (X, Y, V, W), 2), [0.0, 0.0, 7.0, 2.0], transient=60.0, window=40.0)
+
+    def rates(t, z):
+        x, y, v, w = z
+        pull = 10 * (y - x / 3)
+        return [v, w, 4 - 2 * np.sin(x) + pull / 3 - v / 2, -pull - 3 * w / 5]
+
+    turns = [lambda t, z, k=k: z[0] - 2 * np.pi * k for k in (60, 61)]
+    turns[1].terminal = True
+    far = solve_ivp(rates, (0, 1e3), [0.0, 0.0, 7.0, 2.0], "DOP853", rtol=1e-12, atol=1e-12, events=turns)
+    period = far.t_events[1][0] - far.t_events[0][0]
+    assert (found.kind, found.period) == ("periodic", pytest.approx(period, rel=1e-8))
+    assert found.drift["x"] == pytest.approx(3 * found.drift["y"], rel=1e-2)
+
+
 def test_a_growth_on_which_the_motion_depends_is_named():
     flow = (V, -X * (1 + CLOCK / 1000) - (X**2 - 1) * V / 10, 1)
     found = settled(only(flow, (X, V, CLOCK)), [0.0, 1.0, 0.0], transient=100.0, window=60.0)

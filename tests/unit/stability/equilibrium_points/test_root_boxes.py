@@ -115,6 +115,20 @@ def test_what_is_not_known_is_said():
     assert fl.equilibria(fl.SliderOnBelt(contact=fl.HertzContact())).complete
 
 
+def test_a_sine_of_many_turns_gives_no_zeros_by_rounding():
+    """4 - 2 sin x = 0 beside a spring to y has no solution; sin x = 1/2 is known to the last digits of x."""
+    pull = 10 * (Y - X / 3)
+
+    def found(torque):
+        flow = (V, W, torque - 2 * sympy.sin(X) + pull / 3 - V, -pull - W)
+        return equilibria(flow, (X, Y, V, W), 2)
+
+    assert found(4) == ()
+    many = [e.q[0] for e in found(1)]
+    assert len(many) > 100
+    assert max(abs(np.sin(x) - 0.5) / np.spacing(abs(x)) for x in many) < 4
+
+
 @settings(max_examples=12)
 @given(
     st.lists(st.floats(-6, 6), min_size=1, max_size=4),
