@@ -198,6 +198,8 @@ class Reference(System):
         if softness * max(map(max, at.mass)) < DEAD**2:
             raise Undecided(f"a dead centre at {t!r} s")
         stuck = _with(mode, i, "stick")
+        if self.may_hold_together(stuck, i, t, z):
+            raise Undecided(f"contacts of one direction come to rest together at {t!r} s")
         held = [j for j, word in enumerate(stuck) if word in ("stick", "contact")]
         pushes = _solved(at.mass, [at.J[j] for j in held])
         z = z.copy()
@@ -206,6 +208,24 @@ class Reference(System):
         ):
             z[self.n : 2 * self.n] -= impulse * np.array(push)
         return Next(self.settled(mode, i, ("stick", other), t, z), z)
+
+    def may_hold_together(self, stuck: Any, i: int, t: float, z: np.ndarray) -> bool:
+        """Whether contact i sticks with others that rub along its direction and are at rest too.
+
+        Only the sum of such forces is known, which `forces` cannot share.
+        """
+        _, force, at = self.forces(stuck, t, z.tolist())
+        speed = max(map(abs, z[: self.n])) / self.period
+        needed, most = force[i], self.laws_of[i].static(at.normal[i])
+        alike = False
+        for j, word in enumerate(stuck):
+            ratio = _dot(at.J[j], at.J[i]) / _dot(at.J[i], at.J[i])
+            along = max(abs(a - ratio * b) for a, b in zip(at.J[j], at.J[i], strict=True))
+            if word in SIGN and along <= 1e-9 * abs(ratio) and abs(at.value[j]) <= 1e-9 * speed:
+                alike = True
+                needed += ratio * force[j]
+                most += abs(ratio) * self.laws_of[j].static(at.normal[j])
+        return alike and abs(needed) < most
 
     def impact(self, mode: Any, i: int, t: float, z: np.ndarray, at: Any) -> Next:
         """Newton's restitution along the gradient of the distance; other contacts slip as they then move."""
