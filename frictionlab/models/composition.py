@@ -55,7 +55,10 @@ def roles_of(cls: type, names: Mapping[str, Any]) -> dict[str, type]:
     fields = {field.name: field for field in dataclasses.fields(cls)}
     own = [name for name in inspect.get_annotations(cls) if name in fields]
     roles = {}
-    for name in (*own, *(name for name in fields if name not in {*own, *super(cls, cls).roles})):
+    for name in (
+        *own,
+        *(name for name in fields if name not in {*own, *getattr(super(cls, cls), "roles", ())}),
+    ):
         kind, default = _annotated_kind(fields[name].type, names), fields[name].default
         if kind is None and isinstance(default, Component):
             raise TypeError(

@@ -333,7 +333,7 @@ def model(cls: type[M]) -> type[M]:
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
     where = sys._getframe(1)
     own = roles_of(cls, {**where.f_globals, **where.f_locals})
-    inherited = super(cls, cls).roles
+    inherited: Mapping[str, type] = getattr(super(cls, cls), "roles", {})
     cls.roles = MappingProxyType(own | {role: kind for role, kind in inherited.items() if role not in own})
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls

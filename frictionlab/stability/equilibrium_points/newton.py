@@ -236,12 +236,13 @@ def _rounding_noise(
 
 def _sampled_noise(
     flow: Flow, x: Array, values: Sequence[Any], random: np.random.Generator, distance: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Any, Array]:
     """The flow's rounding near zeros, at a distance that is a share of the states.
 
     Also where the flow is not linear so far, and the largest change of its Jacobian there.
     """
-    noise, bent, turned = np.zeros_like(x), np.zeros(x.shape[1], dtype=bool), np.zeros(x.shape[1])
+    noise, turned = np.zeros_like(x), np.zeros(x.shape[1])
+    bent: Any = np.zeros(x.shape[1], dtype=bool)
     for _ in range(NOISE_SAMPLES):
         missed, curved, change = _missed(flow, x, values, _random_way(random, distance * np.abs(x)))
         noise, bent, turned = np.fmax(noise, missed), bent | curved.any(axis=0), np.fmax(turned, change)
@@ -258,7 +259,7 @@ def _chosen(values: Any, there: Any) -> Any:
     return values[there] if np.ndim(values) else values
 
 
-def _missed(flow: Flow, x: Array, values: Sequence[Any], way: Array) -> tuple[Array, Array, Array]:
+def _missed(flow: Flow, x: Array, values: Sequence[Any], way: Array) -> tuple[Array, Any, Array]:
     """By how much the flow's change along a way, ahead and back, is not that of its Jacobian.
 
     Ahead and back, since curvature is no rounding.  Also where the Jacobian changes along the way, and the
