@@ -51,8 +51,8 @@ class KernelBuildHook(BuildHookInterface):
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{self._platform()}"
             build_data["artifacts"].append(f"/{OBJECTS}/")
-        elif version == "standard":
-            build_data["force_include"].update(self._refreshed_manifest())
+        if version == "standard":
+            build_data["force_include"].update(self._manifest())
         path = os.path.join(self.root, ARCHIVE)
         fails = "the models' equations will be derived when they are first used"
         if _is_set(STRUCTURES, "0") and self._has_run((*DERIVE, path), fails):
@@ -71,17 +71,23 @@ class KernelBuildHook(BuildHookInterface):
         manifest, targets = self._modules()
         return manifest.compiled_object([target.file for target in targets.targets_of_system()])
 
-    def _refreshed_manifest(self) -> dict[str, str]:
-        """Where prose has changed: a manifest of the present files, and its place in a wheel."""
+    def _manifest(self) -> dict[str, str]:
+        """The manifest of the repository's objects, and its place in a wheel.
+
+        Where prose has changed it is one of the present files.  pyproject.toml excludes the file from the
+        package's, since hatchling takes no second one for a place.
+        """
         manifest, _ = self._modules()
+        place = f"frictionlab/compilation/{manifest.REPOSITORY}/{manifest.FILE}"
         known = manifest.read_manifest(manifest.objects_folder(manifest.REPOSITORY))
         if known is None or manifest.changed_sources(known) or manifest.refreshed(known) == known:
-            return {}
+            path = os.path.join(self.root, *place.split("/"))
+            return {path: place} if os.path.exists(path) else {}
         path = os.path.join(self.root, "build", manifest.FILE)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, "w", encoding="utf-8", newline="\n") as file:
             file.write(manifest.refreshed(known).to_json())
-        return {path: f"frictionlab/compilation/{manifest.REPOSITORY}/{manifest.FILE}"}
+        return {path: place}
 
     def _compile(self) -> None:
         if not self._platform():
