@@ -33,10 +33,14 @@ TOO_WIDE = """() => {
 
 
 def pages():
-    """All pages but those of source code, and one of each dozen of the reference's, which are alike."""
+    """All pages but those of source code, and one of each dozen of the reference's, which are alike.
+
+    What Sphinx keeps for the next build, and templates, are no pages.
+    """
     if SITE is None:
         return []
-    found = sorted(path for path in Path(SITE).rglob("*.html") if "_modules" not in path.parts)
+    others = {"_modules", "_static", ".doctrees"}
+    found = sorted(path for path in Path(SITE).rglob("*.html") if others.isdisjoint(path.parts))
     names = [path for path in found if "generated" in path.parts]
     return [path for path in found if path not in set(names)] + names[::12]
 
