@@ -53,12 +53,11 @@ def roles_of(cls: type, names: Mapping[str, Any]) -> dict[str, type]:
         known there.
     """
     fields = {field.name: field for field in dataclasses.fields(cls)}
-    own = [name for name in inspect.get_annotations(cls) if name in fields]
+    own, known = inspect.get_annotations(cls), getattr(super(cls, cls), "roles", {})
     roles = {}
-    for name in (
-        *own,
-        *(name for name in fields if name not in {*own, *getattr(super(cls, cls), "roles", ())}),
-    ):
+    for name in [name for name in own if name in fields] + [
+        name for name in fields if name not in own and name not in known
+    ]:
         kind, default = _annotated_kind(fields[name].type, names), fields[name].default
         if kind is None and isinstance(default, Component):
             raise TypeError(
@@ -73,12 +72,19 @@ def roles_of(cls: type, names: Mapping[str, Any]) -> dict[str, type]:
 
 
 def _annotated_kind(annotation: Any, names: Mapping[str, Any]) -> Any:
-    """What an annotation stands for; None for a text whose names are not known."""
-    if not isinstance(annotation, str):
+    """What an annotation stands for; None for a text whose names are not known.
+
+    The text is the user's own code, which Python would have evaluated without `from __future__ import
+    annotations`.
+    """
+    text = getattr(
+        annotation, "__forward_arg__", annotation
+    )  # Python 3.14 gives names that it does not know so
+    if not isinstance(text, str):
         return annotation
     try:
-        return eval(annotation, dict(names))
-    except (NameError, AttributeError):
+        return eval(text, dict(names))
+    except (NameError, AttributeError, SyntaxError, TypeError):
         return None
 
 

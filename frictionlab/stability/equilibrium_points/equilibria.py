@@ -257,10 +257,10 @@ class Equilibria(tuple[Equilibrium, ...]):
         return Equilibria, (tuple(self), self.why)
 
     def __repr__(self) -> str:
+        listed = shorten(map(repr, self))
         if self.complete:
-            return f"Equilibria({', '.join(map(repr, self)) or 'none exists'})"
-        listed = "".join(f"{each!r}, " for each in self) or "none was found, "
-        return f"Equilibria({listed}others are not excluded: {self.why})"
+            return f"Equilibria({listed or 'none exists'})"
+        return f"Equilibria({listed or 'none was found'}, others are not excluded: {self.why})"
 
 
 def equilibria(model: ModelOrAutomaton) -> Equilibria:
