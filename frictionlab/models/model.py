@@ -105,13 +105,15 @@ class Model(Component):
 
     def __new__(cls, *unnamed: Any, **given: Any) -> Self:
         """Refuse a class with fields that is not decorated: its parameters and laws would not be known."""
-        name = cls.__name__
         if not is_decorated(cls):
-            raise TypeError(f"{name} has fields that are not known as parameters: write @fl.model above it")
-        if "__dataclass_fields__" in vars(cls) and "__signature__" not in vars(cls) and cls is not Model:
             raise TypeError(
-                f"{name} must know the parameters of laws: write @fl.model in place of @dataclass"
+                f"{cls.__name__} has fields that are not known as parameters: write @fl.model above it"
             )
+        for kind in cls.__mro__[: cls.__mro__.index(Model)]:  # the constructor of a dataclass is inherited
+            if "__dataclass_fields__" in vars(kind) and "__signature__" not in vars(kind):
+                raise TypeError(
+                    f"{kind.__name__} must take parameters of laws: write @fl.model in place of @dataclass"
+                )
         return super().__new__(cls, *unnamed, **given)
 
     def __init__(self, *unnamed: Any, **given: Any) -> None:

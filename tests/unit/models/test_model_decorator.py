@@ -118,6 +118,18 @@ def a_dataclass():
     Mine()
 
 
+def a_model_of_a_dataclass():
+    @dataclass(frozen=True)
+    class Base(Popp):
+        z: float = 1.0
+
+    @fl.model
+    class Mine(Base):
+        w: float = 2.0
+
+    Mine(mu_k=0.4)
+
+
 def an_unknown_annotation():
     @fl.model
     class Mine(Popp):
@@ -146,6 +158,7 @@ def of_functions(function):
     [
         (undecorated, "Mine has fields that are not known as parameters: write @fl.model above it"),
         (a_dataclass, "write @fl.model in place of @dataclass"),
+        (a_model_of_a_dataclass, "Base must take parameters of laws: write @fl.model in place of @dataclass"),
         (an_unknown_annotation, "the annotation of friction in Mine must name a kind of law, got 'Nowhere'"),
         (no_default, "the default of impact in Mine must be a ImpactLaw, got None"),
         (lambda: fl.model(Popp()), r"fl.model is for classes of models, got Popp\(\)"),
