@@ -4,8 +4,8 @@ A state drifts where its means in eight parts of a run all ascend, or all descen
 constraints and resets of the modes that the run visits say whether a shift of such states changes nothing:
 any shift along a direction in which all their derivatives vanish, as of the place of a cart, or of two blocks
 together; or a whole turn, where angles enter through sine and cosine only, alone or with a shift of others in
-proportion, as of gears.  Along the first the states are
-left out of comparisons, a turning angle becomes a point on a circle.
+proportion, as of gears.  Along the first the states are left out of comparisons, a turning angle becomes a
+point on a circle.
 """
 
 from __future__ import annotations
@@ -137,13 +137,12 @@ def _common_turn(run: Trajectory, places: list[int], angle: int) -> Array:
     moved = (run.final_state - run.raw.step_states[0])[places]
     shift = TURN / moved[angle] * moved
     others = [k for k in range(len(places)) if k != angle]
+    slopes = np.concatenate([np.concatenate(each) for each in _along_run(run, _gradients, places)])
+    before = _along_run(run, _values, places, 0.0)
     for _ in range(TURN_CORRECTIONS):
-        missed = zip(
-            _along_run(run, _values, places, shift), _along_run(run, _values, places, 0 * shift), strict=True
-        )
-        left = np.concatenate([(later - values).T.ravel() for later, values in missed])
-        slopes = [np.concatenate(each) for each in _along_run(run, _gradients, places)]
-        shift[others] -= np.linalg.lstsq(np.concatenate(slopes)[:, others], left)[0]
+        pairs = zip(_along_run(run, _values, places, shift), before, strict=True)
+        missed = np.concatenate([(later - values).T.ravel() for later, values in pairs])
+        shift[others] -= np.linalg.lstsq(slopes[:, others], missed)[0]
     return shift
 
 
