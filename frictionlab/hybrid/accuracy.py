@@ -46,6 +46,7 @@ SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are 
 HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
 SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
 LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
+ALL_STEPS = slice(None)
 
 
 class StoredSteps(NamedTuple):
@@ -75,45 +76,64 @@ def defects(problem: Problem, raw: RunData, order: int) -> Mapping[str, float]:
     return _largest_defects(problem, stored_steps(raw), order)
 
 
-def _largest_defects(problem: Problem, steps: StoredSteps, order: int) -> Mapping[str, float]:
+def _largest_defects(
+    problem: Problem, steps: StoredSteps, order: int, above: float = -1.0
+) -> Mapping[str, float]:
+    """The largest defect of steps, by the name of the mode; only of modes in which it is `above` a value."""
     program = problem.program
-    worst = np.full(len(program.modes), -1.0)
+    worst = np.full(len(program.modes), above)
     system = system_of(native_code(program).code, problem.numbers)
     scratch = new_defect_scratch(program.slots, steps.states.shape[1], order)
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, worst, scratch)
     found = zip(program.modes, worst.tolist())
-    return FrozenMapping({name: defect for name, defect in found if defect >= 0.0})
+    return FrozenMapping({name: defect for name, defect in found if not defect <= above})
 
 
-def motion_defects(
-    problem: Problem, raw: RunData, order: int, some: np.ndarray | None = None
-) -> Mapping[str, float]:
-    """As :func:`defects`, but as a share of the motion's size in the whole run; of all steps or of `some`."""
-    chosen = np.arange(len(raw.step_modes)) if some is None else some
-    times, states = raw.step_times[chosen], raw.step_states[chosen]
-    sizes = np.broadcast_to(np.abs(raw.step_states).max(axis=0, initial=0.0), states.shape).copy()
+def defect_warning(
+    problem: Problem, raw: RunData, order: int, tol: float, chosen: np.ndarray | slice = ALL_STEPS
+) -> str | None:
+    """A warning if the defect of a chosen step is too large for a run with the tolerance `tol`, else None.
+
+    Here a defect is a share of the motion's size in the whole run.  That is first taken for the size in the
+    chosen steps alone, which is less: nearly always it shows that all is well.
+    """
+    times, modes, states = raw.step_times[chosen], raw.step_modes[chosen], raw.step_states[chosen]
+    if not len(modes):
+        return None
     ends = np.full_like(states, UNKNOWN_END)  # that of a series is the next state
-    return _largest_defects(problem, StoredSteps(times, raw.step_modes[chosen], states, ends, sizes), order)
+    bad: Mapping[str, float] = {}
+    for motion in (states, raw.step_states):
+        sizes = np.tile(np.abs(motion).max(axis=0), (len(states), 1))
+        steps = StoredSteps(times, modes, states, ends, sizes)
+        bad = _largest_defects(problem, steps, order, largest_sound_defect(tol))
+        if not bad:
+            return None
+    worst = max(bad, key=bad.__getitem__)
+    return (
+        f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
+        f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
+    )
 
 
 def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
-    """Some steps of each mode, a bounded number.
+    """The numbers of some steps of each mode, a bounded number.
 
     A mode may have equations that are polynomials of the states of a degree below `order`.  It is left out:
     the last terms of its series tell how long a step may be.
     """
     modes = np.flatnonzero(problem.program.code.degrees >= order)
-    steps = (np.flatnonzero(raw.step_modes == mode) for mode in modes)
-    chosen = [_sample_of_steps(raw, each) for each in steps if len(each)]
-    return np.concatenate([np.zeros(0, dtype=int), *chosen])
+    chosen = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
+    return np.concatenate(chosen) if chosen else modes
 
 
 def _sample_of_steps(raw: RunData, steps: np.ndarray) -> np.ndarray:
     """Some of the `steps` of one mode: the longest, the last before events, and others all over the run."""
-    size = min(max(LEAST_SAMPLE, int(SAMPLED_SHARE * len(steps))), LARGEST_SAMPLE, len(steps))
+    if len(steps) <= LEAST_SAMPLE:
+        return steps
+    size = min(max(LEAST_SAMPLE, int(SAMPLED_SHARE * len(steps))), LARGEST_SAMPLE)
     lengths = raw.step_times[steps, 1]
-    longest = steps[np.argpartition(-lengths, size // 4)[: size // 4]] if size // 4 < len(steps) else steps
+    longest = steps[np.argpartition(-lengths, size // 4)[: size // 4]]
     last = steps[np.append(np.diff(steps) > 1, True)]
     others = np.linspace(0, len(steps) - 1, size - size // 4 - size // 4).astype(int)
     return np.unique(np.concatenate([longest, _spread(last, size // 4), steps[others]]))
@@ -127,18 +147,6 @@ def _spread(steps: np.ndarray, count: int) -> np.ndarray:
 def largest_sound_defect(tol: float) -> float:
     """The defect above which steps of a run with the tolerance `tol` are suspect."""
     return max(SUSPECT_TOLERANCES * tol, HARMLESS_DEFECT)
-
-
-def defect_warning(defect: Mapping[str, float], tol: float) -> str | None:
-    """A warning if a defect is too large for a run with the tolerance `tol`, else None."""
-    bad = {mode: size for mode, size in defect.items() if not size <= largest_sound_defect(tol)}
-    if not bad:
-        return None
-    worst = max(bad, key=bad.__getitem__)
-    return (
-        f"steps in mode {worst!r} are wrong by up to {bad[worst]:.1g} of the motion's size, "
-        f"{bad[worst] / tol:.0e} times the tolerance: a law may be too sharp there for its series"
-    )
 
 
 def stored_steps(raw: RunData) -> StoredSteps:
@@ -167,10 +175,10 @@ def measure_defects(system, order, steps, worst, scratch):
             begin_step(system, order, mode, now, h, steps.states[step], steps.sizes[step], scratch)
             for point in range(CHECK_POINTS):
                 s = 0.5 * h * (1.0 - cos(math.pi * (point + 0.5) / CHECK_POINTS))
-                record_residuals(system, order, mode, s, scratch)
+                record_residuals(system, order, mode, s, worst[mode] / h, scratch)
             for i in range(scratch.errors.shape[0]):
                 scratch.errors[i] *= h
-            record_jump(system.code, order, mode, h, steps.ends[step], scratch)
+            record_jump(system, order, mode, h, steps.ends[step], scratch)
             worst[mode] = max(worst[mode], relative_defect(system.code, scratch))
 
 
@@ -212,20 +220,47 @@ def larger_or_infinite(error, worst):
 
 
 @kernel
-def states_and_sums(order, s, scratch):
-    """Compute the states at time `s` of a step and the sums of their absolute terms; update the sizes."""
+def states_and_sizes(order, s, scratch):
+    """Compute the states at time `s` of a step; update the sizes."""
     states_at(scratch.jets, order, s, scratch.z)
     for i in range(scratch.z.shape[0]):
-        scratch.sums[i] = polynomial_magnitude(scratch.jets[i], order, s)
         scratch.sizes[i] = max(scratch.sizes[i], abs(scratch.z[i]))
 
 
 @kernel
-def record_residuals(system, order, mode, s, scratch):
-    """Record |x' - f(x)| at time `s` of a step, less what rounding explains."""
+def sums_of_terms(order, s, scratch):
+    """Compute the sums of the absolute terms of the states at time `s` of a step."""
+    for i in range(scratch.z.shape[0]):
+        scratch.sums[i] = polynomial_magnitude(scratch.jets[i], order, s)
+
+
+@kernel
+def has_residual_above(code, order, mode, s, share, scratch):
+    """Whether |x' - f(x)| is above a share of the largest state of its group."""
+    for group in range(3):
+        size = 0.0
+        for i in range(code.groups[group], code.groups[group + 1]):
+            size = max(size, scratch.sizes[i])
+        for i in range(code.groups[group], code.groups[group + 1]):
+            slope = polynomial_slope(scratch.jets[i], order, s)
+            if not abs(slope - scratch.values[code.flow[mode, i], 0]) <= share * size:
+                return True
+    return False
+
+
+@kernel
+def record_residuals(system, order, mode, s, share, scratch):
+    """Record |x' - f(x)| at time `s` of a step, less what rounding explains, if any is above a share.
+
+    The rounding errors take as long as all the rest.  They do not matter if no residual is above the share of
+    the largest state of its group by which the worst one was until now.
+    """
     code = system.code
-    states_and_sums(order, s, scratch)
+    states_and_sizes(order, s, scratch)
     mode_jets(code, system.numbers, mode, 0, scratch.z, scratch.values)
+    if not has_residual_above(code, order, mode, s, share, scratch):
+        return
+    sums_of_terms(order, s, scratch)
     majorant(code, system.magnitudes, mode, 0, scratch.sums, scratch.values, scratch.bounds)
     for i in range(scratch.z.shape[0]):
         slot, c = code.flow[mode, i], scratch.jets[i]
@@ -235,13 +270,20 @@ def record_residuals(system, order, mode, s, scratch):
 
 
 @kernel
-def record_jump(code, order, mode, h, end, scratch):
-    """Record the jump from the end of the polynomial to the next state, less what rounding explains."""
-    states_and_sums(order, h, scratch)
+def record_jump(system, order, mode, h, end, scratch):
+    """Record the jump from the end of the polynomial to the next state, less what rounding explains.
+
+    The end is NaN if it is not known.
+    """
+    code = system.code
+    states_and_sizes(order, h, scratch)
+    if end[0] != end[0]:
+        return
+    sums_of_terms(order, h, scratch)
+    majorant(code, system.magnitudes, mode, 0, scratch.sums, scratch.values, scratch.bounds)
     for i in range(scratch.z.shape[0]):
-        if end[i] == end[i]:
-            rounding = RESIDUAL_ROUNDING * (scratch.sums[i] + h * scratch.bounds[code.flow[mode, i], 0])
-            scratch.errors[i] = larger_or_infinite(abs(end[i] - scratch.z[i]) - rounding, scratch.errors[i])
+        rounding = RESIDUAL_ROUNDING * (scratch.sums[i] + h * scratch.bounds[code.flow[mode, i], 0])
+        scratch.errors[i] = larger_or_infinite(abs(end[i] - scratch.z[i]) - rounding, scratch.errors[i])
 
 
 @kernel

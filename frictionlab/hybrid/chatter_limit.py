@@ -15,6 +15,7 @@ computed.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -37,8 +38,13 @@ def chatter_limit(automaton: HybridAutomaton, share: float) -> float:
     """The limit (s) that is a `share` of the time of the limit mode's motion; 0.0 where there is none."""
     if not _has_limit_mode(automaton):
         return 0.0
-    rate = float(formulas_of_rate(automaton).numbers(*automaton.values.values())[0])
+    rate = _rate(formulas_of_rate(automaton), tuple(automaton.values.values()))
     return share / rate if 0.0 < rate < math.inf else 0.0
+
+
+@lru_cache(maxsize=64)
+def _rate(formulas: Formulas, values: tuple[float, ...]) -> float:
+    return float(formulas.numbers(*values)[0])
 
 
 def _has_limit_mode(automaton: HybridAutomaton) -> bool:
@@ -79,10 +85,11 @@ def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
 def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
     """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
     as in a model whose unit of time is a week; else None."""
-    if not len(limit_modes) or not (raw.event_codes[:, 1, None] == limit_modes).any():
+    average = raw.t / (len(raw.event_times) + 1)
+    if not len(limit_modes) or limit <= SHORT_SHARE * average:
         return None
     longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
-    if limit <= SHORT_SHARE * longest:
+    if limit <= SHORT_SHARE * longest or not np.isin(raw.event_codes[:, 1], limit_modes).any():
         return None
     return (
         f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "

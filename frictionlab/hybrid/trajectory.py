@@ -18,10 +18,10 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.accuracy import (
+    ALL_STEPS,
     condition_violation,
     defect_warning,
     defects,
-    motion_defects,
     sampled_steps,
 )
 from frictionlab.hybrid.chatter_limit import chatter_warning
@@ -376,20 +376,18 @@ class Trajectory(Drawable):
         order = self.samples.order
         if self._tolerance is None or code.degrees.max() < order:
             return None
-        some = sampled_steps(self.problem, self.raw, order)
-        return self.defect_warning(some) if len(some) else None
+        return self.defect_warning(sampled_steps(self.problem, self.raw, order))
 
     @property
     def _tolerance(self) -> float | None:
         """The relative tolerance of a method by series; None for others."""
         return self.description.get("method", {}).get("tol")
 
-    def defect_warning(self, steps: Any = None) -> str | None:
+    def defect_warning(self, steps: np.ndarray | slice = ALL_STEPS) -> str | None:
         """As :attr:`warning`, of all steps, or of these by their numbers."""
         if self._tolerance is None:
             return None
-        found = motion_defects(self.problem, self.raw, self.samples.order, steps)
-        return defect_warning(found, self._tolerance)
+        return defect_warning(self.problem, self.raw, self.samples.order, self._tolerance, steps)
 
     @cached_property
     def violation(self) -> float:

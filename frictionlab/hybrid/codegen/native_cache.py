@@ -96,13 +96,21 @@ class NativeCode:
 
     def used(self, modes: np.ndarray) -> None:
         """Count the jets computed in each mode; start the compilation of modes with many."""
-        if not machine_code.HAS_MACHINE_CODE or self.code.native.all():
+        if not machine_code.HAS_MACHINE_CODE:
+            return
+        addresses = self.code.native.tolist()
+        if all(addresses):
             return
         self._used += np.bincount(modes, minlength=len(self._used))
-        for mode in np.flatnonzero((self._used > COMPILE_AFTER) & (self.code.native == 0)).tolist():
-            small = len(self.tapes[mode].tape.terms) <= MOST_TERMS
-            if small and mode not in self.requested and free_memory() > ROOM_TO_COMPILE:
-                self.requested[mode] = _worker().submit(self.compile, mode)
+        for mode, (count, address) in enumerate(zip(self._used.tolist(), addresses, strict=True)):
+            if address == 0 and count > COMPILE_AFTER:
+                self._request(mode)
+
+    def _request(self, mode: int) -> None:
+        """Start the compilation of a mode, unless it is under way or there is no room for it."""
+        small = len(self.tapes[mode].tape.terms) <= MOST_TERMS
+        if small and mode not in self.requested and free_memory() > ROOM_TO_COMPILE:
+            self.requested[mode] = _worker().submit(self.compile, mode)
 
     def compile(self, mode: int) -> None:
         """Compile a mode now."""

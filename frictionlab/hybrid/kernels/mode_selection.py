@@ -27,7 +27,6 @@ from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_
 from frictionlab.hybrid.kernels.jets import (
     copy_vector,
     first_order_bounds,
-    has_native_jets,
     majorant,
     majorant_of_orders,
     mode_jets,
@@ -171,15 +170,14 @@ def admissibility(system, mode, rounding, orders, scratch):
 def try_mode(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `scratch`.
 
-    Values alone refuse most modes, and a low order decides nearly all others.  Native code computes all
-    orders at once.
+    Values alone refuse most modes, and a low order decides nearly all others.  Jets of all orders, which take
+    ten times as long, are computed for a mode that is not refused by then.
     """
     verdict, at_hand, examined = UNDECIDED, -1, -1
     code, J = system.code, scratch.jets
     for upto in (0, min(LOW_ORDER, order), order):
         if upto > at_hand:
-            full = upto > 0 and (verdict == ADMITTED or has_native_jets(code, mode, J))
-            at_hand = order if full else upto
+            at_hand = order if verdict == ADMITTED else upto
             mode_jets(code, system.numbers, mode, at_hand, z, J)
         if verdict == UNDECIDED:
             verdict = admissibility(system, mode, rounding, (examined + 1, upto), scratch)

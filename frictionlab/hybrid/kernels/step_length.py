@@ -139,11 +139,13 @@ def series_step(J, slot, truncation, h, rounds, majorants):
     if not abs(J[slot, 0]) < math.inf:
         return longest if rounds else 0.0
     for _ in range(SERIES_TRIES):
-        size = abs(J[slot, 0]) + series_range(J, slot, order, h)
         last = max(abs(J[slot, order - 1]), abs(J[slot, order]) * h) * whole_power(h, order - 1)
         if not last < math.inf:  # beyond the largest number, as h is long or a pole is near
             h *= 0.1
             continue
+        if last <= FUNCTION_TOL_FACTOR * tol * (abs(J[slot, 0]) + abs(J[slot, 1]) * h):
+            return h  # two terms of the sum are enough in nearly all steps, and far cheaper
+        size = abs(J[slot, 0]) + series_range(J, slot, order, h)
         if rounds:
             size = max(size, size_of_rounding(tol, slot, h, majorants))
         most = FUNCTION_TOL_FACTOR * tol * size

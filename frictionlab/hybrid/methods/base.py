@@ -40,7 +40,7 @@ from frictionlab.interruption import Progress
 from frictionlab.tape.program import System, system_of
 from frictionlab.validation import check_field
 
-RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
+RECORD_CAPACITY = 4096  # steps between two updates of the progress bar, which check for ctrl-C
 
 STATUS_OF_CODE = {
     run_state.RUNNING: Status.RUNNING,

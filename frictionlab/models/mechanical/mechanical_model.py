@@ -7,6 +7,7 @@ belt.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -114,11 +115,18 @@ class MechanicalModel(Model):
             Where a law has no real value, a mass is not above 0, or a given normal force is negative, at the
             values of the parameters.
         """
+        _ = self.has_checked_values
+        return super().automaton()
+
+    @cached_property
+    def has_checked_values(self) -> bool:
+        """True, once masses and contacts have been checked at the values of the parameters; raises for bad
+        ones."""
         from .masses import check_masses  # it needs numpy, which a command's help does without
 
         check_masses(self)
         check_contacts(self)
-        return super().automaton()
+        return True
 
     def derive(self) -> HybridAutomaton:
         """The automaton, derived by Lagrange's equations."""
