@@ -7,7 +7,6 @@ belt.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -23,6 +22,8 @@ from .mechanics import Friction, Mechanics
 
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
+
+CHECKED = "checked"  # what a model notes when its masses and contacts have been found to be possible
 
 
 @model
@@ -115,18 +116,13 @@ class MechanicalModel(Model):
             Where a law has no real value, a mass is not above 0, or a given normal force is negative, at the
             values of the parameters.
         """
-        _ = self.has_checked_values
+        if CHECKED not in vars(self):  # once for each model, as it never changes
+            from .masses import check_masses  # it needs numpy, which a command's help does without
+
+            check_masses(self)
+            check_contacts(self)
+            vars(self)[CHECKED] = True
         return super().automaton()
-
-    @cached_property
-    def has_checked_values(self) -> bool:
-        """True, once masses and contacts have been checked at the values of the parameters; raises for bad
-        ones."""
-        from .masses import check_masses  # it needs numpy, which a command's help does without
-
-        check_masses(self)
-        check_contacts(self)
-        return True
 
     def derive(self) -> HybridAutomaton:
         """The automaton, derived by Lagrange's equations."""
