@@ -1,6 +1,6 @@
 """The built documentation on screens of three widths: nothing is wider than the screen, but what scrolls.
 
-The environment variable FRICTIONLAB_SITE names the folder of the site, as in `.ci/run`.
+The environment variable FRICTIONLAB_SITE names the folder of the site, as in `.ci/site`.
 """
 
 import os

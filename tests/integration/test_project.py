@@ -40,7 +40,7 @@ def test_every_session_of_nox_is_run():
     scripts = [*ROOT.glob(".ci/*"), *ROOT.glob(".github/workflows/*.yml")]
     texts = "\n".join(path.read_text(encoding="utf-8") for path in scripts)
     called = re.findall(r"\bnox (?:--[\w-]+ )?-s ([\w ]+)", texts)
-    by_readme = {"tests", "site"}  # its second and third command, which .ci/run takes from there
+    by_readme = {"tests", "site"}  # its second and third command, which .ci takes from there
     assert sessions == {*" ".join(called).split(), *by_readme}
 
 
