@@ -141,17 +141,17 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 def solve_matrices(matrices: Array, right: Array) -> Any:
     """Solutions (N, m, k), of least length if a matrix is singular, as at a fold.
 
-    numpy tells only whether some matrix of a stack is singular.  So a stack is halved until the singular
-    matrices are found.
+    numpy tells only whether some matrix of a stack is singular.  Its determinant is zero exactly if so.
     """
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:
-        if len(matrices) == 1:
-            return np.linalg.pinv(matrices) @ right
-    half = len(matrices) // 2
-    parts = (slice(None, half), slice(half, None))
-    return np.concatenate([solve_matrices(matrices[part], right[part]) for part in parts])
+        with np.errstate(all="ignore"):  # a matrix that is not finite has no sign
+            singular = np.linalg.slogdet(matrices).sign == 0
+    solutions = np.empty_like(right)
+    solutions[~singular] = np.linalg.solve(matrices[~singular], right[~singular])
+    solutions[singular] = np.linalg.pinv(matrices[singular]) @ right[singular]
+    return solutions
 
 
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
