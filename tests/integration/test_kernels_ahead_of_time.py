@@ -300,6 +300,7 @@ def test_compiling_can_be_declined(edited_clone):
     assert hooked(edited_clone, FRICTIONLAB_BUILD_KERNELS="0") == ([], [], as_it_is(edited_clone))
 
 
+@pytest.mark.slow
 def test_a_wheel_that_is_published_has_structures(clone):
     (clone / "frictionlab/cli/shipped_structures.py").write_text("import sys\nopen(sys.argv[1], 'w').close()")
     (clone / "build").mkdir()

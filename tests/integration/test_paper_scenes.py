@@ -115,6 +115,7 @@ def test_the_cycle_of_scene_b_is_periodic_to_rounding_in_the_end():
     assert np.ptp(periods) < 1e-8
 
 
+@pytest.mark.slow
 def test_the_chatter_of_the_printed_impact_law_is_passed():
     run = run_of("D", 200.0)
     assert run.t[-1] == 200.0

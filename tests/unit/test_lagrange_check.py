@@ -48,6 +48,7 @@ class Dripping(MechanicalModel):
         return HybridAutomaton(whole.states, modes, {}, whole.coordinates)
 
 
+@pytest.mark.slow
 def test_the_flow_of_the_energies_passes():
     fl.testing.check_model(Dripping(), t_end=3.0)
 

@@ -43,6 +43,7 @@ def test_a_good_run_in_a_sentence():
     assert found.run.source == A
 
 
+@pytest.mark.slow
 def test_what_was_not_looked_at_is_said(monkeypatch):
     monkeypatch.setattr(run_conditions, "MOST_STEPS", 100)
     found = fl.verify(A, 1.0, progress=False)

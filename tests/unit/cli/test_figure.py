@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 import frictionlab as fl
 from frictionlab.cli import command
 
@@ -15,6 +17,7 @@ def test_a_figure_is_described_and_written(tmp_path, capsys):
     assert path.read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.slow
 def test_without_a_file_the_number_names_it(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert command.main(["figure", "2"]) == 0
@@ -22,6 +25,7 @@ def test_without_a_file_the_number_names_it(tmp_path, capsys, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["fig2.png"]
 
 
+@pytest.mark.slow
 def test_its_numbers_as_json(tmp_path, capsys):
     path = tmp_path / "six.png"
     assert command.main(["figure", "6", "-o", str(path), "--json"]) == 0

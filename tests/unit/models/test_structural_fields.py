@@ -123,6 +123,7 @@ def test_studies_take_them(tmp_path):
     assert fl.load_bifurcation(bent.save(tmp_path / "bent")).model == model
 
 
+@pytest.mark.slow
 def test_the_explorer_takes_them():
     model = MODELS["three"]
     explorer = fl.explore(model)

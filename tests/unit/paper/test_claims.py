@@ -16,6 +16,7 @@ def table():
     return fl.paper.claims()
 
 
+@pytest.mark.slow
 def test_every_claim_registered_has_a_row_in_order(table):
     assert [row.id for row in table] == list(CLAIMS)
     assert set(CLAIMS) >= {f"C{i}" for i in range(1, 9)}

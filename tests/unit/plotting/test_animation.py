@@ -202,6 +202,7 @@ def test_a_page_holds_all_its_frames(tmp_path):
     assert list(tmp_path.iterdir()) == [page]
 
 
+@pytest.mark.slow
 def test_frames_are_those_that_matplotlib_draws_in_full():
     run = fl.simulate(MODEL, 0.4, t_eval=T, progress=False)
     figure = AnimatedFigure(figsize=(8.0, 4.0), dpi=80, layout="constrained")

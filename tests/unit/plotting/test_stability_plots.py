@@ -70,6 +70,7 @@ def test_no_equilibrium_is_a_gap():
     assert len(curve.get_segments()) == 1
 
 
+@pytest.mark.slow
 def test_the_root_locus_runs_along_the_eigenvalues(locus):
     curves = plotting.plot_root_locus(locus, modes=[0, 1])
     for mode, curve in enumerate(curves):

@@ -107,6 +107,7 @@ def test_eight_phase_planes(ablated):
     assert {"slip+", "slip"} <= {text.get_text() for text in legend.get_texts()}
 
 
+@pytest.mark.slow
 def test_an_equilibrium_is_a_mark(ablated):
     results = tuple(replace(result, kind="equilibrium") for result in ablated.results)
     panels = plotting.plot_ablation(replace(ablated, results=results), name="y2")

@@ -55,6 +55,7 @@ def test_a_control_moves_the_mechanism(explorer):
     assert (found.min(), found.max()) == pytest.approx((expected.min(), expected.max()), rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_model_without_a_mechanism_is_explored_without():
     class Bare(fl.MassOnBelt):
         mechanism = None

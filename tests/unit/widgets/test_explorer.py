@@ -74,6 +74,7 @@ def test_a_parameter_keeps_its_value_while_its_law_is_switched_off(explorer):
     assert explorer.model == fl.SliderOnBelt(k_nl=1e6)
 
 
+@pytest.mark.slow
 def test_a_switch_brings_back_what_the_model_was_given_without():
     explorer = made(fl.SliderOnBelt().without("cubic", "nonsmooth", "geometry"))
     assert not any(switch.value for switch in explorer.components.switches.values())

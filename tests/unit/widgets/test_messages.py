@@ -139,6 +139,7 @@ def test_a_panel_of_ones_own_is_a_function():
     assert "fl-panel-gap" in explorer.picture.images["gap"]._dom_classes
 
 
+@pytest.mark.slow
 def test_nothing_is_computed_that_no_panel_asks_for():
     explorer = fl.explore(panels=("eigenvalues",))
     assert not explorer.result.has_run

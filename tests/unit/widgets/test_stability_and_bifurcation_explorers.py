@@ -23,6 +23,7 @@ def stability():
     return fl.explore_stability()
 
 
+@pytest.mark.slow
 def test_the_critical_curve_is_that_of_the_analysis(stability):
     line = stability.picture.tiles["critical"].lines["critical"]
     at, values = line.get_data()
@@ -126,6 +127,7 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
     assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
 
 
+@pytest.mark.slow
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
     sweep = diagram.picture.panels["bifurcation"].sweep

@@ -48,6 +48,7 @@ def fit_by_differences(model, data, names, x0="rest"):
     return dict(zip(names, found.x)), 2 * found.cost / (len(data.t) - len(names))
 
 
+@pytest.mark.slow
 def test_the_truth_is_recovered_through_stick_where_single_shooting_fails():
     data, run = record(TRUTH, 60.0, 300)
     assert (run.events.target == "stick").sum() >= 5

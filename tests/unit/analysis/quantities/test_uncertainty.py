@@ -18,6 +18,7 @@ def ishigami(model):
     return np.sin(x) + A * np.sin(y) ** 2 + B * z**4 * np.sin(x)
 
 
+@pytest.mark.slow
 def test_ishigamis_indices():
     ranges = dict.fromkeys(("M", "m", "J"), AROUND_TEN)
     found = fl.sobol_indices(SLIDER, ishigami, ranges, n=2048, **QUIET)
@@ -118,6 +119,7 @@ def test_the_error_of_a_probability_covers_a_run_ten_times_as_large():
     assert many.error < few.error
 
 
+@pytest.mark.slow
 def test_where_stability_is_never_lost_there_is_no_value():
     onset = fl.CriticalValue("mu_k", (0.0, 1.5))
     found = fl.uncertainty(SLIDER, onset, {"F": stats.uniform(150.0, 100.0)}, n=16, **QUIET)

@@ -179,6 +179,7 @@ def test_a_spiral_that_is_still_far_from_its_cycle_is_not_settled_yet():
     assert settled(FULL.replace(mu_k=1.4), transient=60.0, window=40.0).kind == "not settled yet"
 
 
+@pytest.mark.slow
 def test_three_onsets_in_a_period_are_not_one():
     found = settled(MODEL.replace(mu_k=1.4), transient=60.0, window=20.0)
     assert (found.kind, found.onsets_per_period) == ("periodic", 3)

@@ -97,6 +97,7 @@ def test_what_sets_the_amplitude_is_answered_by_name():
     assert alone["v 0.15"] == pytest.approx(exact[0, 1, 0] - exact[0, 0, 0], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_what_moves_the_onset_is_answered_by_name():
     """Hoffmann's closed form: springs do, the mass does not."""
     model = fl.ModeCoupling(c=0.0)

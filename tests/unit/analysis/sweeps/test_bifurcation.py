@@ -32,6 +32,7 @@ def test_the_number_of_workers_changes_nothing(one_worker, workers, tmp_path):
     assert path.read_bytes() == one_worker.save(tmp_path / "saved").read_bytes()
 
 
+@pytest.mark.slow
 def test_processes_give_the_same(one_worker):
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         assert same(fl.bifurcation(FLAT, "mu_k", VALUES, executor=pool, **SHORT), one_worker)

@@ -60,6 +60,7 @@ def test_an_interaction_is_divided_equally():
     assert effects.shares.sum() == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_shapley_values_add_up_to_the_whole_change():
     loaded = fl.SliderOnBelt(F=800.0, k_nl=1e7)
     found = fl.ablation(loaded, lambda m: fl.critical_value(m, "mu_k", (0, 4)), **QUIET)

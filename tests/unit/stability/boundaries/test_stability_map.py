@@ -71,6 +71,7 @@ def test_a_curve_along_the_edge_of_the_map_is_one_curve():
     assert np.ptp(curve.points[:, 0]) == pytest.approx(4.0)
 
 
+@pytest.mark.slow
 def test_a_sliver_thinner_than_the_step_is_rounded():
     found = plane(oscillators((Q**2 + 1e-5 * (P**2 - 1) * 16, 4.0)), reach=2.0)
     (curve,) = found.boundary

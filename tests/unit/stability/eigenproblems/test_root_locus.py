@@ -142,6 +142,7 @@ def test_without_damping_growth_is_exactly_zero_until_modes_meet():
     np.testing.assert_allclose(np.sort_complex(forward), np.sort_complex(locus.values), rtol=1e-10)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     n=st.integers(2, 4),

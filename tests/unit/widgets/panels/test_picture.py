@@ -106,6 +106,7 @@ def test_over_the_kept_background_the_pixels_are_those_of_a_fresh_drawing():
     assert (used_pixels.sum(axis=2) < 300).sum() > 500
 
 
+@pytest.mark.slow
 def test_images_have_the_size_of_a_panel_and_show_their_own():
     picture = Picture({"left": None, "right": None, "below": None})
     picture.panels["left"] = picture.panels["below"] = lambda result: Drawing("x (m)", "y (m)")
