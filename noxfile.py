@@ -1,6 +1,7 @@
 """What a change has to pass, one session for each step: `nox --list` names them.
 
-`.ci/run` runs those that every change has to pass, `.ci/thorough` the long ones.
+`.ci/run` runs those that every change has to pass, `.ci/site` that of the documentation, `.ci/thorough` the
+long ones.
 
 Each session has an environment of its own; `nox --no-venv -s lint types` takes the one it is started in, such
 as the README's second command makes.  What follows ``--`` goes to the command:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from frictionlab.compilation import machine_code
+from frictionlab.compilation.loaded_kernels import with_table
 from frictionlab.compilation.machine_code import LOADED, NUMBA
 from frictionlab.compilation.numba_cache import KernelCache, has_kernel
 
+T = TypeVar("T", bound=tuple)
 _FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
 
 
@@ -40,6 +42,11 @@ def inlined(function: Callable) -> Callable:
 def c_address(name: str, function: Callable, signature: str) -> int:
     """Address at which C code calls a function; ahead of time it was compiled under this `name`."""
     return _c_function(function, signature).address if LOADED is None else LOADED.address(name)
+
+
+def prepare_arrays(arrays: T) -> T:
+    """The named tuple of arrays, prepared for kernels that take it at every run."""
+    return arrays if LOADED is None else with_table(arrays)
 
 
 @cache  # keeps the compiled function alive: its code is freed with it

@@ -254,16 +254,16 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
 
 
 @cache
-def _with_table(kind: type) -> type:
+def _class_with_table(kind: type) -> type:
     """A subclass of a named tuple with the attribute `table`."""
     return type(kind.__name__, (kind,), {"table": None})
 
 
-def remember_words(arrays: T) -> T:
-    """The same named tuple of arrays with its words stored, for tuples that are passed again and again."""
+def with_table(arrays: T) -> T:
+    """The same named tuple of arrays with a table of its words, for what is passed again and again."""
     words, kinds = [], []
     _append(arrays, words, kinds)
-    known = _with_table(type(arrays))(*arrays)
+    known = _class_with_table(type(arrays))(*arrays)
     known.table = words, kinds
     return known
 

@@ -274,8 +274,8 @@ class Component:
             kind, tuple(value.structure_key if name in roles else value for name, value in values.items())
         )
 
-    def __getstate__(self) -> dict[str, Any]:  # a later version may reduce or check laws in another way
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+    def __getstate__(self) -> dict[str, Any]:  # a later version may reduce laws in another way
+        return {name: value for name, value in vars(self).items() if name != "structure_key"}
 
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))

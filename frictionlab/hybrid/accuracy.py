@@ -79,7 +79,7 @@ def defects(problem: Problem, raw: RunData, order: int) -> Mapping[str, float]:
 def _largest_defects(
     problem: Problem, steps: StoredSteps, order: int, above: float = -1.0
 ) -> Mapping[str, float]:
-    """The largest defect of steps, by the name of the mode; only of modes in which it is `above` a value."""
+    """The largest defect of steps, by the name of the mode, of modes in which it is above a value."""
     program = problem.program
     worst = np.full(len(program.modes), above)
     system = system_of(native_code(program).code, problem.numbers)
@@ -91,22 +91,20 @@ def _largest_defects(
 
 
 def defect_warning(
-    problem: Problem, raw: RunData, order: int, tol: float, chosen: np.ndarray | slice = ALL_STEPS
+    problem: Problem, raw: RunData, order: int, tol: float, steps: np.ndarray | slice = ALL_STEPS
 ) -> str | None:
-    """A warning if the defect of a chosen step is too large for a run with the tolerance `tol`, else None.
+    """A warning if the defect of one of the `steps` is too large for the tolerance `tol`, else None.
 
-    Here a defect is a share of the motion's size in the whole run.  That is first taken for the size in the
-    chosen steps alone, which is less: nearly always it shows that all is well.
+    Here a defect is a share of the motion's size in the whole run.  That is first taken for the size in these
+    steps alone, which is at most as large: nearly always it shows that all is well.
     """
-    times, modes, states = raw.step_times[chosen], raw.step_modes[chosen], raw.step_states[chosen]
-    if not len(modes):
-        return None
+    times, modes, states = raw.step_times[steps], raw.step_modes[steps], raw.step_states[steps]
     ends = np.full_like(states, UNKNOWN_END)  # that of a series is the next state
     bad: Mapping[str, float] = {}
     for motion in (states, raw.step_states):
-        sizes = np.tile(np.abs(motion).max(axis=0), (len(states), 1))
-        steps = StoredSteps(times, modes, states, ends, sizes)
-        bad = _largest_defects(problem, steps, order, largest_sound_defect(tol))
+        sizes = np.tile(np.abs(motion).max(axis=0, initial=0.0), (len(states), 1))
+        stored = StoredSteps(times, modes, states, ends, sizes)
+        bad = _largest_defects(problem, stored, order, largest_sound_defect(tol))
         if not bad:
             return None
     worst = max(bad, key=bad.__getitem__)
@@ -123,8 +121,8 @@ def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
     the last terms of its series tell how long a step may be.
     """
     modes = np.flatnonzero(problem.program.code.degrees >= order)
-    chosen = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
-    return np.concatenate(chosen) if chosen else modes
+    samples = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
+    return np.concatenate(samples) if samples else modes
 
 
 def _sample_of_steps(raw: RunData, steps: np.ndarray) -> np.ndarray:
@@ -220,7 +218,7 @@ def larger_or_infinite(error, worst):
 
 
 @kernel
-def states_and_sizes(order, s, scratch):
+def compute_states(order, s, scratch):
     """Compute the states at time `s` of a step; update the sizes."""
     states_at(scratch.jets, order, s, scratch.z)
     for i in range(scratch.z.shape[0]):
@@ -228,7 +226,7 @@ def states_and_sizes(order, s, scratch):
 
 
 @kernel
-def sums_of_terms(order, s, scratch):
+def compute_sums(order, s, scratch):
     """Compute the sums of the absolute terms of the states at time `s` of a step."""
     for i in range(scratch.z.shape[0]):
         scratch.sums[i] = polynomial_magnitude(scratch.jets[i], order, s)
@@ -243,7 +241,8 @@ def has_residual_above(code, order, mode, s, share, scratch):
             size = max(size, scratch.sizes[i])
         for i in range(code.groups[group], code.groups[group + 1]):
             slope = polynomial_slope(scratch.jets[i], order, s)
-            if not abs(slope - scratch.values[code.flow[mode, i], 0]) <= share * size:
+            residual = abs(slope - scratch.values[code.flow[mode, i], 0])
+            if not (residual < math.inf and residual <= share * size):
                 return True
     return False
 
@@ -256,11 +255,11 @@ def record_residuals(system, order, mode, s, share, scratch):
     the largest state of its group by which the worst one was until now.
     """
     code = system.code
-    states_and_sizes(order, s, scratch)
+    compute_states(order, s, scratch)
     mode_jets(code, system.numbers, mode, 0, scratch.z, scratch.values)
     if not has_residual_above(code, order, mode, s, share, scratch):
         return
-    sums_of_terms(order, s, scratch)
+    compute_sums(order, s, scratch)
     majorant(code, system.magnitudes, mode, 0, scratch.sums, scratch.values, scratch.bounds)
     for i in range(scratch.z.shape[0]):
         slot, c = code.flow[mode, i], scratch.jets[i]
@@ -269,17 +268,28 @@ def record_residuals(system, order, mode, s, share, scratch):
         scratch.errors[i] = larger_or_infinite(residual - rounding, scratch.errors[i])
 
 
+@inlined
+def is_unknown(end):
+    """Whether a state is that of an end which is not known."""
+    known = 0
+    for i in range(end.shape[0]):
+        if end[i] == end[i]:
+            known += 1
+    return known == 0
+
+
 @kernel
 def record_jump(system, order, mode, h, end, scratch):
     """Record the jump from the end of the polynomial to the next state, less what rounding explains.
 
-    The end is NaN if it is not known.
+    The end is all NaN if it is not known.
     """
     code = system.code
-    states_and_sizes(order, h, scratch)
-    if end[0] != end[0]:
+    compute_states(order, h, scratch)
+    if is_unknown(end):
         return
-    sums_of_terms(order, h, scratch)
+    compute_sums(order, h, scratch)
+    mode_jets(code, system.numbers, mode, 0, scratch.z, scratch.values)
     majorant(code, system.magnitudes, mode, 0, scratch.sums, scratch.values, scratch.bounds)
     for i in range(scratch.z.shape[0]):
         rounding = RESIDUAL_ROUNDING * (scratch.sums[i] + h * scratch.bounds[code.flow[mode, i], 0])

@@ -32,6 +32,7 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
 # Growth rates below this share of the largest eigenvalue count as zero, as without damping.
 NEUTRAL_RTOL = 1e-10
+EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
 BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
@@ -68,6 +69,13 @@ def _is_undamped(matrices: Array) -> bool:
 def _stiffness(matrices: Array) -> Array:
     n = matrices.shape[-1] // 2
     return matrices[:, n:, :n]
+
+
+def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
+    """Which eigenvalues (N, m, m) of N spectra (N, m) are equal but for rounding; none equals itself."""
+    distances = np.abs(spectra[:, :, None] - spectra[:, None, :])
+    equal = distances <= EQUAL_RTOL * np.abs(spectra).max(axis=1, initial=0.0)[:, None, None]
+    return equal & ~np.eye(spectra.shape[1], dtype=bool)
 
 
 def growth_rates(spectra: ComplexArray) -> Array:

@@ -15,14 +15,14 @@ from contextlib import contextmanager
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
 from frictionlab import cache_folder
 from frictionlab.compilation import llvm_instructions, machine_code
-from frictionlab.compilation.loaded_kernels import remember_words
+from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
@@ -33,7 +33,6 @@ from frictionlab.tape import functions, tape
 from frictionlab.tape.program import Code, Program
 
 LOGGER = logging.getLogger(__name__)
-T = TypeVar("T", bound=tuple)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
 COMPILE_AFTER = 20_000
 # Terms of a mode's affine sums, as of finite elements.  With more, its jets are not compiled: the kernel's
@@ -70,7 +69,7 @@ class NativeCode:
         self.requested: dict[int, Future[None]] = {}
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
         self.interpreted = interpreted_code(program)
-        self.code: Code = passed_again(program.code._replace(native=addresses, lanes=steps))
+        self.code: Code = prepare_arrays(program.code._replace(native=addresses, lanes=steps))
         # of this program and those that it grew from or grows into; weak, as only the last one is in use
         self._family: list[ref[NativeCode]] = [] if before is None else before._family
         self._family.append(ref(self))
@@ -145,15 +144,10 @@ class NativeCode:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 
-def passed_again(arrays: T) -> T:
-    """The named tuple of arrays, prepared for kernels that take it at every run."""
-    return arrays if machine_code.LOADED is None else remember_words(arrays)
-
-
 def interpreted_code(program: Program) -> Code:
     """The program's arrays without native code, prepared for kernels that take them again and again."""
     if program not in _INTERPRETED:
-        _INTERPRETED[program] = passed_again(program.code)
+        _INTERPRETED[program] = prepare_arrays(program.code)
     return _INTERPRETED[program]
 
 

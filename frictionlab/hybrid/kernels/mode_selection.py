@@ -170,8 +170,8 @@ def admissibility(system, mode, rounding, orders, scratch):
 def try_mode(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `scratch`.
 
-    Values alone refuse most modes, and a low order decides nearly all others.  Jets of all orders, which take
-    ten times as long, are computed for a mode that is not refused by then.
+    Values alone refuse most modes, and a low order decides nearly all others.  Jets of all orders take ten
+    times as long.  They are computed only for a mode that a low order admits or leaves undecided.
     """
     verdict, at_hand, examined = UNDECIDED, -1, -1
     code, J = system.code, scratch.jets

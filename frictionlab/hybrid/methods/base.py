@@ -16,7 +16,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code, passed_again
+from frictionlab.compilation.decorators import prepare_arrays
+from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
@@ -40,7 +41,7 @@ from frictionlab.interruption import Progress
 from frictionlab.tape.program import System, system_of
 from frictionlab.validation import check_field
 
-RECORD_CAPACITY = 4096  # steps between two updates of the progress bar, which check for ctrl-C
+RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
 
 STATUS_OF_CODE = {
     run_state.RUNNING: Status.RUNNING,
@@ -67,7 +68,7 @@ class SpareArrays:
         try:
             return self._kept[sizes].pop()
         except (KeyError, IndexError):
-            return passed_again(make())
+            return prepare_arrays(make())
 
     def give(self, sizes: Any, arrays: Any) -> None:
         """Keep arrays that nothing refers to any more."""

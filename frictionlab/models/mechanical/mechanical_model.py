@@ -23,7 +23,7 @@ from .mechanics import Friction, Mechanics
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
-CHECKED = "checked"  # what a model notes when its masses and contacts have been found to be possible
+CHECKED = "_masses_and_contacts_checked"  # what a model notes of itself when they are possible
 
 
 @model
@@ -123,6 +123,9 @@ class MechanicalModel(Model):
             check_contacts(self)
             vars(self)[CHECKED] = True
         return super().automaton()
+
+    def __getstate__(self) -> dict[str, Any]:  # a later version may check models in another way
+        return {name: value for name, value in super().__getstate__().items() if name != CHECKED}
 
     def derive(self) -> HybridAutomaton:
         """The automaton, derived by Lagrange's equations."""

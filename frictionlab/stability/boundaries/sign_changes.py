@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_problem import Array, ComplexArray, growth_rates
+from frictionlab.stability.equilibrium_problem import Array, ComplexArray, equal_eigenvalues, growth_rates
 
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
@@ -21,7 +21,6 @@ COARSE_POINTS, COARSE_HALVINGS = 5, 18  # for lines on which few changes are exp
 # Most intervals, over those of the first grid: two modes may share one eigenvalue everywhere.
 MAX_INTERVAL_FACTOR = 8
 NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less counts as unmoved
-EQUAL_EIGENVALUE_RTOL = 1e-11  # share of the largest eigenvalue: two that are nearer are one
 
 
 class Intervals(NamedTuple):
@@ -147,7 +146,7 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
     # Nor do modes with equal eigenvalues throughout.
-    between[_equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
+    between[equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
     moved[moved < NO_CHANGE_RTOL * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
     close = between < 2 * (moved[:, :, None] + moved[:, None, :])
     within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
@@ -159,18 +158,10 @@ def _distance(spectra: ComplexArray, others: ComplexArray) -> Array:
     return np.abs(spectra[:, :, None] - others[:, None, :])
 
 
-def _equal_eigenvalues(spectra: ComplexArray) -> Flags:
-    """Which eigenvalues (N, m, m) are equal but for rounding."""
-    largest = np.abs(spectra).max(axis=1)[:, None, None]
-    return (_distance(spectra, spectra) < EQUAL_EIGENVALUE_RTOL * largest) & ~np.eye(
-        spectra.shape[1], dtype=bool
-    )
-
-
 def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
     """Whether an eigenvalue (N, m) has an equal one at both ends as well."""
     near = (_distance(at_middle, end).argmin(axis=2) for end in ends)
-    stay = [np.take_along_axis(_equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
+    stay = [np.take_along_axis(equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
     return stay[0] & stay[1]
 
 

@@ -26,6 +26,7 @@ from frictionlab.stability.equilibrium_problem import (
     EquilibriumProblem,
     check_path,
     eigenpairs_of_matrices,
+    equal_eigenvalues,
     unstable_pairs,
 )
 
@@ -34,7 +35,6 @@ ComplexMatrices = NDArray[np.complexfloating[Any, Any]]
 ComplexArray = NDArray[np.complex128]
 SAME_MODE, OTHER_MODE = 0.7, 0.4  # products of unit vectors that count as one mode, and as two
 UNMOVED_SHARE = 0.1  # of the distance to other eigenvalues: a mode that moves less has hardly moved
-EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
 OFFSET_SHARE = 1e-3  # of a step: so far away vectors are taken where eigenvalues are equal
 ENCOUNTER_SHARE = 0.5  # of the way that two modes pass each other: if they come nearer they may have met
 WEAK_COUPLING = 0.05  # of the distance at which they pass: a weaker coupling changes nothing
@@ -143,23 +143,16 @@ def _separate_equal(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     At the point itself the vectors are not unique.
     """
     step = np.diff(path.at, prepend=path.at[1:2])
-    (alike,) = np.nonzero(_equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
+    (alike,) = np.nonzero(equal_eigenvalues(path.values).any(axis=(1, 2)) & (step != 0))
     if not alike.size:
         return path
     nearby = sample(path.at[alike] - OFFSET_SHARE * step[alike])
-    alike_still: Any = _equal_eigenvalues(nearby.values).any(axis=(1, 2))
+    alike_still: Any = equal_eigenvalues(nearby.values).any(axis=(1, 2))
     for i, j in enumerate(alike):
         if np.isfinite(nearby.values[i]).all() and not alike_still[i]:
             path.values[j] = path.values[j][_match_eigenvalues(nearby.values[i], path.values[j])]
             path.right[j], path.left[j] = nearby.right[i], nearby.left[i]
     return path
-
-
-def _equal_eigenvalues(values: ComplexMatrices) -> NDArray[np.bool_]:
-    """Which modes (N, k, k) have equal eigenvalues, but for rounding."""
-    distances = np.abs(values[:, :, None] - values[:, None, :])
-    alike = distances <= EQUAL_RTOL * np.abs(values).max(axis=1, initial=0.0)[:, None, None]
-    return alike & ~np.eye(values.shape[1], dtype=bool)
 
 
 def _match_modes(
@@ -212,7 +205,7 @@ def _assign(likeness: Array) -> NDArray[np.intp]:
 
 def _is_clear(a: Modes, b: Modes) -> tuple[Any, Any]:
     """Whether columns of `a` and `b` are clearly the same modes, and whether no two met in between."""
-    either = _equal_eigenvalues(a.values) & _equal_eigenvalues(b.values)  # the order of these does not matter
+    either = equal_eigenvalues(a.values) & equal_eigenvalues(b.values)  # the order of these does not matter
     likeness, own = _likeness(a, b), np.eye(a.values.shape[1], dtype=bool)
     # A mode that is unlike all others is accepted if it has hardly moved: the vectors of a rigid body's
     # motion tell nothing.

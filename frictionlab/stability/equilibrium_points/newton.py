@@ -139,18 +139,25 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def solve_matrices(matrices: Array, right: Array) -> Any:
-    """Solutions (N, m, k), of least length if a matrix is singular, as at a fold.
+    """Solutions (N, m, k); those of least length where a matrix is singular, as at a fold.
 
-    numpy tells only whether some matrix of a stack is singular.  Its determinant is zero exactly if so.
+    numpy does not tell which matrix of a stack is singular.  The sign of its determinant is zero then, by the
+    same factors.  A LAPACK whose factors depend on the stack gets the matrices one by one.
     """
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:
-        with np.errstate(all="ignore"):  # a matrix that is not finite has no sign
-            singular = np.linalg.slogdet(matrices).sign == 0
+        if len(matrices) == 1:
+            return np.linalg.pinv(matrices) @ right
+    with np.errstate(all="ignore"):  # a matrix that is not finite has no sign
+        singular = np.linalg.slogdet(matrices).sign == 0
     solutions = np.empty_like(right)
-    solutions[~singular] = np.linalg.solve(matrices[~singular], right[~singular])
     solutions[singular] = np.linalg.pinv(matrices[singular]) @ right[singular]
+    try:
+        solutions[~singular] = np.linalg.solve(matrices[~singular], right[~singular])
+    except np.linalg.LinAlgError:
+        for i in np.flatnonzero(~singular):
+            solutions[i : i + 1] = solve_matrices(matrices[i : i + 1], right[i : i + 1])
     return solutions
 
 

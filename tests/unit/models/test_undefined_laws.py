@@ -1,5 +1,6 @@
 """Laws that have no real value at the values of their parameters are named with them, whoever asks first."""
 
+import math
 from dataclasses import dataclass
 
 import pytest
@@ -108,3 +109,23 @@ def test_parts_with_states_are_left_out():
     assert undefined_part(sp.sqrt(x - a) + a**2, {a: -1.0}) == ""
     assert undefined_part(sp.log(1 / a) / x, {a: 0.0}).startswith("1/a, which")
     assert undefined_part(sp.exp(a), {a: 1e4}).startswith("exp(a), which has no real value at a = 10000")
+
+
+@fl.model
+class Checked(fl.MechanicalModel):
+    """Its parameter has the name that a note of a check could have."""
+
+    checked: float = -1.0
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(self.checked * v.x**2 / 2, q.x**2 / 2)
+
+
+def test_a_parameter_of_any_name_does_not_hide_a_mass_below_zero():
+    for _ in range(2):
+        with pytest.raises(ValueError, match="mass"):
+            Checked().automaton()
+    assert fl.simulate(Checked(checked=4.0), 2.0, x0=[1.0, 0.0]).final_state[0] == pytest.approx(
+        math.cos(1.0), abs=1e-14
+    )

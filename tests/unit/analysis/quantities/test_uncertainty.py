@@ -18,6 +18,23 @@ def ishigami(model):
     return np.sin(x) + A * np.sin(y) ** 2 + B * z**4 * np.sin(x)
 
 
+def product(model):
+    return model.k1 * model.k2
+
+
+def test_indices_of_a_product():
+    """With variances (s m)^2 of factors of mean m: s1^2 and s2^2 alone, s1^2 s2^2 together."""
+    ranges = {"k1": stats.uniform(0.4, 1.2), "k2": stats.uniform(0.6, 0.8)}
+    found = fl.sobol_indices(COUPLED, product, ranges, n=512, **QUIET)
+    first, second = 0.6**2 / 3, 0.4**2 / 3
+    variance = first + second + first * second
+    alone, with_others = np.array([first, second]), np.array([first, second]) + first * second
+    assert found.first_order == pytest.approx(alone / variance, abs=0.02)
+    assert found.total_order == pytest.approx(with_others / variance, abs=0.02)
+    assert (found.first_errors < 0.1).all()
+    assert (found.total_errors < 0.05).all()
+
+
 @pytest.mark.slow
 def test_ishigamis_indices():
     ranges = dict.fromkeys(("M", "m", "J"), AROUND_TEN)
