@@ -74,7 +74,7 @@ def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
     real = dict(zip(states, reals, strict=True))
     flow = [sp.sympify(rate, strict=True).xreplace(real) for rate in mode.flow]
     jacobian = {
-        (i, index[x]): rate.diff(x).subs(at_zero)
+        (i, index[x]): _slope_at_zero(rate, x, at_zero)
         for i, rate in enumerate(flow)
         for x in rate.free_symbols & index.keys()
     }
@@ -84,6 +84,12 @@ def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
     ]
     phases = [abs(flow[i].subs(at_zero)) for i, state in enumerate(states) if state.name == "phase"]
     return sp.Add(*diagonal, *phases) + sp.sqrt(sp.Add(*pairs))
+
+
+def _slope_at_zero(rate: Any, x: Any, at_zero: dict[Any, int]) -> Any:
+    """The derivative by `x` where all states are zero: that of what is left once the others are."""
+    alone = rate.xreplace({other: zero for other, zero in at_zero.items() if other is not x})
+    return alone.diff(x).subs(x, 0)
 
 
 def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:

@@ -11,6 +11,7 @@ import pytest
 from mpmath import mp
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 from tests.reference.slider_equations import parameters, series
 from tests.reference.slider_mpmath import motion
 from tests.reference.write_tables import FLIGHT, TABLES, read, resumed
@@ -77,7 +78,7 @@ def test_what_the_limit_of_chatter_leaves_out(chatter, times, states):
     assert apart(end.before, run.final_state) < states
 
 
-@pytest.mark.parametrize("scene", MODELS)
+@pytest.mark.parametrize("scene", slow_but(["A", "B"], [*MODELS]))
 def test_the_stored_tables_are_what_the_reference_gives(scene):
     """Once more in mpmath: 0.05 s from rest, and a stretch with flights, slip and stick, in D the limit."""
     rows = read(scene)

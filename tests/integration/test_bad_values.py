@@ -33,11 +33,11 @@ def test_every_public_name_that_is_called_has_a_door():
 @pytest.mark.parametrize("slow", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_no_value_leads_to_a_raw_error(slow, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # files of any name may be written
-    bad = []
+    bad, values = [], bad_values()
     for name in [name for name in doors() if (name in SLOW_DOORS) == slow]:
         for argument in doors()[name].arguments():
             for value in SHORT_FORM:
-                found = try_value(doors()[name], argument, bad_values()[value])
+                found = try_value(doors()[name], argument, values[value])
                 if found.verdict not in ("taken", "refused"):
                     bad.append(f"{name}({argument}={value}) {found.verdict}: {found.about}")
     assert not bad, "\n".join(bad)

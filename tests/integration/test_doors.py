@@ -24,10 +24,9 @@ PERIODS = 6.0
 # that hold a body whose mass depends on its place, of which sympy sought common factors for hours (71, 110).
 CASES = [
     (1, 24),
-    (71, 10),
     *(
         pytest.param(*case, marks=pytest.mark.slow)
-        for case in ((1, 17), (1, 25), (71, 110), (7001, 112), (7001, 286))
+        for case in ((1, 17), (1, 25), (71, 10), (71, 110), (7001, 112), (7001, 286))
     ),
 ]
 
@@ -42,7 +41,7 @@ def test_a_random_mechanism_moves_as_the_reference(seed, number):
 
 # A current and a filter on a pad (6), and between a wall and a contact that is lost (13); a temperature that
 # softens friction (18); bristles (19).
-@pytest.mark.parametrize("number", slow_but([13], [6, 13, 18, 19]))
+@pytest.mark.parametrize("number", slow_but([19], [6, 13, 18, 19]))
 def test_a_random_mechanism_with_further_states_moves_as_the_reference(number):
     one = generate_further(41, number)
     verdict = judge(one, PERIODS * one.period)
@@ -50,12 +49,13 @@ def test_a_random_mechanism_with_further_states_moves_as_the_reference(number):
     assert verdict.events > 1
 
 
-@pytest.mark.parametrize("words", ["other units", pytest.param("split in two", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ["other units", "split in two"])
 def test_further_states_move_alike_in_other_words(words):
     assert complaint(words, 41, 18, PERIODS * generate_further(41, 18).period, generate_further) == ""
 
 
-@pytest.mark.parametrize("words", slow_but([*OTHER_WORDS][:2], OTHER_WORDS))
+@pytest.mark.parametrize("words", slow_but(["longer"], OTHER_WORDS))
 def test_the_same_mechanism_in_other_words_moves_alike(words):
     number = next(k for k in range(20, 60) if applies(words, generate(1, k)) and generate(1, k).n < 3)
     assert complaint(words, 1, number, PERIODS * generate(1, number).period) == ""
@@ -64,7 +64,7 @@ def test_the_same_mechanism_in_other_words_moves_alike(words):
 # A peak in a guard (7), waves and a run that is ten times longer (11), a step, a power and resets (19).
 @pytest.mark.parametrize(
     ("number", "longer"),
-    [(11, 10.0), *(pytest.param(number, 1.0, marks=pytest.mark.slow) for number in (7, 19))],
+    [(19, 1.0), *(pytest.param(*case, marks=pytest.mark.slow) for case in ((7, 1.0), (11, 10.0)))],
 )
 def test_a_random_automaton_moves_as_the_reference(number, longer):
     assert automata.judge(automata.generate(1, number), longer) == ""

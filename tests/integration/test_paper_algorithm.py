@@ -39,7 +39,7 @@ def test_the_intensity_is_the_papers(run):
     assert intensity(run) == pytest.approx(0.05, rel=0.2)
 
 
-@pytest.mark.parametrize("step", [1e-4, 5e-4])
+@pytest.mark.parametrize("step", [pytest.param(1e-4, marks=pytest.mark.slow), 5e-4])
 def test_other_steps_give_other_motions(step):
     assert intensity(fl.simulate(MODEL, 150.0, method=fl.RK4(step=step))) < 0.02
 

@@ -92,7 +92,8 @@ def test_without_geometry_the_impact_laws_agree_to_the_last_bit():
     assert material.final_state.tolist() == full.final_state.tolist()
 
 
-@pytest.mark.parametrize("scene", [pytest.param("A", marks=pytest.mark.slow), "B"])
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", ["A", "B"])
 def test_dop853_ends_in_the_same_state(scene):
     run = run_of(scene, method=fl.Scipy("DOP853", rtol=1e-12, atol=1e-15))
     assert len(run.events) == COUNTS[scene]

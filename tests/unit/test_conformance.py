@@ -8,6 +8,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import StickSlip
 from frictionlab.components.functions import exp
+from tests.helpers.cases import slow_but
 
 LAWS = [
     fl.CubicContact(),
@@ -40,7 +41,7 @@ def test_every_law(law):
 
 
 # In every run of the tests one law of each role; all laws, with either load, in the slow ones.
-AT_ONCE = {fl.HertzContact(), fl.Stribeck(mu_v=0.05), fl.PlasticImpact("full")}
+AT_ONCE = {fl.HertzContact(), fl.Stribeck(mu_v=0.05)}
 
 
 @pytest.mark.parametrize(
@@ -58,7 +59,12 @@ def test_every_law_in_the_slider(law, off):
     assert fl.energy_audit(run, progress=False).error < 1e-12
 
 
-@pytest.mark.parametrize("law", [fl.ExponentialDecay(), fl.Stribeck(mu_v=0.05), fl.WeakeningStrengthening()])
+@pytest.mark.parametrize(
+    "law",
+    slow_but(
+        [fl.ExponentialDecay()], [fl.ExponentialDecay(), fl.Stribeck(mu_v=0.05), fl.WeakeningStrengthening()]
+    ),
+)
 def test_every_friction_law_of_speed_in_bilateral_contact(law):
     fl.testing.check_model(in_slider(law).replace(interface=StickSlip()), t_end=0.3)
 

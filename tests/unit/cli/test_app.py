@@ -18,6 +18,7 @@ import pytest
 from frictionlab.cli import app, command
 
 
+@pytest.mark.slow
 def test_a_port_in_use_is_refused(refused):
     pytest.importorskip("voila", reason="voila serves the page; it is not installed")
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -27,6 +28,7 @@ def test_a_port_in_use_is_refused(refused):
     assert "give another, or leave it out" in err
 
 
+@pytest.mark.slow
 # Tornado leaves the socket to the garbage collector that could not have the port.
 @pytest.mark.filterwarnings("ignore:unclosed:ResourceWarning")
 def test_without_a_port_another_is_taken_where_the_usual_one_is_in_use(monkeypatch):

@@ -21,7 +21,7 @@ def fastest_eigenvalue(model):
     return np.abs(np.linalg.eigvals(np.array(jacobian, dtype=float))).max()
 
 
-@pytest.mark.parametrize("stiffness", slow_but([1e4], [1.0, 1e2, 1e4]))
+@pytest.mark.parametrize("stiffness", slow_but([1.0], [1.0, 1e2, 1e4]))
 def test_the_limit_is_a_share_of_the_fastest_motions_time(stiffness):
     """The sum over all states is not less than the fastest, nor much more than as many as fast as it."""
     model = MODEL.replace(k3=60.0 * stiffness, k4=15.0 * stiffness)

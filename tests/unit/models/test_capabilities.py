@@ -89,7 +89,7 @@ def test_it_is_heard(model, run):
     assert np.abs(sound.samples).max() == pytest.approx(0.9)
 
 
-@pytest.mark.parametrize("model", slow_but([CALLS[0], CALLS[-1]], CALLS), indirect=True)
+@pytest.mark.parametrize("model", slow_but([CALLS[-1]], CALLS), indirect=True)
 def test_it_is_explored_with_a_switch_for_each_nonlinearity_and_its_mechanism(model):
     explorer = fl.explore(model, panels=("response", "mechanism"))
     assert explorer.error is None
@@ -182,6 +182,7 @@ class Tilting(fl.MechanicalModel):
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "impact",
     [pytest.param(fl.PlasticImpact(), marks=pytest.mark.slow), fl.RestitutionImpact(e=0.5)],

@@ -7,6 +7,7 @@ from frictionlab.paper import Verdict
 from frictionlab.paper.checks import linear_stability
 from frictionlab.paper.results import CLAIMS, verdict_of_parts
 from frictionlab.paper.scenes import agrees_with_printed
+from tests.helpers.cases import slow_but
 
 IN_PART = {"C2", "C6", "C7"}
 
@@ -24,13 +25,16 @@ def test_every_claim_registered_has_a_row_in_order(table):
     assert all(isinstance(row.verdict, Verdict) for row in table)
 
 
-@pytest.mark.parametrize("name", [f"C{i}" for i in range(1, 9)])
-def test_verdicts(table, name):
-    expected = Verdict.IN_PART if name in IN_PART else Verdict.REPRODUCED
-    assert table[name].verdict is expected
-    assert bool(table[name].note) or name not in IN_PART
+@pytest.mark.parametrize(
+    "name", slow_but(["C1", "C2", "C3", "C4", "C7", "C8"], [f"C{i}" for i in range(1, 9)])
+)
+def test_verdicts(name):
+    row = fl.paper.claims(name)[name]
+    assert row.verdict is (Verdict.IN_PART if name in IN_PART else Verdict.REPRODUCED)
+    assert bool(row.note) or name not in IN_PART
 
 
+@pytest.mark.slow
 def test_numbers_of_the_claims(table):
     assert "1.7983, 1.7972, 1.1484 at F = 100 N; 0.6389, 0.6099, 0.1352 at F = 1000 N" in table["C5"].computed
     for number in ("0.6897", "1.1943", "2.0890", "1.8717"):

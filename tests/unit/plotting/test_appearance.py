@@ -79,9 +79,9 @@ def contrasts(figure):
     return found
 
 
-QUICK = "run", "map"
+QUICK = ("run",)
 DARK = [pytest.param("dark_background", n, marks=[] if n in QUICK else pytest.mark.slow) for n in FIGURES]
-DARK += [("dark", "overview"), *(pytest.param("dark", n, marks=pytest.mark.slow) for n in ("map", "basins"))]
+DARK += [pytest.param("dark", n, marks=pytest.mark.slow) for n in ("overview", "map", "basins")]
 
 
 @pytest.mark.parametrize(("way", "name"), DARK)
@@ -131,6 +131,7 @@ def test_the_size_of_figures_is_the_users(name):
     assert tuple(usual) != (5.0, 3.5)
 
 
+@pytest.mark.slow
 def test_a_style_holds_within_its_block_or_from_then_on():
     before = dict(mpl.rcParams)
     with fl.style("projector"):

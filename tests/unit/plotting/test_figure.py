@@ -36,9 +36,7 @@ WAYS = [  # one option and the setting that moves what is drawn at once, all in 
     pytest.param(
         settings,
         options,
-        marks=()
-        if (settings, options) in (({}, {"dpi": 50}), ({"savefig.bbox": "tight"}, {}))
-        else pytest.mark.slow,
+        marks=() if (settings, options) == ({"savefig.bbox": "tight"}, {}) else pytest.mark.slow,
     )
     for settings in SETTINGS
     for options in OPTIONS
@@ -60,7 +58,8 @@ def test_the_pixels_are_those_of_matplotlib(make, options, settings, tmp_path):
     assert np.array_equal(pixels(stream), pixels(usual))
 
 
-@pytest.mark.parametrize("style", ["screen", pytest.param("projector", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("style", ["screen", "projector"])
 def test_the_picture_of_a_run_is_that_of_matplotlib(style, tmp_path):
     with fl.style(style):
         of_a_run().savefig(path := str(tmp_path / "ours.PNG"))

@@ -34,7 +34,14 @@ def test_a_very_short_run_is_drawn():
 
 @pytest.mark.parametrize(
     ("interface", "method"),
-    [(fl.StickSlip(), "taylor"), (fl.SlidingSeparation(), "rk4"), (fl.SlidingOnly(), "DOP853")],
+    [
+        pytest.param(*case, marks=pytest.mark.slow)
+        for case in (
+            (fl.StickSlip(), "taylor"),
+            (fl.SlidingSeparation(), "rk4"),
+            (fl.SlidingOnly(), "DOP853"),
+        )
+    ],
     ids=str,
 )
 def test_every_interface_and_method(interface, method):

@@ -68,6 +68,7 @@ def test_an_equilibrium_is_the_mechanism_displaced_to_it():
     assert labels_of(ax) == [f"$F_N$ = {found.normal_force:.4g} N", f"$F_T$ = {found.friction_force:.4g} N"]
 
 
+@pytest.mark.slow
 def test_an_equilibrium_without_a_mechanism_is_bars_of_the_displacements():
     found = fl.equilibrium(SLIDER.automaton())
     ax = found.plot()

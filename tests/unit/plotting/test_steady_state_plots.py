@@ -115,6 +115,7 @@ def test_an_equilibrium_is_a_mark(ablated):
     assert mark.get_xdata()[0] == results[0].trajectory.final_state[results[0].trajectory.names.index("y2")]
 
 
+@pytest.mark.slow
 def test_eight_spectra_and_what_was_not_done(ablated):
     spectra = tuple(result.spectrum() for result in ablated.results)
     panels = plotting.plot_ablation(replace(ablated, results=(*spectra[:7], None)))
@@ -123,6 +124,7 @@ def test_eight_spectra_and_what_was_not_done(ablated):
     assert [text.get_text() for text in panels[7].texts] == ["not done"]
 
 
+@pytest.mark.slow
 def test_numbers_are_bars(ablated):
     values = (1.0, 2.0, None, -0.5, 0.0, 1.0, 1.0, 3.0)
     (ax,) = plotting.plot_ablation(replace(ablated, results=values))

@@ -265,6 +265,7 @@ def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
     assert np.array_equal(states, alone.sections[0])
 
 
+@pytest.mark.slow
 def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
     monkeypatch.setattr("frictionlab.widgets.explorer.PAUSE_AFTER_CHANGE", 0.5)
 

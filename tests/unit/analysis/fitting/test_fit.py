@@ -156,6 +156,7 @@ def test_a_spectrum_determines_friction_and_spring(segments):
     assert np.isnan(found.times).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("window", slow_but(["hann"], ["rectangular", "hann"]))
 def test_spectra_have_exact_gradients(window):
     """Residuals and their derivatives by parameters and all states at the seams, by Richardson."""

@@ -51,7 +51,7 @@ CASES = [
 ]
 
 
-LONG = {(SLIDER, fl.CriticalFrequency("mu_k", (0, 4))), *CASES[-2:]}  # seconds each
+LONG = {(SLIDER, ONSET), (SLIDER, fl.CriticalFrequency("mu_k", (0, 4))), *CASES[-2:]}  # seconds each
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from frictionlab.hybrid.kernels.jets import (
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.tape.packing import program_of
+from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.skipif(not machine_code.HAS_MACHINE_CODE, reason="needs numba")
 SWITCHES = ("cubic", "nonsmooth", "geometry")
@@ -85,7 +86,7 @@ def same(automaton, native, mode, order, states):
         assert np.isfinite(interpreted[rows, : order + 1]).all()
 
 
-@pytest.mark.parametrize("number", range(len(AUTOMATA)))
+@pytest.mark.parametrize("number", slow_but([0, 8, 13], range(len(AUTOMATA))))
 def test_every_mode_of_every_scene_to_the_last_bit(number):
     automaton = AUTOMATA[number]
     states = np.random.default_rng(number).normal(size=(3, len(automaton.states)))
@@ -94,7 +95,7 @@ def test_every_mode_of_every_scene_to_the_last_bit(number):
         same(automaton, with_code(automaton, mode, native), mode, 9, states)
 
 
-@pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])
+@pytest.mark.parametrize("automaton", slow_but(AUTOMATA[-1:], [AUTOMATA[0], *AUTOMATA[-2:]]))
 def test_one_code_serves_every_order(automaton):
     native = with_code(automaton, 0)
     address = native.code.native[0]

@@ -144,7 +144,8 @@ def test_an_accumulation_can_end_the_run():
     assert 0.0 < run.t[-1] < 0.5
 
 
-@pytest.mark.parametrize("name", ["DOP853", pytest.param("LSODA", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["DOP853", "LSODA"])
 def test_an_independent_integrator_sees_the_same_chatter(name):
     """scipy's methods share equations and resets, and neither the series nor the root finding."""
     exact = fl.simulate(MATERIAL, 1.0, method=fl.Taylor(chatter=1e-6), progress=False)

@@ -17,6 +17,7 @@ from frictionlab.stability.boundaries.hopf import (
     parameter_derivative,
 )
 from frictionlab.stability.equilibrium_points.sliding import sliding_equations
+from tests.helpers.cases import slow_but
 from tests.helpers.lorenz import A, B, P, X, Y, Z, automaton, lorenz
 
 pytestmark = pytest.mark.blas
@@ -150,7 +151,7 @@ SCENES = [
 ]
 
 
-@pytest.mark.parametrize("model", SCENES)
+@pytest.mark.parametrize("model", slow_but(SCENES[:1], SCENES))
 def test_derivatives_along_directions(model):
     """Against mpmath's differences of the automaton's flow with many digits."""
     scene = model.without("nonsmooth").automaton()

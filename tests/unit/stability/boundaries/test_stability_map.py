@@ -111,6 +111,7 @@ def test_the_slider_against_single_eigenvalues(model, x, top):
             assert abs(critical.imag) / (2 * np.pi) == pytest.approx(frequency, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_lowest_boundary_passes_through_the_critical_values():
     model = fl.SliderOnBelt()
     forces = np.linspace(50, 1000, 8)

@@ -63,9 +63,7 @@ def test_a_driven_mode_crosses_those_that_drive_it():
 
 
 @pytest.mark.parametrize("coupling", slow_but([1e-1, 1e-8], [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8]))
-@pytest.mark.parametrize(
-    "bounds", slow_but([(0.0, 1.0), (0.013, 0.971)], [(0.0, 1.0), (0.013, 0.971), (1.0, 0.0)])
-)
+@pytest.mark.parametrize("bounds", slow_but([(0.013, 0.971)], [(0.0, 1.0), (0.013, 0.971), (1.0, 0.0)]))
 def test_a_veering_is_no_crossing(coupling, bounds):
     """However weak the coupling and coarse the values: the lower frequency stays the lower one."""
     model = linear([[1 + P, coupling], [coupling, 2 - P]])
@@ -85,7 +83,7 @@ def test_different_damping_lets_weakly_coupled_modes_cross(damper, veers):
         assert (locus.frequencies[-1, 0] < locus.frequencies[-1, 1]) == veers
 
 
-@pytest.mark.parametrize("k_nl", slow_but([0.0, 1e4], [0.0, 1e4, 1e7]))
+@pytest.mark.parametrize("k_nl", slow_but([1e4], [0.0, 1e4, 1e7]))
 def test_coalescence_in_figure_2(k_nl):
     model = S(F=100, k_nl=k_nl)
     fine = fl.root_locus(model, "mu_k", np.linspace(0, 3, 3001))

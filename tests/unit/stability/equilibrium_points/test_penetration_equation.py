@@ -89,7 +89,7 @@ def least(model, **arrays):
     return states[3] - states[1]
 
 
-@pytest.mark.parametrize("width", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("width", slow_but([1e-3, 1e-9], [1e-3, 1e-5, 1e-7, 1e-9]))
 def test_a_narrow_bump_of_the_law(width):
     model = fixed(Bump(width=width))
     free, compliance = line(model)
@@ -134,7 +134,7 @@ def test_a_steep_exponential(a):
 
 
 @pytest.mark.parametrize("n", [2, 3])
-@pytest.mark.parametrize("moved", slow_but([0.0, 1e-14, -1e-9], [0.0, 1e-14, -1e-14, 1e-9, -1e-9]))
+@pytest.mark.parametrize("moved", slow_but([0.0, -1e-9], [0.0, 1e-14, -1e-14, 1e-9, -1e-9]))
 def test_double_and_triple_roots(n, moved):
     free, compliance = line(fixed(Steep()))
     model = fixed(Touching(free=free, c=compliance, n=n, moved=moved))
@@ -162,7 +162,13 @@ def test_an_array_of_exponents():
 
 
 @pytest.mark.parametrize("direction", ["vertical", pytest.param("normal", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("contact", [fl.HertzContact(), Bump(width=1e-4), Steep(), fl.CubicContact()])
+@pytest.mark.parametrize(
+    "contact",
+    slow_but(
+        [fl.HertzContact(), Bump(width=1e-4)],
+        [fl.HertzContact(), Bump(width=1e-4), Steep(), fl.CubicContact()],
+    ),
+)
 def test_a_belt_that_tilts(direction, contact):
     """All changes of sign of the equation on a fine grid, its coordinates solved as linear equations."""
     model = fl.SliderOnBelt(contact=contact, geometry=fl.MovingLoad(direction))

@@ -20,8 +20,6 @@ from tornado.websocket import websocket_connect  # noqa: E402  as above
 
 from frictionlab.cli import app_server  # noqa: E402  it needs tornado
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[3]
 PATIENCE = 120  # seconds
 # The command, with as many kernels and as little patience as a test has time for, and an empty page, as the
