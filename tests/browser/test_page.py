@@ -10,6 +10,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.pages.export import SolverNotBuiltError
+from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.browser
 
@@ -262,7 +263,7 @@ def test_play_moves_the_picture(page):
     assert page.inner_text("#play") == "play"
 
 
-@pytest.mark.parametrize("reduced", [False, True])
+@pytest.mark.parametrize("reduced", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider, reduced):
     page = opened(browser, slider, fragment="#play=1&mu_k=1.5")
     if reduced:
@@ -381,7 +382,7 @@ OTHERS = [
 ]
 
 
-@pytest.mark.parametrize("model", OTHERS, ids=lambda model: repr(model)[:40])
+@pytest.mark.parametrize("model", slow_but(OTHERS[:2], OTHERS), ids=lambda model: repr(model)[:40])
 def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
     page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
     found = page.evaluate("({ state: view.run.state, times: Array.from(view.run.eventTimes) })")

@@ -10,6 +10,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.plotting.appearance import BLUE, GREY, MODE_COLOURS
 from tests.helpers.canvas_page import open_canvas, picture_of, pixels_of, scrub
+from tests.helpers.cases import slow_but
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
 BELT, PHASE = 0, 1  # the two pictures
@@ -76,7 +77,7 @@ def test_the_javascript_is_in_the_package_and_needs_nothing_else(name):
 DARK_MODELS = {"belt": MODEL, "parts": fl.MassOnBelt()}
 
 
-@pytest.mark.parametrize("name", DARK_MODELS)
+@pytest.mark.parametrize("name", slow_but(["parts"], DARK_MODELS))
 def test_a_dark_style_is_dark_all_over(name, browser):
     run = fl.simulate(DARK_MODELS[name], 0.5, progress=False)
     with fl.style("dark"):
@@ -96,7 +97,12 @@ def test_a_dark_style_is_dark_all_over(name, browser):
     page.close()
 
 
-@pytest.fixture(params=[(1280, 720), (400, 800)], ids=["wide", "narrow"])
+@pytest.fixture(
+    params=[
+        pytest.param((1280, 720), id="wide"),
+        pytest.param((400, 800), id="narrow", marks=pytest.mark.slow),
+    ]
+)
 def page(request, browser, canvas):
     page = browser.new_page(viewport=dict(zip(("width", "height"), request.param)))
     page.failures = []
@@ -192,7 +198,7 @@ def test_nothing_is_cut_off(page):
 OTHERS = [fl.MassOnBelt(), fl.SliderOnRigidBelt(), fl.BouncingBall(), fl.TwoBlocks()]
 
 
-@pytest.mark.parametrize("model", OTHERS, ids=repr)
+@pytest.mark.parametrize("model", slow_but(OTHERS[-1:], OTHERS), ids=repr)
 def test_the_browser_draws_the_bodies_of_other_models_in_their_places(page, model):
     run = fl.simulate(model, 8 * model.period, progress=False)
     canvas = fl.watch(run, window=None)
