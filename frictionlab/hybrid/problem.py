@@ -157,12 +157,11 @@ class RecordList:
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
         lengths = [steps] * 3 + [events] * 3 + [points] * 3
-        filled = [array[:n] for array, n in zip(record, lengths)]
+        parts = [array[:n] for array, n in zip(record, lengths)]
         try:
-            parts = [part.copy() if len(part) < len(array) else array for part, array in zip(filled, record)]
-            self.copied = all(n < len(array) for array, n in zip(record, lengths) if len(array))
+            parts, self.copied = [part.copy() for part in parts], True
         except MemoryError:
-            parts, self.copied = filled, False
+            self.copied = False
         self._parts.append(Record(*parts))
         self._bytes += sum(array.nbytes for array in self._parts[-1])
         self.steps += int(steps)

@@ -41,7 +41,8 @@ from frictionlab.interruption import Progress
 from frictionlab.tape.program import System, system_of
 from frictionlab.validation import check_field
 
-RECORD_CAPACITY = 2048  # steps between two updates of the progress bar, which check for ctrl-C
+# Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
+RECORD_CAPACITY = 3072
 
 STATUS_OF_CODE = {
     run_state.RUNNING: Status.RUNNING,
