@@ -99,10 +99,12 @@ def defect_warning(
     steps alone, which is at most as large: nearly always it shows that all is well.
     """
     times, modes, states = raw.step_times[steps], raw.step_modes[steps], raw.step_states[steps]
+    if not len(modes):
+        return None
     ends = np.full_like(states, UNKNOWN_END)  # that of a series is the next state
     bad: Mapping[str, float] = {}
     for motion in (states, raw.step_states):
-        sizes = np.tile(np.abs(motion).max(axis=0, initial=0.0), (len(states), 1))
+        sizes = np.tile(np.abs(motion).max(axis=0), (len(states), 1))
         stored = StoredSteps(times, modes, states, ends, sizes)
         bad = _largest_defects(problem, stored, order, largest_sound_defect(tol))
         if not bad:

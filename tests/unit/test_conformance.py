@@ -41,7 +41,7 @@ def test_every_law(law):
 
 
 # In every run of the tests one law of each role; all laws, with either load, in the slow ones.
-AT_ONCE = {fl.HertzContact(), fl.Stribeck(mu_v=0.05)}
+AT_ONCE = {fl.HertzContact(), fl.Stribeck(mu_v=0.05), fl.PlasticImpact("full")}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The defect of a run: against closed forms, against the tolerance, and of other methods."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.compilation.machine_code import HAS_MACHINE_CODE
-from frictionlab.hybrid.accuracy import CHECK_POINTS, stored_steps
+from frictionlab.hybrid.accuracy import CHECK_POINTS, has_residual_above, stored_steps
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, oscillator
@@ -117,3 +118,13 @@ def test_a_power_that_starts_at_zero():
     law = automaton(fl.Mode("on", (V, 1 - X ** sp.Rational(3, 2))))
     run = fl.solve(law, 1.0, x0=[0.0, 0.0])
     assert 0.0 <= defect(run) < 1e-13
+
+
+@pytest.mark.parametrize(("slope", "seen"), [(1.0, False), (3.0, True), (math.inf, True), (math.nan, True)])
+def test_a_residual_is_seen_that_is_infinite_beside_an_infinite_state(slope, seen):
+    """No share of an infinite size, and no number, is below a bound."""
+    size = 4.0 if slope < 10.0 else math.inf
+    code = SimpleNamespace(groups=np.array([0, 1, 1, 1]), flow=np.array([[0]]))
+    scratch = SimpleNamespace(jets=np.array([[0.0, slope]]), values=np.zeros((1, 1)), sizes=np.array([size]))
+    kernel = getattr(has_residual_above, "py_func", has_residual_above)
+    assert kernel(code, 1, 0, 0.5, 0.5, scratch) == seen

@@ -32,16 +32,10 @@ def test_a_very_short_run_is_drawn():
     assert len(drawn(fl.simulate(MODEL, 1e-9, progress=False)).axes) == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("interface", "method"),
-    [
-        pytest.param(*case, marks=pytest.mark.slow)
-        for case in (
-            (fl.StickSlip(), "taylor"),
-            (fl.SlidingSeparation(), "rk4"),
-            (fl.SlidingOnly(), "DOP853"),
-        )
-    ],
+    [(fl.StickSlip(), "taylor"), (fl.SlidingSeparation(), "rk4"), (fl.SlidingOnly(), "DOP853")],
     ids=str,
 )
 def test_every_interface_and_method(interface, method):

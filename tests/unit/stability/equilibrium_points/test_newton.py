@@ -22,3 +22,11 @@ def test_each_matrix_is_solved_as_it_is_alone(count):
         else:
             np.testing.assert_array_equal(found[i], np.linalg.solve(matrix, side))
     assert np.isnan(found).any() == (unknown & ~singular).any()
+
+
+def test_where_determinants_do_not_tell_each_matrix_is_solved_alone(monkeypatch):
+    """As with a LAPACK that takes other factors for the determinants."""
+    matrices, right = np.stack([np.diag([1.0, 0.0]), np.diag([2.0, 4.0])]), np.ones((2, 2, 1))
+    slogdet = np.linalg.slogdet
+    monkeypatch.setattr(np.linalg, "slogdet", lambda a: slogdet(a)._replace(sign=np.ones(len(a))))
+    np.testing.assert_allclose(solve_matrices(matrices, right)[..., 0], [[1.0, 0.0], [0.5, 0.25]], rtol=1e-15)
