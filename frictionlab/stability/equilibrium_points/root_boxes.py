@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,12 +34,14 @@ Array = NDArray[np.float64]
 LARGEST, SMALLEST = 1e30, 1e-30  # sizes of states that are searched; smaller ones count as zero
 MOST_UNKNOWNS = 4  # with more the boxes that come near to zeros are too many
 MOST_BOXES = 12_000  # divided by the number of unknowns
+FEW_BOXES = 64  # of one unknown are cut in two at once as often as possible: bounds of many cost as much
 FINEST = 2.0**-30  # share of a state below which boxes are not bisected
 ROUNDED = 1e-5  # the same if the equations are zero up to rounding in the middle of the box
 CONTRACTIONS, SHRINKING = 32, 0.9  # of a box that holds one zero, as long as it shrinks to this share
 ROUNDING_FACTOR = 16.0  # times the bounds at a point: in a box no wider than that all is rounding
 SAMPLES = 24  # states that show what is nonlinear in the rows
 EDGE = 0.1  # share of a box by which it is enlarged to show that it holds one zero
+POLE_PARTS = 64  # parts of a box without bounds: next to a pole some ten floats are
 TOUCHING = 64  # clusters that a box is compared with
 PIVOT_RTOL = 1e-10  # share of a row or a column: what is smaller is rounding
 
@@ -441,7 +444,42 @@ def isolate_zeros(reduced: ReducedFlow, boxes: Boxes) -> Isolation:
         undecided.append(boxes.take(late))
         going = ~fine & ~late
         boxes = _halves(boxes.take(going), width[:, going])
-    return Isolation(_joined(single), _joined(narrow), _joined(undecided), int(spent.sum()))
+        while len(reduced.unknowns) == 1 and 0 < len(boxes.owners) <= FEW_BOXES:
+            boxes = _halves(boxes, np.zeros((1, len(boxes.owners))))
+    few = _joined(narrow)
+    if len(reduced.unknowns) == 1 and len(few.owners):
+        few = few.take(~_only_poles(reduced, few))
+    return Isolation(_joined(single), few, _joined(undecided), int(spent.sum()))
+
+
+def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
+    """Which narrow boxes hold a pole of the one equation, and no zero.
+
+    They are bisected on, down to neighbouring floats, as long as the equation has no bounds.  A part with
+    bounds must not hold zero.  At the floats that are left the equation is larger than at the box's ends.
+    """
+
+    def size(which: NDArray[np.intp], at: Array) -> Array:
+        return np.abs(np.broadcast_to(reduced.of(boxes.owners[which]).rates([at])[0].low, at.shape))
+
+    every = np.arange(len(boxes.owners))
+    smaller = np.fmin(*(size(every, end) for end in boxes.ends[:, 0]))
+    poles, parts = np.ones(len(every), dtype=bool), Boxes(boxes.ends, every)
+    while len(parts.owners):
+        row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
+        bounded = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
+        poles[parts.owners[bounded & row.contains_zero()]] = False
+        parts = parts.take(~bounded)
+        poles[np.bincount(parts.owners, minlength=len(every)) > POLE_PARTS] = False
+        parts = parts.take(poles[parts.owners])
+        (low, high), owners = parts.ends[:, 0], parts.owners
+        middle = low + (high - low) / 2
+        last = (middle <= low) | (middle >= high)
+        for end in low, high:
+            poles[owners[last & ~(size(owners, end) > smaller[owners])]] = False
+        cuts = low, middle, high
+        parts = _joined([Boxes(np.stack(two)[:, None], owners).take(~last) for two in pairwise(cuts)])
+    return poles
 
 
 def _search(reduced: ReducedFlow) -> RootBoxes:

@@ -60,6 +60,18 @@ class Touching(ContactLaw):
 
 
 @dataclass(frozen=True)
+class Locking(ContactLaw):
+    """A force that grows without bounds towards a penetration."""
+
+    k: float = 5e3
+    most: float = 0.05
+
+    def force(self, penetration):
+        """A rational function with two poles."""
+        return self.k * penetration / (1 - (penetration / self.most) ** 2)
+
+
+@dataclass(frozen=True)
 class Power(ContactLaw):
     """A spring with any power."""
 
@@ -118,6 +130,22 @@ def test_many_widths_of_a_bump_at_once():
     at = least(model, width=widths, height=heights)
     np.testing.assert_allclose(at[::2], free / (1 + 5e3 * compliance), rtol=1e-12)
     np.testing.assert_allclose((0.02 - at[1::2])[3:9] / widths[1::2][3:9], there, rtol=1e-3)
+
+
+def test_a_law_with_poles():
+    """Times its denominator the equation is a cubic polynomial, one root on each side of each pole."""
+    most = np.array([0.5, 0.05, 0.021, 1e-3])
+    model = fixed(Locking())
+    free, compliance = line(model)
+
+    def roots(m):
+        return np.roots([1 / m**2, -free / m**2, -1 - 5e3 * compliance, free])
+
+    pressed = [min(root for root in roots(m) if root > 0) for m in most]
+    np.testing.assert_allclose(least(model, most=most), pressed, rtol=1e-9)
+    found = fl.equilibria(model)
+    assert found.complete
+    np.testing.assert_allclose(sorted(e.penetration for e in found), np.sort(roots(0.05)), rtol=1e-12)
 
 
 @pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-5, 1e-7])

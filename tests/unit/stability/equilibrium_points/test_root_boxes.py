@@ -91,7 +91,21 @@ def test_a_pole_is_no_equilibrium(order, scale):
     found = equilibria([3 + pole], (X,), 0, a=scale)
     beside = [scale * (1 - 3 ** (-1 / order))] if order % 2 else []
     np.testing.assert_allclose([e.state[0] for e in found], beside, rtol=1e-12)
-    assert equilibria([pole], (X,), 0, a=scale) == ()
+    alone = equilibria([pole], (X,), 0, a=scale)
+    assert alone == ()
+    assert found.complete
+    assert alone.complete
+
+
+def test_a_zero_beside_a_pole_is_not_taken_for_it():
+    """(x - 1)/(x - p): the zero is listed, or it is said that there may be one."""
+    for distance in (1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14):
+        found = equilibria([(X - 1) / (X - 1 - A)], (X,), 0, a=distance)
+        there = [e.state[0] for e in found]
+        assert there == [pytest.approx(1.0, rel=1e-12)] or (there == [] and not found.complete)
+    assert equilibria([(X - 1) / (X - 1 - A)], (X,), 0, a=1e-3).complete
+    removed = equilibria([(X - 1) * (X - 1 - A) / (X - 1 - A)], (X,), 0, a=1e-3)
+    assert [e.state[0] for e in removed] == [1.0]
 
 
 def test_what_is_not_known_is_said():
