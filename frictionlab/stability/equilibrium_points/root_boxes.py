@@ -18,7 +18,7 @@ function has no bounds, it says that it does not know.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -420,23 +420,36 @@ class Isolation(NamedTuple):
     single, narrow, undecided : Boxes
     spent : int
         How many boxes were bounded.
+    ended_at : array (count,)
+        Of each owner the upper end of the box that ended its search; infinite where all zeros are looked for.
     """
 
     single: Boxes
     narrow: Boxes
     undecided: Boxes
     spent: int
+    ended_at: Array
 
 
-def isolate_zeros(reduced: ReducedFlow, boxes: Boxes) -> Isolation:
-    """Bisection of boxes until each holds one zero, or none, or is too narrow to tell."""
+def isolate_zeros(
+    reduced: ReducedFlow, boxes: Boxes, ends: Callable[[Boxes], NDArray[np.bool_]] | None = None
+) -> Isolation:
+    """Bisection of boxes until each holds one zero, or none, or is too narrow to tell.
+
+    Of one unknown the least zero may be enough: in boxes above one with a zero that `ends` the search of its
+    owner none is looked for.
+    """
     single, narrow, undecided = [boxes.take([])], [boxes.take([])], [boxes.take([])]
     most, count = MOST_BOXES // max(len(reduced.unknowns), 1), 1 + boxes.owners.max(initial=0)
-    spent = np.zeros(count, dtype=np.intp)
+    spent, ended_at = np.zeros(count, dtype=np.intp), np.full(count, np.inf)
     while len(boxes.owners):
         spent += np.bincount(boxes.owners, minlength=count)
         boxes, one = _prune(reduced, boxes)
         single.append(one)
+        if ends is not None and len(one.owners):
+            last = one.take(ends(one))
+            np.minimum.at(ended_at, last.owners, last.ends[1, 0])
+        boxes = _below(boxes, ended_at)
         width = _widths(*boxes.ends)
         fine = width.max(axis=0, initial=0.0) <= _finest(reduced.of(boxes.owners), *boxes.ends)
         narrow.append(boxes.take(fine))
@@ -446,10 +459,16 @@ def isolate_zeros(reduced: ReducedFlow, boxes: Boxes) -> Isolation:
         boxes = _halves(boxes.take(going), width[:, going])
         while len(reduced.unknowns) == 1 and 0 < len(boxes.owners) <= FEW_BOXES:
             boxes = _halves(boxes, np.zeros((1, len(boxes.owners))))
-    few = _joined(narrow)
+    few, doubtful = (_below(_joined(parts), ended_at) for parts in (narrow, undecided))
     if len(reduced.unknowns) == 1 and len(few.owners):
         few = few.take(~_only_poles(reduced, few))
-    return Isolation(_joined(single), few, _joined(undecided), int(spent.sum()))
+    return Isolation(_joined(single), few, doubtful, int(spent.sum()), ended_at)
+
+
+def _below(boxes: Boxes, ended_at: Array) -> Boxes:
+    """The boxes in which zeros are still looked for."""
+    going = np.isinf(ended_at[boxes.owners])
+    return boxes if going.all() else boxes.take(going | (boxes.ends[0, 0] < ended_at[boxes.owners]))
 
 
 def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:

@@ -36,7 +36,7 @@ from frictionlab.stability.equilibrium_points.root_boxes import (
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
-from frictionlab.tape.intervals import interval
+from frictionlab.tape.intervals import Interval, interval
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
@@ -422,14 +422,24 @@ def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> A
     """Penetrations (count,) in m; NaN where there is no equilibrium with F_N > 0."""
     excess = _excess_polynomial(statics, values)
     with np.errstate(all="ignore"):
-        if excess is None:
-            penetrations = _isolated_candidates(statics, values, count)
-        else:
-            penetrations = _polynomial_candidates(
-                statics, values, np.broadcast_to(excess, (len(excess), count))
-            )
-        q = statics.coordinates.arrays(penetrations, *values)
-        _, solved = statics.is_static(penetrations, q, values, STATIC_RESIDUAL_RTOL)
+        if excess is not None:
+            excess = np.broadcast_to(excess, (len(excess), count))
+            return _least_pressed(statics, values, _polynomial_candidates(statics, values, excess))
+        search = PenetrationSearch(statics, values, count)
+        candidates, ended = search.candidates(np.arange(count), search.is_pressed)
+        least = _least_pressed(statics, values, candidates)
+        # If the root that ended the search is no equilibrium to rounding, all roots are looked for.
+        again = np.flatnonzero(ended & np.isnan(least))
+        if len(again):
+            candidates, _ = search.candidates(again)
+            least = np.fmin(least, _least_pressed(statics, values, candidates))
+        return least
+
+
+def _least_pressed(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
+    """The least (N,) of candidates (k, N) that are static with F_N > 0; NaN where there is none."""
+    q = statics.coordinates.arrays(penetrations, *values)
+    _, solved = statics.is_static(penetrations, q, values, STATIC_RESIDUAL_RTOL)
     pressed = solved & (penetrations > 0) & (statics.normal_force(penetrations, values) > 0)
     least = np.where(pressed, penetrations, np.inf).min(axis=0)
     return np.where(np.isfinite(least), least, np.nan)
@@ -486,24 +496,42 @@ def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
     return roots
 
 
-def _isolated_candidates(statics: Statics, values: Sequence[Any], count: int) -> Array:
-    """Positive roots (k, N) of an equation that is no polynomial; NaN fills columns with fewer than k."""
-    # Of most laws one box ends at the penetration without contact force, and holds the only root.
-    free = np.abs(np.broadcast_to(statics.excess(0.0, values), (count,)))
-    free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
-    least, most = np.full(count, SMALLEST), np.full(count, LARGEST)
-    boxes = Boxes(
-        np.stack([np.append(least, free), np.append(free, most)])[:, None], np.tile(np.arange(count), 2)
-    )
-    search = isolate_zeros(one_equation(statics.equation, values), boxes)
-    low, high = (_columns(end[0], search.single.owners, count) for end in search.single.ends)
-    roots = _enclosed_roots(statics, values, low, high)
-    for i in np.unique(np.append(search.narrow.owners, search.undecided.owners)):
-        alone = [v if np.ndim(v) == 0 else float(np.broadcast_to(v, (count,))[i]) for v in values]
-        points = find_zeros(statics.equation, alone).points[0]
-        roots = np.vstack([roots, _columns(points, np.full(len(points), i), count)])
-    # Without preload zero is a root, up to rounding: there is no contact.
-    return np.where(_is_without_contact(statics, values, roots), np.nan, roots)
+class PenetrationSearch(NamedTuple):
+    """A search for the roots of an equation that is no polynomial, at `count` values of the parameters."""
+
+    statics: Statics
+    values: Sequence[Any]
+    count: int
+
+    def of(self, owners: NDArray[np.intp]) -> list[Any]:
+        """The values of the parameters of each owner."""
+        return [v if np.ndim(v) == 0 else np.broadcast_to(v, (self.count,))[owners] for v in self.values]
+
+    def is_pressed(self, boxes: Boxes) -> NDArray[np.bool_]:
+        """In which boxes of penetrations F_N is positive."""
+        force = interval(self.statics.normal_force(Interval(*boxes.ends[:, 0]), self.of(boxes.owners)))
+        return np.broadcast_to(force.low > 0, boxes.owners.shape)
+
+    def candidates(
+        self, owners: NDArray[np.intp], ends: Callable[[Boxes], NDArray[np.bool_]] | None = None
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Positive roots (k, count), NaN in columns with fewer than k, and for which values (count,) a root
+        ended the search."""
+        # Of most laws one box ends at the penetration without contact force, and holds the only root.
+        free = np.abs(np.broadcast_to(self.statics.excess(0.0, self.of(owners)), owners.shape))
+        free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
+        least, most = np.full(len(owners), SMALLEST), np.full(len(owners), LARGEST)
+        boxes = np.stack([np.append(least, free), np.append(free, most)])[:, None]
+        equation = one_equation(self.statics.equation, self.of(np.arange(self.count)))
+        search = isolate_zeros(equation, Boxes(boxes, np.tile(owners, 2)), ends)
+        low, high = (_columns(end[0], search.single.owners, self.count) for end in search.single.ends)
+        roots = _enclosed_roots(self.statics, self.values, low, high)
+        for i in np.unique(np.append(search.narrow.owners, search.undecided.owners)):
+            points = find_zeros(self.statics.equation, list(map(float, self.of(i)))).points[0]
+            roots = np.vstack([roots, _columns(points, np.full(len(points), i), self.count)])
+        # Without preload zero is a root, up to rounding: there is no contact.
+        none = _is_without_contact(self.statics, self.values, roots)
+        return np.where(none, np.nan, roots), np.isfinite(search.ended_at)
 
 
 def _is_without_contact(statics: Statics, values: Sequence[Any], roots: Array) -> Any:

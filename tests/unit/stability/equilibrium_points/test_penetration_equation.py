@@ -72,6 +72,18 @@ class Locking(ContactLaw):
 
 
 @dataclass(frozen=True)
+class Tangent(ContactLaw):
+    """A force with a pole in every period."""
+
+    k: float = 5e3
+    most: float = 0.02
+
+    def force(self, penetration):
+        """A tangent."""
+        return self.k * self.most * fl.functions.tan(penetration / self.most)
+
+
+@dataclass(frozen=True)
 class Power(ContactLaw):
     """A spring with any power."""
 
@@ -146,6 +158,18 @@ def test_a_law_with_poles():
     found = fl.equilibria(model)
     assert found.complete
     np.testing.assert_allclose(sorted(e.penetration for e in found), np.sort(roots(0.05)), rtol=1e-12)
+
+
+def test_the_least_of_endless_roots():
+    """Of a tangent's roots the least lies before its first pole."""
+    most = np.array([0.5, 0.02, 1e-3])
+    model = fixed(Tangent())
+    free, compliance = line(model)
+    roots = [
+        brentq(lambda d, m=m: free - compliance * 5e3 * m * np.tan(d / m) - d, 0.0, 1.5707 * m, xtol=1e-18)
+        for m in most
+    ]
+    np.testing.assert_allclose(least(model, most=most), roots, rtol=1e-9)
 
 
 @pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-5, 1e-7])
