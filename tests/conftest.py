@@ -53,12 +53,21 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.browser)
 
 
+# Their tests take the results of tests/helpers/results.py, so they run in one process.
+OF_RESULTS = ("test_results_in_hand.py", "test_round_trips.py", "test_results_plot.py", "test_appearance.py")
+
+
 @pytest.hookimpl(optionalhook=True)  # where xdist is installed
 def pytest_xdist_make_scheduler(config, log):
     """A file's tests run in one process, which makes what they share once."""
     from xdist.scheduler import LoadFileScheduling
 
-    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            return "results" if file.endswith(OF_RESULTS) else file
+
+    return Scheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

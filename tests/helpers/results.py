@@ -15,10 +15,9 @@ BELT = fl.MassOnBelt()
 STICK_SLIP = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
 RESTING = fl.ModeCoupling(c=0.5)
 SLIDER = fl.SliderOnBelt()
-FLAT_SLIDER = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 TURNING = SLIDER.automaton().states[5]  # the rate of x1
 DISTRIBUTIONS = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
-SPEEDS = ("x1'", [0.0, 0.25, 0.5]), ("y1'", [0.0, 0.1])
+STARTS = ("x", [0.0, 0.5, 1.0]), ("x'", [0.0, 0.1])
 
 
 def preload(model):
@@ -60,7 +59,7 @@ def branch_with_special_point():
 
 
 def run():
-    return fl.simulate(SLIDER.replace(mu_k=1.4), 0.3, sections={"turns": (TURNING, -1)}, **QUIET)
+    return fl.simulate(SLIDER.replace(mu_k=1.4), 0.15, sections={"turns": (TURNING, -1)}, **QUIET)
 
 
 def run_of_two_contacts():
@@ -79,12 +78,12 @@ def optimum():
 
 
 def basins():
-    return fl.basins(FLAT_SLIDER, *SPEEDS, "near", window=10.0, **QUIET)
+    return fl.basins(STICK_SLIP, *STARTS, transient=50.0, window=20.0, **QUIET)
 
 
 def basin_stability():
-    ranges = {"x1'": (0.0, 0.5), "y1'": (0.0, 0.1)}
-    return fl.basin_stability(FLAT_SLIDER, ranges, 6, x0="near", window=10.0, **QUIET)
+    ranges = {"x": (0.0, 1.0), "x'": (0.0, 0.1)}
+    return fl.basin_stability(STICK_SLIP, ranges, 6, transient=50.0, window=20.0, **QUIET)
 
 
 BUILDERS = {
@@ -109,7 +108,7 @@ BUILDERS = {
     "eigenvalues": lambda: fl.eigenvalues(SLIDER.replace(mu_k=2.0)),
     "stability change": lambda: fl.stability_changes(SLIDER, "mu_k", (0, 3))[0],
     "curve": lambda: fl.critical_curve(SLIDER, "mu_k", (0, 3), over=("F", [200.0, 400.0])),
-    "map": lambda: fl.stability_map(SLIDER, ("F", [100, 500, 1000]), ("mu_k", [0.5, 1.5])),
+    "map": lambda: fl.stability_map(COUPLED, ("k3", [0.8, 1.3, 2.0]), ("mu_k", [0.1, 1.0])),
     "boundary": lambda: result("map").boundary[0],
     "ends": lambda: fl.ensemble([SLIDER.replace(mu_k=mu) for mu in (0.1, 0.2)], 0.05, **QUIET),
     "steady state": steady_state,
@@ -126,7 +125,7 @@ BUILDERS = {
     "exponents": lambda: fl.lyapunov(COUPLED, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(result("run"), **QUIET),
     "equilibrium": lambda: fl.equilibrium(SLIDER),
-    "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.automaton()),
+    "equilibrium of an automaton": lambda: fl.equilibrium(COUPLED.automaton()),
     "Hopf point": lambda: fl.hopf(SLIDER, "mu_k", (0, 4)),
     "tangent flow": lambda: fl.tangent_flow(fl.simulate(COUPLED, 0.5, x0="near", **QUIET), **QUIET),
     "verification": lambda: fl.verify(BELT, 2.0, **QUIET),
