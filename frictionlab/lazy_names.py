@@ -49,7 +49,9 @@ def loader_of_names(package: str, homes: dict[str, str], into: dict[str, Any]) -
         if name not in homes:
             from frictionlab.validation import did_you_mean
 
-            raise AttributeError(f"module {package!r} has no attribute {name!r}{did_you_mean(name, homes)}")
+            # Tools ask every module for names such as __wrapped__; to find near ones takes milliseconds.
+            meant = "" if name.startswith("_") else did_you_mean(name, homes)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{meant}")
         value = _load(package, homes[name], name)
         into[name] = value
         return value

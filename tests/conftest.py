@@ -44,6 +44,12 @@ def pytest_collection_finish():
     gc.freeze()
 
 
+def pytest_sessionfinish():
+    """As much for what tests have cached: pytest goes through all of it ten times at its end."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_collection_modifyitems(items):
     """Tests are slow by folder or mark, and need a browser where they ask for the fixture."""
     for item in items:
