@@ -3,7 +3,11 @@
 import pytest
 
 
-def slow_but(at_once, cases):
-    """The names or values `cases`, those that are not in `at_once` marked as slow."""
+def slow_but(at_once, cases, several=False):
+    """The names or values `cases`, those that are not in `at_once` marked as slow.
+
+    With `several` each case is a tuple of values of several arguments.
+    """
     assert all(case in cases for case in at_once)
-    return [case if case in at_once else pytest.param(case, marks=pytest.mark.slow) for case in cases]
+    rows = [(case, case if several else (case,)) for case in cases]
+    return [case if case in at_once else pytest.param(*row, marks=pytest.mark.slow) for case, row in rows]

@@ -9,9 +9,17 @@ from tests.digests.__main__ import FILE
 from tests.digests.runs import MODELS, cases, digest_of
 
 KNOWN = json.loads(FILE.read_text(encoding="utf-8"))
-CASES = [
-    pytest.param(case, id=case.name, marks=pytest.mark.plain_python if case.brief else ()) for case in cases()
-]
+# Slider runs with a law of its own, each of which derives and compiles; the pressure and all switches stay.
+LONG = "Hertz polynomial exponential Stribeck weakening frictional normal".split()
+
+
+def marks_of(case):
+    if case.brief:
+        return pytest.mark.plain_python
+    return pytest.mark.slow if case.name.startswith(tuple(LONG)) else ()
+
+
+CASES = [pytest.param(case, id=case.name, marks=marks_of(case)) for case in cases()]
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -10,6 +10,7 @@ from PIL import Image
 
 import frictionlab as fl
 from frictionlab.plotting import RunFigure
+from tests.helpers.cases import slow_but
 
 
 def of_a_run():
@@ -48,7 +49,9 @@ def pixels(content):
 
 
 @pytest.mark.parametrize(("settings", "options"), WAYS, ids=str)
-@pytest.mark.parametrize("make", [of_equal_scales, without_a_layout], ids=lambda make: make.__name__)
+@pytest.mark.parametrize(
+    "make", slow_but([of_equal_scales], [of_equal_scales, without_a_layout]), ids=lambda make: make.__name__
+)
 def test_the_pixels_are_those_of_matplotlib(make, options, settings, tmp_path):
     with mpl.rc_context(settings):
         make().savefig(path := tmp_path / "ours.png", **options)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.blas
 
@@ -19,8 +22,12 @@ def automaton(rates, *, n, events=(), **parameters):
     return fl.HybridAutomaton((*x, *v), (mode,), {symbols[k]: p for k, p in parameters.items()}, n)
 
 
-@pytest.mark.parametrize("coupling", [1e-3, 1e-5, 1e-7])
-@pytest.mark.parametrize("place", [0.3721, 1 / np.pi, 0.5])
+PLACES, COUPLINGS = (0.3721, 1 / np.pi, 0.5), (1e-3, 1e-5, 1e-7)
+
+
+@pytest.mark.parametrize(
+    ("place", "coupling"), slow_but([*zip(PLACES, COUPLINGS)], [*product(PLACES, COUPLINGS)], several=True)
+)
 def test_a_window_as_narrow_as_the_coupling_is_weak(coupling, place):
     """Frequencies cross at `place`; an antisymmetric coupling e makes them lock where |k1 - k2| < 2e."""
 

@@ -1,10 +1,13 @@
 """Exact derivatives of the tape against sympy's."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 from tests.helpers.tangents import check_tangents
 
 X, Y = sp.symbols("x y")
@@ -12,8 +15,10 @@ MODELS = [fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")), fl.SliderO
 
 
 @pytest.mark.plain_python
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("mode", range(4))
+@pytest.mark.parametrize(
+    ("model", "mode"),
+    slow_but([*product(MODELS[:1], (0, 3)), (MODELS[1], 1)], [*product(MODELS, range(4))], several=True),
+)
 def test_the_sliders_jacobian_is_exact(model, mode):
     automaton = model.automaton()
     z = np.random.default_rng(mode).normal(scale=1e-2, size=len(automaton.states))

@@ -41,7 +41,7 @@ class Softening(fl.LinearContact):
 @pytest.mark.parametrize(
     ("model", "name", "value"),
     [
-        (fl.SliderOnBelt(contact=Hertz()), "k_h", 2e5),
+        pytest.param(fl.SliderOnBelt(contact=Hertz()), "k_h", 2e5, marks=pytest.mark.slow),
         (fl.SliderOnBelt(friction=Stribeck()), "fall", 0.08),
     ],
     ids=["contact", "friction"],

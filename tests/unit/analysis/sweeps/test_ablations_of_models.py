@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 
 QUIET = {"progress": False}
 ONSET = fl.CriticalValue("mu_k", (0.0, 4.0))
@@ -68,7 +69,7 @@ def by_hand(model, changes):
     return models
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", slow_but([case for case in CASES if case != "springs"], CASES))
 def test_every_scene_is_the_model_that_one_would_make(case):
     model, switches, study, changes = CASES[case]
     found = fl.ablation(model, study, switches, **QUIET)

@@ -19,6 +19,7 @@ from frictionlab.hybrid.problem import Problem
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import system_of
+from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.skipif(not machine_code.HAS_MACHINE_CODE, reason="needs numba")
 METHODS = [fl.Taylor(tol=1e-15), fl.Taylor(tol=1e-9), fl.Taylor(tol=1e-4), fl.Taylor(order=4)]
@@ -67,7 +68,11 @@ def alone(program, numbers, code, method, state):
     return record.step_times[0, 1], cursor.state, step_length(code, method.degree, method.tol, work.jets)
 
 
-@pytest.mark.parametrize("name", SCENES)
+# Every function in one flow: test_steps_heed_every_function_as_those_of_a_run_alone of the ensembles.
+QUICK = "quotient", "power", "nested", "guard", "tan"
+
+
+@pytest.mark.parametrize("name", slow_but(QUICK, SCENES))
 def test_a_step_of_lanes_is_that_of_a_run_alone(name):
     fine, shortened = fine_and_shortened(SCENES[name], METHODS)
     assert fine > 0.9 * 10 * LANE_COUNT * len(METHODS)

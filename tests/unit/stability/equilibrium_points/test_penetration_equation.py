@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import mpmath
 import numpy as np
@@ -185,8 +186,14 @@ def test_a_steep_exponential(a):
     np.testing.assert_allclose(least(model, a=np.array([a, a])), float(exact), rtol=1e-9)
 
 
-@pytest.mark.parametrize("n", [2, 3])
-@pytest.mark.parametrize("moved", slow_but([0.0, -1e-9], [0.0, 1e-14, -1e-14, 1e-9, -1e-9]))
+@pytest.mark.parametrize(
+    ("n", "moved"),
+    slow_but(
+        [(2, 0.0), (2, -1e-9), (3, -1e-9)],
+        [*product([2, 3], [0.0, 1e-14, -1e-14, 1e-9, -1e-9])],
+        several=True,
+    ),
+)
 def test_double_and_triple_roots(n, moved):
     free, compliance = line(fixed(Steep()))
     model = fixed(Touching(free=free, c=compliance, n=n, moved=moved))
