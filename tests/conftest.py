@@ -59,8 +59,12 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.browser)
 
 
-# Their tests take the results of tests/helpers/results.py, so they run in one process.
-OF_RESULTS = ("test_results_in_hand.py", "test_round_trips.py", "test_results_plot.py", "test_appearance.py")
+# Files whose tests take the same results, those of tests/helpers/results.py or the paper's linear figures,
+# which each process has to compute; so one process runs them.
+TOGETHER = {
+    "results": ("results_in_hand.py", "round_trips.py", "results_plot.py", "appearance.py"),
+    "paper": ("linear_figures.py", "claims.py"),
+}
 
 
 @pytest.hookimpl(optionalhook=True)  # where xdist is installed
@@ -71,7 +75,7 @@ def pytest_xdist_make_scheduler(config, log):
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid):
             file = super()._split_scope(nodeid)
-            return "results" if file.endswith(OF_RESULTS) else file
+            return next((name for name, ends in TOGETHER.items() if file.endswith(ends)), file)
 
     return Scheduling(config, log) if config.getvalue("dist") == "load" else None
 

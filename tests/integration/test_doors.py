@@ -85,6 +85,7 @@ def test_an_automaton_moves_alike_in_another_unit_and_in_two_halves():
     assert times == pytest.approx(whole.events.t, rel=1e-11)
 
 
+@pytest.mark.slow
 def test_a_run_with_another_mass_is_seen():
     one = generate(1, 16)
     heavier = replace(one, kinetic=f"({one.kinetic})*1.00001")

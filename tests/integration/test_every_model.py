@@ -9,14 +9,16 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.models.symbols import symbol
+from tests.helpers.cases import slow_but
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
 CALLS = [row.call for row in fl.list_models() if row.call != "SliderOnBelt()"]
+OTHER_LAWS = [call for call in CALLS if "friction=" in call]  # of models that are there without them too
 VARIED = ("v", "Omega", "h", "x_0")
 FORCED = ("DenHartog", "ImpactOscillator", "FreeCoulomb", "BouncingBall")
 
 
-@pytest.fixture(params=CALLS)
+@pytest.fixture(params=slow_but({*CALLS} - {*OTHER_LAWS}, CALLS))
 def model(request):
     return eval(request.param, {"fl": fl, **NAMES})
 

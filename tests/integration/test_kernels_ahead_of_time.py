@@ -31,6 +31,7 @@ from frictionlab.compilation.manifest import (
 from frictionlab.compilation.targets import TARGETS, WEB, targets_of_system
 from frictionlab.hybrid.kernels.jets import state_rates
 from frictionlab.tape.packing import program_of
+from tests.helpers.cases import slow_but
 
 ROOT = Path(__file__).parents[2]
 
@@ -197,13 +198,21 @@ def write_objects(package, folder):
     (package / "compilation" / folder / FILE).write_text(manifest.to_json())
 
 
-@pytest.fixture
-def clone(tmp_path):
-    """A clone whose objects fit its sources."""
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    """The package, with objects that fit its sources."""
     pytest.importorskip("hatchling", reason="it builds the wheel; it is not installed")
+    package = tmp_path_factory.mktemp("original") / "frictionlab"
     ignored = shutil.ignore_patterns("__pycache__", "objects*", "tutorials")
-    shutil.copytree(ROOT / "frictionlab", tmp_path / "frictionlab", ignore=ignored)
-    write_objects(tmp_path / "frictionlab", REPOSITORY)
+    shutil.copytree(ROOT / "frictionlab", package, ignore=ignored)
+    write_objects(package, REPOSITORY)
+    return package
+
+
+@pytest.fixture
+def clone(original, tmp_path):
+    """A clone whose objects fit its sources."""
+    shutil.copytree(original, tmp_path / "frictionlab")
     return tmp_path
 
 
@@ -286,7 +295,7 @@ def test_a_compiler_that_fails_says_so_in_one_line(edited_clone):
     assert warning == f"warning: the solver could not be compiled, {SLOW}: RuntimeError: no compiler"
 
 
-@pytest.mark.parametrize("edited", [True, False])
+@pytest.mark.parametrize("edited", slow_but([True], [True, False]))
 def test_a_processor_without_a_target_is_told_so_in_one_line(clone, edited, request):
     if edited:
         request.getfixturevalue("edited_clone")

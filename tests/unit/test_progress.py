@@ -13,6 +13,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.interruption import PROGRESS_VARIABLE, Progress, progress_bar, tell
 from frictionlab.models.automaton_of_model import automaton_of_structure
+from tests.helpers.cases import slow_but
 
 
 def is_shown():
@@ -55,7 +56,12 @@ def test_a_run_says_nothing_of_the_compilation(capsys):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize(("value", "shown"), [("0", False), ("off", False), ("False", False), ("1", True)])
+SAID = slow_but(
+    [("off", False), ("1", True)], [("0", False), ("off", False), ("False", False), ("1", True)], several=True
+)
+
+
+@pytest.mark.parametrize(("value", "shown"), SAID)
 def test_the_environment_switches_bars_off(value, shown):
     code = "from frictionlab.interruption import progress_bar; print(not progress_bar([1]).disable)"
     environment = os.environ | {PROGRESS_VARIABLE: value}

@@ -16,8 +16,8 @@ def fastest_eigenvalue(model):
     """Magnitude, 1/s, in the limit mode where all states are zero."""
     automaton = model.automaton()
     (limit,) = (mode for mode in automaton.modes if mode.limit)
-    at_zero = dict(automaton.parameters) | dict.fromkeys(automaton.states, 0)
-    jacobian = sp.Matrix(limit.flow).jacobian(list(automaton.states)).subs(at_zero)
+    flow = sp.Matrix(limit.flow).subs(dict(automaton.parameters))  # numbers first: these are long expressions
+    jacobian = flow.jacobian(list(automaton.states)).subs(dict.fromkeys(automaton.states, 0))
     return np.abs(np.linalg.eigvals(np.array(jacobian, dtype=float))).max()
 
 

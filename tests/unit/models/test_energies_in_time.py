@@ -98,7 +98,10 @@ class Trolley(MechanicalModel):
         return Mechanics(kinetic, load * G * L * (1 - cos(q.y)) + K * q.x**2 / 2, frequency=W)
 
 
-@pytest.mark.parametrize("model", [*(Moved(variant=name) for name in ENERGIES), Trolley()], ids=str)
+MOVED = [Moved(variant=name) for name in ENERGIES]
+
+
+@pytest.mark.parametrize("model", [*MOVED, pytest.param(Trolley(), marks=pytest.mark.slow)], ids=str)
 def test_printed_equations_are_those_of_sympys_own_lagrange(model):
     t, names = dynamicsymbols._t, model.coordinates
     q = [dynamicsymbols(name) for name in names]

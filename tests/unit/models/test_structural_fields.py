@@ -11,6 +11,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
+from tests.helpers.cases import slow_but
 from tests.helpers.own_models import Chain, Fitted, NeedsNumber, Wear
 
 LAWS = {
@@ -50,7 +51,10 @@ def test_integers_of_numpy_are_saved_as_integers():
     assert WAYS["JSON"](law) == law == Fitted()
 
 
-@pytest.mark.parametrize("name", [name for name in MODELS if name != "no default"])
+CHECKED = [name for name in MODELS if name != "no default"]
+
+
+@pytest.mark.parametrize("name", slow_but(["defaults", "a law of one's own", "weights"], CHECKED))
 def test_models_pass_the_conformance_suite(name):
     fl.testing.check_model(MODELS[name], t_end=5.0)
 

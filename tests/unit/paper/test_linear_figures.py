@@ -1,17 +1,20 @@
 """Figs 2 to 6 of the paper: the numbers, and the pictures of them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.paper.results import EVERY_FIGURE, FIGURES
+from frictionlab.paper.results import EVERY_FIGURE
+from tests.helpers.cases import slow_but
 
 CRITICAL = {0.0: 1.51752661, 1e4: 1.51378354, 1e7: 0.58293736}  # at F = 200 N, by k_nl
 
 
-@pytest.fixture(scope="module")
-def figures():
-    return {number: fl.paper.figure(number) for number in FIGURES}
+@cache
+def figure(number):
+    return fl.paper.figure(number)
 
 
 def at_200(curve):
@@ -29,9 +32,9 @@ def test_other_numbers_are_refused_with_those_there_are(number):
         fl.paper.figure(number)
 
 
-@pytest.mark.parametrize(("number", "preload"), [(2, 100.0), (3, 1000.0)])
-def test_figs_2_and_3_show_a_pair_whose_frequencies_meet(figures, number, preload):
-    data = figures[number].data
+@pytest.mark.parametrize(("number", "preload"), [pytest.param(2, 100.0, marks=pytest.mark.slow), (3, 1000.0)])
+def test_figs_2_and_3_show_a_pair_whose_frequencies_meet(number, preload):
+    data = figure(number).data
     assert data.preload == preload
     assert list(data.loci) == [0.0, 1e4, 1e7]
     for k_nl, locus in data.loci.items():
@@ -45,9 +48,9 @@ def test_figs_2_and_3_show_a_pair_whose_frequencies_meet(figures, number, preloa
         assert np.argmax(locus.growth_rates[-1]) in (a, b)
 
 
-@pytest.mark.parametrize("number", [2, 3])
-def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(figures, number):
-    data = figures[number].data
+@pytest.mark.parametrize("number", slow_but([3], [2, 3]))
+def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(number):
+    data = figure(number).data
     assert list(data.changes) == list(data.loci) == [0.0, 1e4, 1e7]
     for k_nl, changes in data.changes.items():
         locus = data.loci[k_nl]
@@ -59,22 +62,22 @@ def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(figures, number):
         assert np.array_equal(counts, locus.unstable)
 
 
-def test_fig_4_at_the_usual_preload(figures):
-    curves = figures[4].data.curves
+def test_fig_4_at_the_usual_preload():
+    curves = figure(4).data.curves
     assert list(curves) == list(CRITICAL)
     for k_nl, value in CRITICAL.items():
         assert at_200(curves[k_nl]) == pytest.approx(value, abs=1e-7)
 
 
-def test_fig_5_at_the_usual_preload(figures):
-    curves = figures[5].data.curves
+def test_fig_5_at_the_usual_preload():
+    curves = figure(5).data.curves
     assert at_200(curves["with GN"]) == pytest.approx(1.51378354, abs=1e-7)
     assert at_200(curves["without GN"]) == pytest.approx(1.97391014, abs=1e-7)
 
 
-def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(figures):
+def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3():
     for number in (4, 5):
-        curves = figures[number].data.curves
+        curves = figure(number).data.curves
         assert curves
         for curve in curves.values():
             assert len(curve.at) > 1
@@ -84,8 +87,8 @@ def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(figures
             assert curve.at[-1] == 1000.0
 
 
-def test_the_notch_in_fig_4_is_a_second_window_of_instability(figures):
-    curve = figures[4].data.curves[1e7]
+def test_the_notch_in_fig_4_is_a_second_window_of_instability():
+    curve = figure(4).data.curves[1e7]
     for preload, mu_k, stable in [(170.0, 0.15, True), (170.0, 0.2, False), (170.0, 0.4, True)]:
         model = curve.model.replace(F=preload, mu_k=mu_k)
         assert fl.eigenvalues(model).stable == stable
@@ -98,8 +101,8 @@ def test_the_notch_in_fig_4_is_a_second_window_of_instability(figures):
     assert ((inside > 0.15) & (inside < 0.25)).all()
 
 
-def test_fig_6(figures):
-    data = figures[6].data
+def test_fig_6():
+    data = figure(6).data
     changes = {name: [c.value for c in found] for name, found in data.changes.items()}
     assert changes["with GN"] == pytest.approx([0.69, 1.19, 2.09], abs=0.005)
     assert changes["without GN"] == pytest.approx([1.87], abs=0.005)
@@ -111,15 +114,15 @@ def test_fig_6(figures):
     assert data.loci["without GN"].unstable.max() == 1
 
 
-def test_the_panels_of_one_figure_use_the_locus(figures):
-    data = figures[3].data
-    drawn = [line.get_ydata() for line in figures[3].plot().axes[0].lines]
+def test_the_panels_of_one_figure_use_the_locus():
+    data = figure(3).data
+    drawn = [line.get_ydata() for line in figure(3).plot().axes[0].lines]
     for k_nl, locus in data.loci.items():
         for mode in data.pairs[k_nl]:
             assert any(np.array_equal(locus.frequencies[:, mode], y) for y in drawn)
 
 
-def test_a_curve_that_is_given_out_again_cannot_be_changed(figures):
+def test_a_curve_that_is_given_out_again_cannot_be_changed():
     again = fl.paper.figure(5).data.curves["with GN"]
     with pytest.raises(ValueError, match="read-only"):
         again.values[0] = 0.0

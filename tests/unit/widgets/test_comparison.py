@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 from tests.helpers.explorers import MODELS, lines
 
 DARK = (17, 17, 17)
@@ -29,8 +30,9 @@ def words(text):
     return re.sub(r"<[^>]+>", "", text.replace("<br>", "\n"))
 
 
-@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-def test_every_model_opens_with_its_mechanism_in_motion(model):
+@pytest.mark.parametrize("name", slow_but(["SliderOnBelt()", "TwoBlocks()", "DenHartog()"], MODELS))
+def test_every_model_opens_with_its_mechanism_in_motion(name):
+    model = MODELS[name]
     explorer = fl.explore(model, ("mechanism",))
     assert explorer.error is None
     rows = frames(explorer.mechanism.canvas)

@@ -5,6 +5,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.widgets.number_control import NumberControl
+from tests.helpers.cases import slow_but
 from tests.helpers.explorers import MODELS
 
 KINDS = NumberControl, ipywidgets.Checkbox, ipywidgets.Dropdown, ipywidgets.Text, ipywidgets.ToggleButton
@@ -22,7 +23,7 @@ def told_by_browser(control):
     return control.value
 
 
-@pytest.fixture(params=MODELS, ids=MODELS, scope="module")
+@pytest.fixture(params=slow_but(["SliderOnBelt()", "BouncingBall()", "DenHartog()"], MODELS), scope="module")
 def explorer(request):
     explorer = fl.explore(MODELS[request.param], panels=("eigenvalues",))
     assert explorer.model == MODELS[request.param]
