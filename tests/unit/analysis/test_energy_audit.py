@@ -10,6 +10,7 @@ from scipy.integrate import trapezoid
 
 import frictionlab as fl
 from frictionlab.components import SlidingOnly, StickSlip
+from tests.helpers.cases import slow_but
 
 USUAL = fl.SliderOnBelt(mu_k=1.4)
 NORMAL = USUAL.replace(geometry=fl.MovingLoad(direction="normal"))
@@ -33,7 +34,10 @@ def run_of(model, t_end=1.0, **options):
     return fl.simulate(model, t_end, progress=False, **options)
 
 
-@pytest.mark.parametrize("name", SCENES)
+OFTEN = [name for name in SCENES if name not in {f"without {names}" for names in OFF[1:]}]
+
+
+@pytest.mark.parametrize("name", slow_but(OFTEN, SCENES))
 def test_the_balance_closes(name):
     audit = fl.energy_audit(run_of(SCENES[name]))
     assert audit.turned_over > 10.0
@@ -53,7 +57,7 @@ def with_powers(automaton):
     return replace(automaton.derived(), modes=tuple(map(also, automaton.modes)))
 
 
-@pytest.mark.parametrize("name", ["A", "B", "D", "bilateral"])
+@pytest.mark.parametrize("name", slow_but(["B", "bilateral"], ["A", "B", "D", "bilateral"]))
 def test_works_are_those_of_quadratures(name):
     model = SCENES[name]
     contributions = {"belt drive": "belt drive", "friction": "friction"}

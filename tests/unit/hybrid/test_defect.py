@@ -13,6 +13,7 @@ from frictionlab.hybrid.accuracy import CHECK_POINTS, has_residual_above, stored
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, oscillator
+from tests.helpers.cases import slow_but
 
 POINT = 0.5 * (1 + math.cos(0.5 * math.pi / CHECK_POINTS))  # the last, as a share of the step
 
@@ -92,7 +93,7 @@ def test_ends_of_steps_are_those_before_the_reset():
 
 
 @pytest.mark.skipif(not HAS_MACHINE_CODE, reason="needs numba")
-@pytest.mark.parametrize("contact", [fl.CubicContact(), fl.HertzContact()])
+@pytest.mark.parametrize("contact", slow_but([fl.CubicContact()], [fl.CubicContact(), fl.HertzContact()]))
 def test_native_and_interpreted_jets_give_the_same(contact):
     model = fl.SliderOnBelt(mu_k=1.4, contact=contact)
     method = fl.Taylor(tol=1e-8)

@@ -6,7 +6,7 @@ import frictionlab as fl
 from tests.helpers.explorers import SHORT
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def shared():
     return fl.explore(panels=SHORT)
 

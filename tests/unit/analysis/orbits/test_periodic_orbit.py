@@ -1,5 +1,7 @@
 """Periodic orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -7,6 +9,7 @@ from scipy.special import ellipk
 
 import frictionlab as fl
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
+from tests.helpers.cases import slow_but
 from tests.helpers.known_motions import FLAT, TILTED, W, bistable
 from tests.helpers.mode_coupling_cycle import by_differences, cycle
 
@@ -153,8 +156,10 @@ def return_map(model, orbit, i, z):
     return points.state[np.argmin(np.abs(points.t - orbit.period))]
 
 
-@pytest.mark.parametrize("base", [FLAT, TILTED], ids=["flat", "tilted"])
-@pytest.mark.parametrize("mu_k", [0.4, 1.4, 2.5])
+SLIDERS = [*product((FLAT, TILTED), (0.4, 1.4, 2.5))]
+
+
+@pytest.mark.parametrize(("base", "mu_k"), slow_but(SLIDERS[:3:2] + SLIDERS[4:5], SLIDERS, several=True))
 def test_the_sliders_multipliers_are_those_of_its_return_map(base, mu_k):
     model = base.replace(mu_k=mu_k)
     guess = fl.simulate(model, 60.0, progress=False)

@@ -12,7 +12,7 @@ def test_the_least_damping_that_keeps_coupled_modes_quiet():
     """Where the growth rate is zero: by halving."""
     model = fl.ModeCoupling(mu_k=0.53)
     low, high = 0.01, 1.0
-    for _ in range(60):
+    for _ in range(30):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if fl.GrowthRate()(model.replace(c=middle)) > 0 else (low, middle)
     assert 0.1 < low < 0.2

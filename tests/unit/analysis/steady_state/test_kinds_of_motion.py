@@ -7,6 +7,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.analysis.steady_state.poincare_sections import covers_period, phase_on_circle, phase_resets
 from tests.helpers.automata import V, X, automaton
+from tests.helpers.cases import slow_but
 from tests.helpers.impact_map import Oscillator
 from tests.helpers.known_motions import settled
 
@@ -175,7 +176,7 @@ def share_at_the_stop(beside):
 @pytest.mark.parametrize(
     "beside", [Oscillator(c=0.02, d=0.1, Omega=0.37, e=0.6), Oscillator(Omega=0.6, e=0.5)]
 )
-@pytest.mark.parametrize("periods", [50, 400])
+@pytest.mark.parametrize("periods", slow_but([50], [50, 400]))
 def test_infinitely_many_impacts_in_each_period_are_periodic(beside, periods):
     """How many of them are seen in a period is rounding, as they end in rest at the stop."""
     m, c, k, d, force, speed, e = beside

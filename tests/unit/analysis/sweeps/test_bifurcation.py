@@ -9,6 +9,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
+from tests.helpers.cases import slow_but
 
 FLAT = fl.SliderOnBelt().without("geometry")
 VALUES = [0.3, 0.5, 1.4, 2.9]
@@ -24,7 +25,7 @@ def same(found, expected):
     return json.dumps(found.results, sort_keys=True) == json.dumps(expected.results, sort_keys=True)
 
 
-@pytest.mark.parametrize("workers", [2, 5, None])
+@pytest.mark.parametrize("workers", slow_but([2], [2, 5, None]))
 def test_the_number_of_workers_changes_nothing(one_worker, workers, tmp_path):
     path = tmp_path / "sweep.jsonl"
     found = fl.bifurcation(FLAT, "mu_k", VALUES, workers=workers, resume=path, **SHORT)

@@ -8,6 +8,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.hybrid.methods.taylor import is_affine
 from frictionlab.tape.packing import program_of
+from tests.helpers.cases import slow_but
 
 LINEAR = fl.SliderOnBelt(mu_k=0.2).without("cubic", "nonsmooth", "geometry")
 
@@ -29,7 +30,7 @@ def exact(automaton, times, x0):
 
 
 @pytest.mark.plain_python
-@pytest.mark.parametrize("start", ["rest", "moving"])
+@pytest.mark.parametrize("start", slow_but(["moving"], ["rest", "moving"]))
 def test_states_and_what_lies_between(start):
     x0 = np.zeros(8) if start == "rest" else np.linspace(-0.02, 0.03, 8)
     times = np.sort(np.random.default_rng(1).uniform(0, 2.0, 12))
