@@ -47,7 +47,7 @@ fl.ensemble([model, model.replace(mu_k=1.2)], 0.05, progress=False)
 fl.steady_state(fl.MassOnBelt(), transient=20.0, window=20.0, progress=False)
 fl.basins(fl.MassOnBelt(), ("x", [0.0, 1.0]), ("x'", [0.0]), transient=20.0, window=20.0, progress=False)
 fl.bifurcation(fl.MassOnBelt(), "v", [0.1, 0.2], section="x'", transient=20.0, window=20.0, progress=False)
-fl.explore(fl.MassOnBelt())
+fl.explore(fl.MassOnBelt(), ("response",))
 print("numba" in sys.modules)
 """
 

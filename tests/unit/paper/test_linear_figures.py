@@ -62,6 +62,7 @@ def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(number):
         assert np.array_equal(counts, locus.unstable)
 
 
+@pytest.mark.slow  # test_paper_values has these values, and fig. 5 has curves
 def test_fig_4_at_the_usual_preload():
     curves = figure(4).data.curves
     assert list(curves) == list(CRITICAL)
@@ -75,18 +76,19 @@ def test_fig_5_at_the_usual_preload():
     assert at_200(curves["without GN"]) == pytest.approx(1.97391014, abs=1e-7)
 
 
-def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3():
-    for number in (4, 5):
-        curves = figure(number).data.curves
-        assert curves
-        for curve in curves.values():
-            assert len(curve.at) > 1
-            assert np.isfinite(curve.values).all()
-            assert (np.diff(curve.at) > 0).all()
-            assert curve.at[0] < 1.0
-            assert curve.at[-1] == 1000.0
+@pytest.mark.parametrize("number", slow_but([5], [4, 5]))
+def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(number):
+    curves = figure(number).data.curves
+    assert curves
+    for curve in curves.values():
+        assert len(curve.at) > 1
+        assert np.isfinite(curve.values).all()
+        assert (np.diff(curve.at) > 0).all()
+        assert curve.at[0] < 1.0
+        assert curve.at[-1] == 1000.0
 
 
+@pytest.mark.slow
 def test_the_notch_in_fig_4_is_a_second_window_of_instability():
     curve = figure(4).data.curves[1e7]
     for preload, mu_k, stable in [(170.0, 0.15, True), (170.0, 0.2, False), (170.0, 0.4, True)]:

@@ -188,6 +188,7 @@ def test_an_automaton_of_a_model_is_animated_without_the_model():
     assert animation.to_jshtml().count("data:image/png") == 3
 
 
+@pytest.mark.slow
 def test_a_file_is_written(tmp_path):
     run = fl.simulate(MODEL, 0.1, progress=False)
     fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")

@@ -122,7 +122,7 @@ def test_where_the_equilibrium_ends_there_is_no_loss():
 
 
 def test_a_quantity_is_a_study():
-    found = fl.ablation(SLIDER, ONSET, progress=False)
+    found = fl.ablation(SLIDER, ONSET, ["geometry"], progress=False)
     assert found["geometry"] == fl.critical_value(SLIDER.without("geometry"), "mu_k", (0.0, 4.0))
     assert fl.sweep(SLIDER, fl.GrowthRate(), {"F": [100.0, 200.0]}, progress=False).to_array().shape == (2,)
 

@@ -104,26 +104,30 @@ def test_work_is_done_in_several_threads():
     assert 2 <= len(set(found.results)) <= 4
 
 
+def normal_force(model):
+    return fl.equilibrium(model).normal_force
+
+
 @pytest.fixture(scope="module")
-def critical():
-    return fl.ablation(MODEL, lambda m: fl.critical_value(m, "mu_k", (0.0, 4.0)), **QUIET)
+def forces():
+    return fl.ablation(MODEL, normal_force, **QUIET)
 
 
-def test_an_ablation_has_eight_scenes(critical):
-    assert len(set(critical.without)) == len(list(critical)) == 8
-    for left_out, model in zip(critical.without, critical.models, strict=True):
+def test_an_ablation_has_eight_scenes(forces):
+    assert len(set(forces.without)) == len(list(forces)) == 8
+    for left_out, model in zip(forces.without, forces.models, strict=True):
         assert model == MODEL.without(*left_out)
-    assert critical.without[0] == ()
-    assert set(critical.without[-1]) == {"cubic", "nonsmooth", "geometry"}
+    assert forces.without[0] == ()
+    assert set(forces.without[-1]) == {"cubic", "nonsmooth", "geometry"}
 
 
-def test_results_by_what_is_left_out(critical):
-    expected = fl.critical_value(MODEL.without("cubic", "geometry"), "mu_k", (0.0, 4.0))
-    assert critical["cubic", "geometry"] == critical["geometry", "cubic"] == expected
-    assert critical["geometry"] == fl.critical_value(MODEL.without("geometry"), "mu_k", (0.0, 4.0))
-    assert critical[()] == fl.critical_value(MODEL, "mu_k", (0.0, 4.0))
+def test_results_by_what_is_left_out(forces):
+    expected = normal_force(MODEL.without("cubic", "geometry"))
+    assert forces["cubic", "geometry"] == forces["geometry", "cubic"] == expected
+    assert forces["geometry"] == normal_force(MODEL.without("geometry")) != expected
+    assert forces[()] == normal_force(MODEL) != expected
     with pytest.raises(KeyError, match="no switch 'geomtry': name one of cubic, nonsmooth, geometry"):
-        critical["geomtry"]
+        forces["geomtry"]
 
 
 def test_a_study_that_fails_names_its_scene():

@@ -103,7 +103,7 @@ def layered(name, width):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("name", ["Stribeck", "exponential", "tanh", "slider"])
+@pytest.mark.parametrize("name", slow_but(["tanh", "slider"], ["Stribeck", "exponential", "tanh", "slider"]))
 def test_steps_heed_friction_layers_as_those_of_a_run_alone(name, width):
     same_as_alone(*layered(name, width))
 

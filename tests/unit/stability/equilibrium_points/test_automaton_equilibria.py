@@ -7,7 +7,6 @@ import pytest
 import sympy
 
 import frictionlab as fl
-from tests.helpers.cases import slow_but
 from tests.helpers.linear_automata import linear
 
 pytestmark = pytest.mark.blas
@@ -195,8 +194,9 @@ def lorenz(rho):
     return automaton(flow, states=(X, Y, W), coordinates=0, rho=rho)
 
 
-@pytest.mark.parametrize("rho", slow_but([10.0], [0.5, 10.0, 20.0, 28.0]))
-@pytest.mark.parametrize("bounds", slow_but([(15, 30)], [(15, 30), (0.1, 100)]))
+@pytest.mark.slow  # one of them is in the next test, and in that of Hopf points
+@pytest.mark.parametrize("rho", [0.5, 10.0, 20.0, 28.0])
+@pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
 def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
     """Whether or not they exist at the model's own value, and at the lower bound."""
     point = fl.hopf(lorenz(rho), "rho", bounds)
