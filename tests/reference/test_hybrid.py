@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.helpers.cases import slow_but
 from tests.reference.friction import law
 from tests.reference.hybrid import Undecided, integrate
 from tests.reference.oscillators import BouncingBall, DenHartog, ImpactOscillator, MassOnBelt, TwoBlocks
@@ -41,6 +42,7 @@ def test_free_oscillation_keeps_its_energy():
     assert x**2 + v**2 == pytest.approx(1.0, abs=1e-11)
 
 
+@pytest.mark.slow
 def test_den_hartogs_amplitude():
     r, f = 0.8, 0.3
     driven = {"m": 1.0, "c": 0.0, "k": 1.0, "N": f, "F": 1.0, "Omega": r, "mu_k": 1.0, "mu_s": 1.0}
@@ -96,7 +98,7 @@ def test_the_slider_of_the_table_with_25_digits():
     assert motion.states[-1] == pytest.approx([float(x) for x in end[3:13]], abs=1e-9)
 
 
-@pytest.mark.parametrize("width", [0.2, 1e-3])
+@pytest.mark.parametrize("width", slow_but([1e-3], [0.2, 1e-3]))
 def test_no_layer_is_jumped_over(width):
     """Steps in it that are a fifth as long change nothing."""
     system = belt("Stribeck", v=0.5, c=0.02, mu_k=0.3, mu_s=1.0, v_s=width, mu_v=0.02)

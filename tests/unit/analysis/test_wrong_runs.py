@@ -189,7 +189,9 @@ FAULTS = {
 @pytest.mark.parametrize(
     ("made", "fault", "words"),
     [
-        (corrugated, "flat", "velocities jump where no contact is closed"),
+        pytest.param(
+            corrugated, "flat", "velocities jump where no contact is closed", marks=pytest.mark.slow
+        ),
         (clapper, "no impact", "bodies overlap in flight at contact 1"),
         (washer, "no phase", "Lagrange's equation of 'x' is not kept"),
         (crank, "dead", "the reset of event 'v_r' takes away"),

@@ -59,6 +59,7 @@ def test_a_wrong_number_is_found(monkeypatch):
     assert fl.paper.claims("C4")["C4"].verdict is Verdict.IN_PART
 
 
+@pytest.mark.slow
 def test_a_pair_that_does_not_couple_is_found():
     data = linear_stability.coalescence(100.0)
     assert linear_stability.modes_couple(data, 1e4)

@@ -138,7 +138,10 @@ def test_whether_a_power_has_a_series_depends_on_the_curvature_of_its_base():
             assert (interpreted[guard, 2] != 0) == (share > 1)
 
 
-@pytest.mark.parametrize("automaton", [SCENES[0].automaton(), stiffened(), functions()])
+HELD = [SCENES[0].automaton(), stiffened(), functions()]
+
+
+@pytest.mark.parametrize("automaton", slow_but(HELD[1:2], HELD))
 def test_code_holds_nothing_that_differs_between_machines(automaton):
     """No multiply-add that is rounded once, no library; only the package's own kernels are called."""
     native = native_cache.NativeCode(program_of(automaton)[0])

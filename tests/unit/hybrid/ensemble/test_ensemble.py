@@ -174,7 +174,7 @@ def test_guards_that_change_fast_are_those_of_a_run_alone(name):
 
 
 @pytest.mark.plain_python
-@pytest.mark.parametrize("powers", [(1,), (3,), (3, 30)])
+@pytest.mark.parametrize("powers", slow_but([(1,), (3,)], [(1,), (3,), (3, 30)]))
 def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
     """Of y^3 at y = 0 three coefficients are zero, of y^30 all: the next mode is known by later orders or by
     none."""

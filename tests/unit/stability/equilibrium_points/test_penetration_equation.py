@@ -224,7 +224,7 @@ def test_an_array_of_exponents():
 @pytest.mark.parametrize(
     "contact",
     slow_but(
-        [fl.HertzContact(), Bump(width=1e-4)],
+        [fl.HertzContact()],
         [fl.HertzContact(), Bump(width=1e-4), Steep(), fl.CubicContact()],
     ),
 )
