@@ -107,6 +107,14 @@ def diagram():
     return explorer
 
 
+@pytest.fixture(scope="module")
+def block():
+    """The diagram of a mass on a belt, which takes less than the slider's."""
+    explorer = fl.explore_bifurcation(fl.MassOnBelt(c=0.05, mu_s=4.0))
+    explorer.controls["transient"].value = 50.0
+    return explorer
+
+
 def shown(explorer):
     lines = explorer.picture.tiles["bifurcation"].lines.values()
     x = np.concatenate([line.get_xdata() for line in lines if line.get_label() != "_here"])
@@ -141,15 +149,15 @@ def test_the_points_are_those_of_the_analysis(diagram):
     assert np.array_equal(states, expected.sections[0])
 
 
-def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(diagram):
-    panel = diagram.picture.panels["bifurcation"]
+def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(block):
+    panel = block.picture.panels["bifurcation"]
     before = dict(panel.steady_states)
-    diagram.controls["mu_k"].value = 0.45
+    block.controls["mu_k"].value = 0.45
     assert panel.steady_states == before
-    assert diagram.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
-    t, x = diagram.picture.tiles["response"].lines["$x_{1}$"].get_data()
-    assert np.array_equal(x, diagram.run(t)[:, 0])
-    assert diagram.model.mu_k == 0.45
+    assert block.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
+    t, x = block.picture.tiles["response"].lines["$x$"].get_data()
+    assert np.array_equal(x, block.run(t)[:, 0])
+    assert block.model.mu_k == 0.45
 
 
 @pytest.mark.slow
@@ -170,21 +178,21 @@ def at(explorer, name, x, y):
     return (pixels - tile.box.min) / tile.box.size
 
 
-def test_a_click_into_the_diagram_shows_the_motion_there(diagram):
-    diagram.controls["range"].value = (0.3, 0.6)
-    image = diagram.picture.images["bifurcation"]
+def test_a_click_into_the_diagram_shows_the_motion_there(block):
+    block.controls["range"].value = (0.3, 0.6)
+    image = block.picture.images["bifurcation"]
     # In the middle of what is shown, which depends on how much has been computed yet.
-    x, y = at(diagram, "bifurcation", 0.4201, np.mean(diagram.picture.tiles["bifurcation"].ax.get_ylim()))
+    x, y = at(block, "bifurcation", 0.4201, np.mean(block.picture.tiles["bifurcation"].ax.get_ylim()))
     image._handle_custom_msg({"x": x, "y": y}, [])
-    slider = diagram.controls["mu_k"]
-    assert diagram.model.mu_k == slider.value == 0.42
-    diagram.controls["range"].value = (0.41, 0.45)
-    diagram.click("bifurcation", 0.42315, 0.0)
-    assert diagram.model.mu_k == 0.4232
+    slider = block.controls["mu_k"]
+    assert block.model.mu_k == slider.value == 0.42
+    block.controls["range"].value = (0.41, 0.45)
+    block.click("bifurcation", 0.42315, 0.0)
+    assert block.model.mu_k == 0.4232
     assert slider.value == slider.field.value == 0.4232  # what the browser shows
-    updates = diagram.updates
+    updates = block.updates
     image._handle_custom_msg({"x": 0.01, "y": 0.5}, [])  # beside the axes
-    assert diagram.updates == updates
+    assert block.updates == updates
 
 
 @pytest.fixture(scope="module")
