@@ -77,9 +77,10 @@ STARTS = """\
 
 From the start of a process to its end, with the byte code of all modules there. The first process has an
 empty cache folder: in a clone it derives the equations with sympy and keeps what it has derived, as arrays
-and formulas, for later ones, which do not load sympy. Where a wheel is installed, which carries these, the
-first is as later ones are. A law of one's own is derived in every process. numba is loaded in none. The floor
-is what a process with the same libraries takes that does nothing else.
+and formulas, for later ones, which do not load sympy. A wheel carries these; its first process also compiles
+machine code of modes. A law of one's own is derived in every process. numba is loaded in none. The floor
+is what a process with the same libraries takes that does nothing else; "x" is a later one of a clone, in
+floors.
 
 """
 

@@ -22,6 +22,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import compress, product
+from pathlib import Path
 from statistics import median
 from types import MappingProxyType
 
@@ -44,6 +45,7 @@ from frictionlab.tape.tape import Tape
 from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
 from timing import interleaved_medians, warm_up
 
+ROOT = Path(__file__).parents[2]
 NONLINEARITIES = ("cubic", "nonsmooth", "geometry")
 COMBINATIONS = tuple(tuple(compress(NONLINEARITIES, choice)) for choice in product((0, 1), repeat=3))
 MEASURED = ("C", "A", "B")  # the one without events has to come first
@@ -219,35 +221,58 @@ def native_table(rows: Sequence[NativeCodeTime]) -> str:
 
 @dataclass(frozen=True)
 class Start:
-    """Times (s) from the start of a process to its end: with an empty cache folder, later, and its floor."""
+    """Times (s) from the start of a process to its end: with an empty cache folder and later, of the clone
+    and of a wheel; and its floor."""
 
     name: str
     first: float
     later: float
+    first_of_wheel: float
+    later_of_wheel: float
     floor: float
     floor_name: str
 
 
 def start_times(repeats: int = 5) -> list[Start]:
     """Each of `STARTS`; medians of interleaved processes."""
-    spent = [[_time_starts(code, floor) for code, floor, _ in STARTS.values()] for _ in range(repeats + 1)]
+    with tempfile.TemporaryDirectory() as folder:
+        install_wheel(folder)
+        spent = [
+            [_time_starts(code, floor, folder) for code, floor, _ in STARTS.values()]
+            for _ in range(repeats + 1)
+        ]
     del spent[0]  # the first turn leaves byte code behind, as an installation does
     rows = []
     for (name, (*_, floor_name)), turns in zip(STARTS.items(), zip(*spent, strict=True), strict=True):
-        first, later, floor = map(median, zip(*turns, strict=True))
-        rows.append(Start(name, first, later, floor, floor_name))
+        rows.append(Start(name, *map(median, zip(*turns, strict=True)), floor_name))
     return rows
 
 
-def _time_starts(code: str, floor: str) -> tuple[float, float, float]:
-    """Times of three processes: with an empty cache folder, with what that one left in it, and the floor."""
+def install_wheel(folder: str) -> None:
+    """The package as a wheel carries it, with what is derived of the models, in a folder."""
+    pip = [sys.executable, "-m", "pip", "--quiet"]
+    environment = {**os.environ, "FRICTIONLAB_BUILD_STRUCTURES": "1"}
+    with tempfile.TemporaryDirectory() as wheels:
+        building = [*pip, "wheel", "--no-deps", "--wheel-dir", wheels, str(ROOT)]
+        subprocess.run(building, check=True, env=environment)
+        (wheel,) = Path(wheels).glob("*.whl")
+        subprocess.run([*pip, "install", "--no-deps", "--target", folder, str(wheel)], check=True)
+
+
+def _time_starts(code: str, floor: str, wheel: str) -> tuple[float, ...]:
+    """Times of five processes: with an empty cache folder, and with what that one left in it, of the clone
+    and of the wheel; and the floor."""
+    spent = []
+    for package in str(ROOT), wheel:
+        with tempfile.TemporaryDirectory() as folder:
+            spent += [_time_process(code, folder, package) for _ in range(2)]
     with tempfile.TemporaryDirectory() as folder:
-        first, later, least = (_time_process(each, folder) for each in (code, code, floor))
-        return first, later, least
+        return *spent, _time_process(floor, folder, str(ROOT))
 
 
-def _time_process(code: str, folder: str) -> float:
-    environment = {**os.environ, "FRICTIONLAB_CACHE_DIR": os.path.join(folder, "cache")}
+def _time_process(code: str, folder: str, package: str) -> float:
+    cache = {"FRICTIONLAB_CACHE_DIR": os.path.join(folder, "cache"), "PYTHONPATH": package}
+    environment = {**os.environ, **cache}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     command = [sys.executable, "-c", code]
     begin = time.perf_counter()
@@ -256,10 +281,14 @@ def _time_process(code: str, folder: str) -> float:
 
 
 def start_table(rows: Sequence[Start]) -> str:
-    """The starts as Markdown; later ones also as multiples of the floor."""
-    times = (f"{r.first:.2f} s | {r.later:.2f} s | {r.floor:.2f} s | {r.later / r.floor:.2f}" for r in rows)
-    lines = (f"{r.name} | {text} | {r.floor_name}" for r, text in zip(rows, times, strict=True))
-    return markdown_table("to the end of | first process | a later one | floor | x | the floor is", lines)
+    """The starts as Markdown; later ones of a clone also as multiples of the floor."""
+    lines = []
+    for r in rows:
+        times = r.first, r.later, r.first_of_wheel, r.later_of_wheel, r.floor
+        seconds = " | ".join(f"{each:.2f} s" for each in times)
+        lines.append(f"{r.name} | {seconds} | {r.later / r.floor:.2f} | {r.floor_name}")
+    columns = "clone, first | clone, later | wheel, first | wheel, later | floor | x | the floor is"
+    return markdown_table(f"to the end of | {columns}", lines)
 
 
 @dataclass(frozen=True)
