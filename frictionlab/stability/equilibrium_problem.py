@@ -71,10 +71,15 @@ def _stiffness(matrices: Array) -> Array:
     return matrices[:, n:, :n]
 
 
+def eigenvalue_distances(spectra: ComplexArray, others: ComplexArray) -> Array:
+    """Distances (N, m, m) of each eigenvalue of N spectra (N, m) to each of N others."""
+    return np.abs(spectra[:, :, None] - others[:, None, :])
+
+
 def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
     """Which eigenvalues (N, m, m) of N spectra (N, m) are equal but for rounding; none equals itself."""
-    distances = np.abs(spectra[:, :, None] - spectra[:, None, :])
-    equal = distances <= EQUAL_RTOL * np.abs(spectra).max(axis=1, initial=0.0)[:, None, None]
+    largest = np.abs(spectra).max(axis=1, initial=0.0)
+    equal = eigenvalue_distances(spectra, spectra) <= EQUAL_RTOL * largest[:, None, None]
     return equal & ~np.eye(spectra.shape[1], dtype=bool)
 
 

@@ -12,7 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_problem import Array, ComplexArray, equal_eigenvalues, growth_rates
+from frictionlab.stability.equilibrium_problem import (
+    Array,
+    ComplexArray,
+    eigenvalue_distances,
+    equal_eigenvalues,
+    growth_rates,
+)
 
 Flags = NDArray[np.bool_]
 Evaluate = Callable[[NDArray[np.intp], Array], ComplexArray]
@@ -140,8 +146,8 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     The weaker two modes couple, the narrower is the window in which they are unstable.
     """
     ends = (pieces.at_low, pieces.at_high)
-    moved = np.maximum(*(_distance(at_middle, end).min(axis=2) for end in ends))
-    between = _distance(at_middle, at_middle)
+    moved = np.maximum(*(eigenvalue_distances(at_middle, end).min(axis=2) for end in ends))
+    between = eigenvalue_distances(at_middle, at_middle)
     between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
     # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
@@ -153,14 +159,9 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
 
 
-def _distance(spectra: ComplexArray, others: ComplexArray) -> Array:
-    """Distances (N, m, m) of each eigenvalue to each of the others."""
-    return np.abs(spectra[:, :, None] - others[:, None, :])
-
-
 def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
     """Whether an eigenvalue (N, m) has an equal one at both ends as well."""
-    near = (_distance(at_middle, end).argmin(axis=2) for end in ends)
+    near = (eigenvalue_distances(at_middle, end).argmin(axis=2) for end in ends)
     stay = [np.take_along_axis(equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
     return stay[0] & stay[1]
 
