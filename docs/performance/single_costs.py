@@ -244,7 +244,8 @@ def start_times(repeats: int = 5) -> list[Start]:
     del spent[0]  # the first turn leaves byte code behind, as an installation does
     rows = []
     for (name, (*_, floor_name)), turns in zip(STARTS.items(), zip(*spent, strict=True), strict=True):
-        rows.append(Start(name, *map(median, zip(*turns, strict=True)), floor_name))
+        first, later, first_of_wheel, later_of_wheel, floor = map(median, zip(*turns, strict=True))
+        rows.append(Start(name, first, later, first_of_wheel, later_of_wheel, floor, floor_name))
     return rows
 
 
