@@ -125,7 +125,7 @@ BUILDERS = {
     "exponents": lambda: fl.lyapunov(COUPLED, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(result("run"), **QUIET),
     "equilibrium": lambda: fl.equilibrium(SLIDER),
-    "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.automaton()),
+    "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.without("cubic", "geometry").automaton()),
     "Hopf point": lambda: fl.hopf(SLIDER, "mu_k", (0, 4)),
     "tangent flow": lambda: fl.tangent_flow(fl.simulate(COUPLED, 0.5, x0="near", **QUIET), **QUIET),
     "verification": lambda: fl.verify(BELT, 2.0, **QUIET),

@@ -12,6 +12,7 @@ import frictionlab as fl
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.panels.picture import DPI, PANEL_HEIGHT, PANEL_WIDTH, Picture, encode_png
 from frictionlab.widgets.panels.tile import AXES_RECTANGLE
+from tests.helpers.cases import slow_but
 
 MODEL = fl.SliderOnBelt(mu_k=0.4).without("geometry")
 
@@ -137,9 +138,10 @@ def test_a_slow_update_is_marked_while_it_runs():
     assert explorer.busy.widget.layout.visibility == "hidden"
 
 
-@pytest.mark.parametrize(
-    "panels", [("response",), ("response", "phase", "forces", "spectrum", "eigenvalues")]
-)
+FEW, MANY = ("response", "phase"), ("response", "phase", "forces", "spectrum", "eigenvalues")
+
+
+@pytest.mark.parametrize("panels", slow_but([FEW], [("response",), FEW, MANY]))
 def test_the_figure_can_be_saved_with_its_curves(panels):
     explorer = fl.explore(MODEL, panels)
     saved = np.asarray(Image.open(BytesIO(explorer.picture.figure._repr_png_())).convert("RGB")).astype(int)
