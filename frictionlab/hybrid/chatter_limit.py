@@ -38,13 +38,17 @@ def chatter_limit(automaton: HybridAutomaton, share: float) -> float:
     """The limit (s) that is a `share` of the time of the limit mode's motion; 0.0 where there is none."""
     if not _has_limit_mode(automaton):
         return 0.0
-    rate = _rate(formulas_of_rate(automaton), tuple(automaton.values.values()))
+    formulas, values = formulas_of_rate(automaton), tuple(automaton.values.values())
+    remembered = automaton.derivations is not None  # else the formulas are new at each call
+    rate = _remembered_rate(formulas, values) if remembered else _rate(formulas, values)
     return share / rate if 0.0 < rate < math.inf else 0.0
 
 
-@lru_cache(maxsize=64)
 def _rate(formulas: Formulas, values: tuple[float, ...]) -> float:
     return float(formulas.numbers(*values)[0])
+
+
+_remembered_rate = lru_cache(maxsize=64)(_rate)
 
 
 def _has_limit_mode(automaton: HybridAutomaton) -> bool:

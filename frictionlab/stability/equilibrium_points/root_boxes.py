@@ -420,36 +420,36 @@ class Isolation(NamedTuple):
     single, narrow, undecided : Boxes
     spent : int
         How many boxes were bounded.
-    ended_at : array (count,)
-        Of each owner the upper end of the box that ended its search; infinite where all zeros are looked for.
+    settled_at : array (count,)
+        Of each owner the upper end of the box that settles its search; infinite if all zeros are looked for.
     """
 
     single: Boxes
     narrow: Boxes
     undecided: Boxes
     spent: int
-    ended_at: Array
+    settled_at: Array
 
 
 def isolate_zeros(
-    reduced: ReducedFlow, boxes: Boxes, ends: Callable[[Boxes], NDArray[np.bool_]] | None = None
+    reduced: ReducedFlow, boxes: Boxes, settles: Callable[[Boxes], NDArray[np.bool_]] | None = None
 ) -> Isolation:
     """Bisection of boxes until each holds one zero, or none, or is too narrow to tell.
 
-    Of one unknown the least zero may be enough: in boxes above one with a zero that `ends` the search of its
-    owner none is looked for.
+    Of one unknown the least zero of a kind may be enough.  `settles` says which boxes with one zero hold one
+    of that kind; above such a box no other is looked for.
     """
     single, narrow, undecided = [boxes.take([])], [boxes.take([])], [boxes.take([])]
     most, count = MOST_BOXES // max(len(reduced.unknowns), 1), 1 + boxes.owners.max(initial=0)
-    spent, ended_at = np.zeros(count, dtype=np.intp), np.full(count, np.inf)
+    spent, settled_at = np.zeros(count, dtype=np.intp), np.full(count, np.inf)
     while len(boxes.owners):
         spent += np.bincount(boxes.owners, minlength=count)
         boxes, one = _prune(reduced, boxes)
         single.append(one)
-        if ends is not None and len(one.owners):
-            last = one.take(ends(one))
-            np.minimum.at(ended_at, last.owners, last.ends[1, 0])
-        boxes = _below(boxes, ended_at)
+        if settles is not None and len(one.owners):
+            enough = one.take(settles(one))
+            np.minimum.at(settled_at, enough.owners, enough.ends[1, 0])
+        boxes = _below(boxes, settled_at)
         width = _widths(*boxes.ends)
         fine = width.max(axis=0, initial=0.0) <= _finest(reduced.of(boxes.owners), *boxes.ends)
         narrow.append(boxes.take(fine))
@@ -458,32 +458,36 @@ def isolate_zeros(
         going = ~fine & ~late
         boxes = _halves(boxes.take(going), width[:, going])
         while len(reduced.unknowns) == 1 and 0 < len(boxes.owners) <= FEW_BOXES:
-            boxes = _halves(boxes, np.zeros((1, len(boxes.owners))))
-    few, doubtful = (_below(_joined(parts), ended_at) for parts in (narrow, undecided))
+            boxes = _halves(boxes)
+    few, doubtful = (_below(_joined(parts), settled_at) for parts in (narrow, undecided))
     if len(reduced.unknowns) == 1 and len(few.owners):
         few = few.take(~_only_poles(reduced, few))
-    return Isolation(_joined(single), few, doubtful, int(spent.sum()), ended_at)
+    return Isolation(_joined(single), few, doubtful, int(spent.sum()), settled_at)
 
 
-def _below(boxes: Boxes, ended_at: Array) -> Boxes:
+def _below(boxes: Boxes, settled_at: Array) -> Boxes:
     """The boxes in which zeros are still looked for."""
-    going = np.isinf(ended_at[boxes.owners])
-    return boxes if going.all() else boxes.take(going | (boxes.ends[0, 0] < ended_at[boxes.owners]))
+    going = np.isinf(settled_at[boxes.owners])
+    return boxes if going.all() else boxes.take(going | (boxes.ends[0, 0] < settled_at[boxes.owners]))
 
 
 def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
     """Which narrow boxes hold a pole of the one equation, and no zero.
 
     They are bisected on, down to neighbouring floats, as long as the equation has no bounds.  A part with
-    bounds must not hold zero.  At the floats that are left the equation is larger than at the box's ends.
+    bounds must not hold zero.  Along the floats that are left the equation grows towards one of them, beyond
+    what it is at the ends of the box, and then becomes smaller again.  Beside a zero it would not, unless no
+    more than a few floats lie between zero and pole: for these it is the pole.
     """
 
     def size(which: NDArray[np.intp], at: Array) -> Array:
         return np.abs(np.broadcast_to(reduced.of(boxes.owners[which]).rates([at])[0].low, at.shape))
 
     every = np.arange(len(boxes.owners))
-    smaller = np.fmin(*(size(every, end) for end in boxes.ends[:, 0]))
-    poles, parts = np.ones(len(every), dtype=bool), Boxes(boxes.ends, every)
+    poles = np.abs(boxes.ends).max(axis=(0, 1)) > SMALLEST  # smaller states count as zero
+    sizes = [size(every, end) for end in boxes.ends[:, 0]]
+    at_ends = np.fmax(*(np.where(np.isinf(one), np.nan, one) for one in sizes))
+    parts, floats = Boxes(boxes.ends, every).take(poles), [Boxes(boxes.ends, every).take([])]
     while len(parts.owners):
         row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
         bounded = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
@@ -494,11 +498,29 @@ def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
         (low, high), owners = parts.ends[:, 0], parts.owners
         middle = low + (high - low) / 2
         last = (middle <= low) | (middle >= high)
-        for end in low, high:
-            poles[owners[last & ~(size(owners, end) > smaller[owners])]] = False
+        floats.append(parts.take(last))
         cuts = low, middle, high
         parts = _joined([Boxes(np.stack(two)[:, None], owners).take(~last) for two in pairwise(cuts)])
+    (low, high), owners = (left := _joined(floats)).ends[:, 0], left.owners
+    sizes = [size(owners, end) for end in (low, high)]
+    for i in np.flatnonzero(poles):
+        own = owners == i
+        runs = _runs_of_floats(*(np.append(*(one[own] for one in two)) for two in ((low, high), sizes)))
+        poles[i] = all((run > at_ends[i]).all() and _has_one_peak(run) for run in runs)
     return poles
+
+
+def _runs_of_floats(x: Array, sizes: Array) -> list[Array]:
+    """The sizes at floats in ascending order, floats that are neighbours together."""
+    x, first = np.unique(x, return_index=True)
+    return np.split(sizes[first], np.flatnonzero(x[1:] > np.nextafter(x[:-1], np.inf)) + 1)
+
+
+def _has_one_peak(sizes: Array) -> bool:
+    """Whether numbers do not fall before the largest, nor rise after it."""
+    peak = int(sizes.argmax()) if len(sizes) else 0
+    before, after = sizes[: peak + 1], sizes[peak:]
+    return bool((before[1:] >= before[:-1]).all() and (after[1:] <= after[:-1]).all())
 
 
 def _search(reduced: ReducedFlow) -> RootBoxes:
@@ -708,12 +730,14 @@ def _widths(low: Array, high: Array) -> Array:
     return np.where((low < 0) & (high > 0) & (most > SMALLEST), np.inf, width)
 
 
-def _halves(boxes: Boxes, width: Array) -> Boxes:
-    """The boxes cut in two along their widest side: at zero, or so that both have as many decades."""
+def _halves(boxes: Boxes, width: Array | None = None) -> Boxes:
+    """The boxes cut in two along their widest side, or their only one: at zero, or so that both have as many
+    decades."""
     if not len(boxes.owners):
         return boxes
     low, high = boxes.ends
-    side = (width.argmax(axis=0), np.arange(low.shape[1]))
+    widest = 0 if width is None else width.argmax(axis=0)
+    side = (widest, np.arange(low.shape[1]))
     a, b = low[side], high[side]
     least, most = np.minimum(np.abs(a), np.abs(b)), np.maximum(np.abs(a), np.abs(b))
     middle = np.where(
@@ -757,6 +781,7 @@ def _bracket(
         centre = float(starts[reduced.unknowns[0], i])
         ends = float(low - room), float(high + room)
         root = centre if rate(centre) == 0 else bracketed_root(rate, *ends)
-        if root is not None and abs(rate(root)) <= min(abs(rate(end)) for end in ends):  # no pole
+        # Not where the rate jumps, and at a pole.
+        if root is not None and (rate(root) == 0 or abs(rate(root)) < min(abs(rate(end)) for end in ends)):
             starts[:, i] = reduced.full_states(np.array([[root]]))[:, 0]
             flat[i] = True

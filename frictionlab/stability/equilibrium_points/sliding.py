@@ -426,10 +426,10 @@ def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> A
             excess = np.broadcast_to(excess, (len(excess), count))
             return _least_pressed(statics, values, _polynomial_candidates(statics, values, excess))
         search = PenetrationSearch(statics, values, count)
-        candidates, ended = search.candidates(np.arange(count), search.is_pressed)
+        candidates, settled_at = search.candidates(np.arange(count), search.is_pressed)
         least = _least_pressed(statics, values, candidates)
-        # If the root that ended the search is no equilibrium to rounding, all roots are looked for.
-        again = np.flatnonzero(ended & np.isnan(least))
+        # If the root that settled the search is no equilibrium to rounding, all roots are looked for.
+        again = np.flatnonzero(np.isfinite(settled_at) & ~(least <= settled_at))
         if len(again):
             candidates, _ = search.candidates(again)
             least = np.fmin(least, _least_pressed(statics, values, candidates))
@@ -508,30 +508,31 @@ class PenetrationSearch(NamedTuple):
         return [v if np.ndim(v) == 0 else np.broadcast_to(v, (self.count,))[owners] for v in self.values]
 
     def is_pressed(self, boxes: Boxes) -> NDArray[np.bool_]:
-        """In which boxes of penetrations F_N is positive."""
+        """Which boxes are of positive penetrations with F_N > 0."""
         force = interval(self.statics.normal_force(Interval(*boxes.ends[:, 0]), self.of(boxes.owners)))
-        return np.broadcast_to(force.low > 0, boxes.owners.shape)
+        return (boxes.ends[0, 0] > 0) & (force.low > 0)
 
     def candidates(
-        self, owners: NDArray[np.intp], ends: Callable[[Boxes], NDArray[np.bool_]] | None = None
-    ) -> tuple[Array, NDArray[np.bool_]]:
-        """Positive roots (k, count), NaN in columns with fewer than k, and for which values (count,) a root
-        ended the search."""
+        self, owners: NDArray[np.intp], settles: Callable[[Boxes], NDArray[np.bool_]] | None = None
+    ) -> tuple[Array, Array]:
+        """Positive roots (k, count), NaN in columns with fewer than k, and above which penetration none was
+        looked for, for some of the values."""
         # Of most laws one box ends at the penetration without contact force, and holds the only root.
-        free = np.abs(np.broadcast_to(self.statics.excess(0.0, self.of(owners)), owners.shape))
+        free = np.abs(self.statics.excess(np.zeros(len(owners)), self.of(owners)))
         free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
-        least, most = np.full(len(owners), SMALLEST), np.full(len(owners), LARGEST)
-        boxes = np.stack([np.append(least, free), np.append(free, most)])[:, None]
+        from_zero = np.stack([np.full(len(owners), SMALLEST), free])
+        upwards = np.stack([free, np.full(len(owners), LARGEST)])
+        boxes = Boxes(np.hstack([from_zero, upwards])[:, None], np.tile(owners, 2))
         equation = one_equation(self.statics.equation, self.of(np.arange(self.count)))
-        search = isolate_zeros(equation, Boxes(boxes, np.tile(owners, 2)), ends)
+        search = isolate_zeros(equation, boxes, settles)
         low, high = (_columns(end[0], search.single.owners, self.count) for end in search.single.ends)
         roots = _enclosed_roots(self.statics, self.values, low, high)
         for i in np.unique(np.append(search.narrow.owners, search.undecided.owners)):
             points = find_zeros(self.statics.equation, list(map(float, self.of(i)))).points[0]
             roots = np.vstack([roots, _columns(points, np.full(len(points), i), self.count)])
         # Without preload zero is a root, up to rounding: there is no contact.
-        none = _is_without_contact(self.statics, self.values, roots)
-        return np.where(none, np.nan, roots), np.isfinite(search.ended_at)
+        no_contact = _is_without_contact(self.statics, self.values, roots)
+        return np.where(no_contact, np.nan, roots), search.settled_at
 
 
 def _is_without_contact(statics: Statics, values: Sequence[Any], roots: Array) -> Any:

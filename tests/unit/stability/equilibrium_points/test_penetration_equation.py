@@ -85,6 +85,32 @@ class Tangent(ContactLaw):
 
 
 @dataclass(frozen=True)
+class Cliff(ContactLaw):
+    """A spring, a step that no floats resolve, a narrow dip and a wide one."""
+
+    k: float = 5e3
+
+    def force(self, penetration):
+        """Roots on the step, beside both dips."""
+        step = 300 * (1 + fl.functions.tanh((penetration - 0.019) / 1e-21))
+        narrow = 650 * fl.functions.exp(-(((penetration - 0.02) / 1e-6) ** 2))
+        wide = 700 * fl.functions.exp(-(((penetration - 0.03) / 2e-3) ** 2))
+        return self.k * penetration + step - narrow - wide
+
+
+@dataclass(frozen=True)
+class Pole(ContactLaw):
+    """A force that is infinite at zero penetration."""
+
+    k: float = 2e4
+    a: float = 1e-2
+
+    def force(self, penetration):
+        """A spring that is shorter by a distance."""
+        return self.k * penetration - self.a / penetration
+
+
+@dataclass(frozen=True)
 class Power(ContactLaw):
     """A spring with any power."""
 
@@ -159,6 +185,28 @@ def test_a_law_with_poles():
     found = fl.equilibria(model)
     assert found.complete
     np.testing.assert_allclose(sorted(e.penetration for e in found), np.sort(roots(0.05)), rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 7, 100])
+def test_a_root_on_a_step_is_none_and_hides_none(count):
+    """The first root with F_N > 0 is on the step, where no float is static; the next is in the dip."""
+    model = fixed(Cliff())
+    free, compliance = line(model)
+
+    def rest(d):
+        dips = 650 * np.exp(-(((d - 0.02) / 1e-6) ** 2)) + 700 * np.exp(-(((d - 0.03) / 2e-3) ** 2))
+        return (free - d) / compliance - (5e3 * d + 600 - dips)
+
+    dip = brentq(rest, 0.019995, 0.02, xtol=1e-18)
+    np.testing.assert_allclose(least(model, F=np.full(count, model.F)), dip, rtol=1e-9)
+
+
+def test_a_force_that_is_infinite_without_penetration():
+    model = fixed(Pole())
+    free, compliance = line(model)
+    roots = np.roots([-1 - compliance * 2e4, free, compliance * 1e-2])
+    np.testing.assert_allclose(least(model, a=np.full(2, 1e-2)), roots.max(), rtol=1e-12)
+    assert fl.equilibrium(model).penetration == pytest.approx(roots.max(), rel=1e-12)
 
 
 def test_the_least_of_endless_roots():

@@ -104,6 +104,12 @@ def test_a_zero_beside_a_pole_is_not_taken_for_it():
         there = [e.state[0] for e in found]
         assert there == [pytest.approx(1.0, rel=1e-12)] or (there == [] and not found.complete)
     assert equilibria([(X - 1) / (X - 1 - A)], (X,), 0, a=1e-3).complete
+    # Between two poles that are 30 floats apart.
+    shifted = sympy.atan(X) - sympy.Float(1.2, 20)
+    assert not equilibria([1 / shifted + 2 / (shifted - A)], (X,), 0, a=16 * 2.0**-53).complete
+    # A jump from -2 to infinity is neither.
+    (only,) = equilibria([sympy.exp(1 / (X - 1.3)) - 2], (X,), 0)
+    assert only.state[0] == pytest.approx(1.3 + 1 / np.log(2), rel=1e-12)
     removed = equilibria([(X - 1) * (X - 1 - A) / (X - 1 - A)], (X,), 0, a=1e-3)
     assert [e.state[0] for e in removed] == [1.0]
 
