@@ -485,8 +485,8 @@ def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
 
     every = np.arange(len(boxes.owners))
     poles = np.abs(boxes.ends).max(axis=(0, 1)) > SMALLEST  # smaller states count as zero
-    sizes = [size(every, end) for end in boxes.ends[:, 0]]
-    at_ends = np.fmax(*(np.where(np.isinf(one), np.nan, one) for one in sizes))
+    at_low, at_high = (size(every, end) for end in boxes.ends[:, 0])
+    at_ends = np.fmax(*(np.where(np.isinf(one), np.nan, one) for one in (at_low, at_high)))
     parts, floats = Boxes(boxes.ends, every).take(poles), [Boxes(boxes.ends, every).take([])]
     while len(parts.owners):
         row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
@@ -501,11 +501,11 @@ def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
         floats.append(parts.take(last))
         cuts = low, middle, high
         parts = _joined([Boxes(np.stack(two)[:, None], owners).take(~last) for two in pairwise(cuts)])
-    (low, high), owners = (left := _joined(floats)).ends[:, 0], left.owners
-    sizes = [size(owners, end) for end in (low, high)]
+    left = _joined(floats)
+    owners, at = np.tile(left.owners, 2), left.ends[:, 0].ravel()
+    sizes = size(owners, at)
     for i in np.flatnonzero(poles):
-        own = owners == i
-        runs = _runs_of_floats(*(np.append(*(one[own] for one in two)) for two in ((low, high), sizes)))
+        runs = _runs_of_floats(at[owners == i], sizes[owners == i])
         poles[i] = all((run > at_ends[i]).all() and _has_one_peak(run) for run in runs)
     return poles
 
