@@ -781,7 +781,7 @@ def _bracket(
         centre = float(starts[reduced.unknowns[0], i])
         ends = float(low - room), float(high + room)
         root = centre if rate(centre) == 0 else bracketed_root(rate, *ends)
-        # Not where the rate jumps, and at a pole.
+        # A rate that jumps, as beside a pole, comes no nearer to zero than at an end.
         if root is not None and (rate(root) == 0 or abs(rate(root)) < min(abs(rate(end)) for end in ends)):
             starts[:, i] = reduced.full_states(np.array([[root]]))[:, 0]
             flat[i] = True
