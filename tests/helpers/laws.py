@@ -5,6 +5,18 @@ from dataclasses import dataclass
 import frictionlab as fl
 
 
+@dataclass(frozen=True)
+class Locking(fl.ContactLaw):
+    """A contact that stiffens towards a penetration, with a pole there and at the gap opposite."""
+
+    k: float = 5e3
+    most: float = 0.1
+
+    def force(self, penetration):
+        """Without bound at the pole."""
+        return self.k * penetration / (1 - (penetration / self.most) ** 2)
+
+
 @dataclass(frozen=True, repr=False)
 class Undefined(fl.Coulomb):
     """A user's law that is no number at any speed, or none at those above a limit."""

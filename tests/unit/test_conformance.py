@@ -70,7 +70,13 @@ def test_every_friction_law_of_speed_in_bilateral_contact(law):
     fl.testing.check_model(in_slider(law).replace(interface=StickSlip()), t_end=0.3)
 
 
-@pytest.mark.parametrize("law", slow_but([LAWS[i] for i in (2, 3, 6, 8)], LAWS[:9]), ids=repr)
+OF_EQUILIBRIA = [law for law in LAWS if isinstance(law, (fl.FrictionLaw, fl.ContactLaw))]
+OFTEN = fl.HertzContact, fl.PolynomialContact, fl.Stribeck, fl.PressureDependent
+
+
+@pytest.mark.parametrize(
+    "law", slow_but([law for law in OF_EQUILIBRIA if type(law) in OFTEN], OF_EQUILIBRIA), ids=repr
+)
 def test_every_law_has_an_equilibrium_and_eigenvalues(law):
     """The eigenvalues are those of the flow's derivative by finite differences."""
     model = in_slider(law)

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -293,6 +292,11 @@ def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:
     return (sums / scale)[~used], used
 
 
+def values_of(owners: Any, values: Sequence[Any]) -> list[Any]:
+    """The parameters' values of each owner: of those that are arrays the owner's, of others the one."""
+    return [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in values]
+
+
 def one_equation(flow: Flow, values: Sequence[Any]) -> ReducedFlow:
     """A flow of one state, which needs no elimination; values of parameters may be arrays."""
     one, none = np.ones((1, 1)), np.zeros(1, dtype=np.intp)
@@ -331,8 +335,7 @@ class ReducedFlow:
         """The flow for boxes of these owners: of each parameter a box has its owner's value."""
         if all(np.ndim(value) == 0 for value in self.values):
             return self
-        values = [value if np.ndim(value) == 0 else np.asarray(value)[owners] for value in self.values]
-        return replace(self, values=values)
+        return replace(self, values=values_of(owners, self.values))
 
     def _states(self, w: Sequence[Any]) -> list[Any]:
         return _combined(self.by.origin, self.by.basis[:, self.by.nonlinear], w)
@@ -474,40 +477,46 @@ def _below(boxes: Boxes, settled_at: Array) -> Boxes:
 def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
     """Which narrow boxes hold a pole of the one equation, and no zero.
 
-    They are bisected on, down to neighbouring floats, as long as the equation has no bounds.  A part with
-    bounds must not hold zero.  Along the floats that are left the equation grows towards one of them, beyond
-    what it is at the ends of the box, and then becomes smaller again.  Beside a zero it would not, unless no
-    more than a few floats lie between zero and pole: for these it is the pole.
+    Where the equation has bounds, no zero is within them.  Along the floats at which it has none, it grows
+    towards one of them, beyond what it is at the ends of the box, and then becomes smaller again.  Beside a
+    zero it would not, unless no more than a few floats lie between zero and pole: for these it is the pole.
     """
 
     def size(which: NDArray[np.intp], at: Array) -> Array:
         return np.abs(np.broadcast_to(reduced.of(boxes.owners[which]).rates([at])[0].low, at.shape))
 
     every = np.arange(len(boxes.owners))
-    poles = np.abs(boxes.ends).max(axis=(0, 1)) > SMALLEST  # smaller states count as zero
     at_low, at_high = (size(every, end) for end in boxes.ends[:, 0])
     at_ends = np.fmax(*(np.where(np.isinf(one), np.nan, one) for one in (at_low, at_high)))
-    parts, floats = Boxes(boxes.ends, every).take(poles), [Boxes(boxes.ends, every).take([])]
-    while len(parts.owners):
-        row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
-        bounded = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
-        poles[parts.owners[bounded & row.contains_zero()]] = False
-        parts = parts.take(~bounded)
-        poles[np.bincount(parts.owners, minlength=len(every)) > POLE_PARTS] = False
-        parts = parts.take(poles[parts.owners])
-        (low, high), owners = parts.ends[:, 0], parts.owners
-        middle = low + (high - low) / 2
-        last = (middle <= low) | (middle >= high)
-        floats.append(parts.take(last))
-        cuts = low, middle, high
-        parts = _joined([Boxes(np.stack(two)[:, None], owners).take(~last) for two in pairwise(cuts)])
-    left = _joined(floats)
+    poles, left = _without_bounds(reduced, boxes)
     owners, at = np.tile(left.owners, 2), left.ends[:, 0].ravel()
     sizes = size(owners, at)
     for i in np.flatnonzero(poles):
         runs = _runs_of_floats(at[owners == i], sizes[owners == i])
         poles[i] = all((run > at_ends[i]).all() and _has_one_peak(run) for run in runs)
     return poles
+
+
+def _without_bounds(reduced: ReducedFlow, boxes: Boxes) -> tuple[NDArray[np.bool_], Boxes]:
+    """In which boxes bounds exclude a zero wherever there are any, and between which neighbouring floats of
+    each of them there are none.  Owners of these are the boxes."""
+    possible = np.abs(boxes.ends).max(axis=(0, 1)) > SMALLEST  # smaller states count as zero
+    count = len(possible)
+    parts, left = Boxes(boxes.ends, np.arange(count)).take(possible), [boxes.take([])]
+    while len(parts.owners):
+        row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
+        bounded = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
+        possible[parts.owners[bounded & row.contains_zero()]] = False
+        parts = parts.take(~bounded)
+        possible[np.bincount(parts.owners, minlength=count) > POLE_PARTS] = False
+        parts = parts.take(possible[parts.owners])
+        low, high = parts.ends[:, 0]
+        middle = low + (high - low) / 2
+        last = (middle <= low) | (middle >= high)
+        left.append(parts.take(last))
+        halves = [np.stack(two)[:, None] for two in ((low, middle), (middle, high))]
+        parts = _joined([Boxes(half, parts.owners).take(~last) for half in halves])
+    return possible, _joined(left)
 
 
 def _runs_of_floats(x: Array, sizes: Array) -> list[Array]:

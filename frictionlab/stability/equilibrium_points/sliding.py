@@ -32,6 +32,7 @@ from frictionlab.stability.equilibrium_points.root_boxes import (
     Boxes,
     isolate_zeros,
     one_equation,
+    values_of,
 )
 from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
 from frictionlab.stability.flow import Flow
@@ -425,7 +426,8 @@ def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> A
         if excess is not None:
             excess = np.broadcast_to(excess, (len(excess), count))
             return _least_pressed(statics, values, _polynomial_candidates(statics, values, excess))
-        search = PenetrationSearch(statics, values, count)
+        arrays = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,)) for v in values]
+        search = PenetrationSearch(statics, arrays, count)
         candidates, settled_at = search.candidates(np.arange(count), search.is_pressed)
         least = _least_pressed(statics, values, candidates)
         # If the root that settled the search is no equilibrium to rounding, all roots are looked for.
@@ -497,20 +499,19 @@ def _companion_roots(coefficients: Array) -> NDArray[np.complex128]:
 
 
 class PenetrationSearch(NamedTuple):
-    """A search for the roots of an equation that is no polynomial, at `count` values of the parameters."""
+    """A search for the roots of an equation that is no polynomial, at `count` values of the parameters.
+
+    Those that are arrays have that length.
+    """
 
     statics: Statics
     values: Sequence[Any]
     count: int
 
-    def of(self, owners: NDArray[np.intp]) -> list[Any]:
-        """The values of the parameters of each owner."""
-        return [v if np.ndim(v) == 0 else np.broadcast_to(v, (self.count,))[owners] for v in self.values]
-
     def is_pressed(self, boxes: Boxes) -> NDArray[np.bool_]:
         """Which boxes are of positive penetrations with F_N > 0."""
-        force = interval(self.statics.normal_force(Interval(*boxes.ends[:, 0]), self.of(boxes.owners)))
-        return (boxes.ends[0, 0] > 0) & (force.low > 0)
+        at, values = Interval(*boxes.ends[:, 0]), values_of(boxes.owners, self.values)
+        return (boxes.ends[0, 0] > 0) & (interval(self.statics.normal_force(at, values)).low > 0)
 
     def candidates(
         self, owners: NDArray[np.intp], settles: Callable[[Boxes], NDArray[np.bool_]] | None = None
@@ -518,17 +519,17 @@ class PenetrationSearch(NamedTuple):
         """Positive roots (k, count), NaN in columns with fewer than k, and above which penetration none was
         looked for, for some of the values."""
         # Of most laws one box ends at the penetration without contact force, and holds the only root.
-        free = np.abs(self.statics.excess(np.zeros(len(owners)), self.of(owners)))
+        free = np.abs(self.statics.excess(np.zeros(len(owners)), values_of(owners, self.values)))
         free = np.where((free > SMALLEST) & (free < LARGEST), free, 1.0)
         from_zero = np.stack([np.full(len(owners), SMALLEST), free])
         upwards = np.stack([free, np.full(len(owners), LARGEST)])
         boxes = Boxes(np.hstack([from_zero, upwards])[:, None], np.tile(owners, 2))
-        equation = one_equation(self.statics.equation, self.of(np.arange(self.count)))
+        equation = one_equation(self.statics.equation, self.values)
         search = isolate_zeros(equation, boxes, settles)
         low, high = (_columns(end[0], search.single.owners, self.count) for end in search.single.ends)
         roots = _enclosed_roots(self.statics, self.values, low, high)
         for i in np.unique(np.append(search.narrow.owners, search.undecided.owners)):
-            points = find_zeros(self.statics.equation, list(map(float, self.of(i)))).points[0]
+            points = find_zeros(self.statics.equation, list(map(float, values_of(i, self.values)))).points[0]
             roots = np.vstack([roots, _columns(points, np.full(len(points), i), self.count)])
         # Without preload zero is a root, up to rounding: there is no contact.
         no_contact = _is_without_contact(self.statics, self.values, roots)

@@ -194,6 +194,7 @@ def test_derivatives_along_directions(model):
     [
         pytest.param(fl.SliderOnBelt(k_nl=1e7), (0, 0.8), "mu_k F k2 k_nl l1", marks=pytest.mark.slow),
         (SCENES[2], (0, 4), "mu_k l1"),
+        pytest.param(SCENES[2], (0, 4), "F k2 k_nl", marks=pytest.mark.slow),
     ],
 )
 def test_speed_of_crossing(model, bounds, names):

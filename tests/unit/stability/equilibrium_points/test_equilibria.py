@@ -16,6 +16,7 @@ from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.real_roots import real_roots
+from tests.helpers.laws import Locking
 
 pytestmark = pytest.mark.blas
 
@@ -214,21 +215,10 @@ def test_pressed_means_compressed():
     np.testing.assert_allclose(x[:5], np.stack([inside.q, inside.q], axis=1), rtol=1e-9)
 
 
-@dataclass(frozen=True)
-class Stop(ContactLaw):
-    """A contact that stiffens towards a stop, with a pole there and at the gap opposite."""
-
-    stiff: float = 5e3
-    stop: float = 0.1
-
-    def force(self, penetration):
-        """Without bound at the stop."""
-        return self.stiff * penetration / (1 - (penetration / self.stop) ** 2)
-
-
 def test_a_pole_is_no_root():
-    """By hand: of gap = gap(F_N(gap)), a line, the cubic that is left when the quotient is cleared."""
-    model = SliderOnBelt(contact=Stop())
+    """On a belt that tilts; test_a_law_with_poles has the roots on one that does not."""
+    model = SliderOnBelt(contact=Locking())
     found = equilibria(model)
+    assert found.complete
     assert all(point.residual < 1e-9 and abs(abs(point.penetration) - 0.1) > 1e-6 for point in found)
     assert 0 < equilibrium(model).penetration < 0.1

@@ -14,6 +14,7 @@ import frictionlab as fl
 from frictionlab.components import ContactLaw
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from tests.helpers.cases import slow_but
+from tests.helpers.laws import Locking
 
 
 @dataclass(frozen=True)
@@ -58,18 +59,6 @@ class Touching(ContactLaw):
         """What holds the bodies at every penetration, and the rest."""
         rest = (penetration - self.centre) ** self.n + self.moved
         return (self.free - penetration) / self.c + 1e5 * rest * fl.functions.cosh(penetration)
-
-
-@dataclass(frozen=True)
-class Locking(ContactLaw):
-    """A force that grows without bounds towards a penetration."""
-
-    k: float = 5e3
-    most: float = 0.05
-
-    def force(self, penetration):
-        """A rational function with two poles."""
-        return self.k * penetration / (1 - (penetration / self.most) ** 2)
 
 
 @dataclass(frozen=True)
@@ -174,7 +163,7 @@ def test_many_widths_of_a_bump_at_once():
 def test_a_law_with_poles():
     """Times its denominator the equation is a cubic polynomial, one root on each side of each pole."""
     most = np.array([0.5, 0.05, 0.021, 1e-3])
-    model = fixed(Locking())
+    model = fixed(Locking(most=0.05))
     free, compliance = line(model)
 
     def roots(m):
