@@ -18,7 +18,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # whether logs ar
 
 _HOME = homes_in_stub(__loader__, __path__[0])
 # a type checker reads the stub, and need not follow how this list is made
-__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
+__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]  # it reads literals only
 __getattr__ = loader_of_names(__name__, _HOME, globals())
 
 

@@ -132,7 +132,7 @@ def _events(functions: CompiledMode) -> Any:
 
     # sksundae reads these two from the function; the type checker knows no attributes of functions
     both = [True] * functions.count, [-1] * functions.count
-    events.terminal, events.direction = both  # type: ignore[attr-defined]
+    events.terminal, events.direction = both  # type: ignore[attr-defined]  # as above
     return events
 
 

@@ -100,7 +100,7 @@ class CompiledKernel:
     @property
     def py_func(self) -> Callable:
         """The Python function that was compiled, by the name that it has in numba's functions."""
-        return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]
+        return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]  # wraps sets it
 
     def __call__(self, *arguments: Any) -> Any:
         words, kinds, copies = [0] * len(self._results), [], []

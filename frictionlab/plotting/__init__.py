@@ -28,7 +28,7 @@ from __future__ import annotations
 from frictionlab.lazy_names import homes_in_stub, loader_of_names
 
 _HOME = homes_in_stub(__loader__, __path__[0])
-__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]
+__all__ = list(_HOME)  # pyright: ignore[reportUnsupportedDunderAll]  # it reads literals only
 __getattr__ = loader_of_names(__name__, _HOME, globals())
 
 

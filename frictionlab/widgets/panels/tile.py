@@ -262,7 +262,7 @@ class Tile:
 
     def _fitting_legend(self, handles: Sequence[Line2D]) -> Any:
         """A legend in as few rows as the tile's width allows, with smaller letters if these are too many."""
-        renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]
+        renderer = self.ax.figure.canvas.get_renderer()  # pyright: ignore[reportAttributeAccessIssue]  # Agg's has one
         legend: Any = None
         for size in (LEGEND_STYLE["fontsize"], SMALL_LEGEND):
             for rows in range(1, len(handles) + 1):

@@ -24,6 +24,7 @@ def test_balancing_is_a_similarity_by_powers_of_two_and_as_good_as_lapacks(matri
     mantissas = np.frexp(found[rows, columns] / matrix[rows, columns])[0]
     assert (mantissas == MANTISSA_OF_POWERS_OF_TWO).all()
     assert (np.diag(found) == np.diag(matrix)).all()
+    # scipy's stubs do not say that the first of its results is a matrix
     of_lapack: np.ndarray = matrix_balance(matrix, permute=False)[0]  # pyright: ignore[reportAssignmentType]
     assert np.linalg.norm(found) <= 1.5 * np.linalg.norm(of_lapack)
 
