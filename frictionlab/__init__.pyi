@@ -73,6 +73,7 @@ from .automaton import Reset as Reset
 from .components import ContactLaw as ContactLaw
 from .components import Coulomb as Coulomb
 from .components import CubicContact as CubicContact
+from .components import Dahl as Dahl
 from .components import ExponentialDecay as ExponentialDecay
 from .components import FixedLoad as FixedLoad
 from .components import FrictionalImpact as FrictionalImpact
@@ -82,10 +83,13 @@ from .components import HertzContact as HertzContact
 from .components import ImpactLaw as ImpactLaw
 from .components import Interface as Interface
 from .components import LinearContact as LinearContact
+from .components import LuGre as LuGre
 from .components import MovingLoad as MovingLoad
 from .components import PlasticImpact as PlasticImpact
 from .components import PolynomialContact as PolynomialContact
 from .components import PressureDependent as PressureDependent
+from .components import RateAndState as RateAndState
+from .components import RateAndStateSlip as RateAndStateSlip
 from .components import RestitutionImpact as RestitutionImpact
 from .components import SlidingOnly as SlidingOnly
 from .components import SlidingSeparation as SlidingSeparation

@@ -28,6 +28,7 @@ from frictionlab.components.component import Component, Parameter, parameters_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.mechanical.dynamic_laws import values_of_law
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import symbol, symbolic_copy
@@ -39,6 +40,9 @@ __all__ = ["check_law", "check_model"]
 PENETRATIONS = np.linspace(1e-4, 0.1, 7)
 SPEEDS = np.linspace(0.0, 3.0, 7)
 FORCES = np.array([1.0, 50.0, 1e3])
+LAW_STATES = np.array([-1e-4, 0.0, 1e-4])
+NEARLY_ZERO = float(np.finfo(float).tiny)  # m/s
+CONTINUITY_RTOL = 1e-9  # of a law, between relative velocities of this size and either sign
 LAW_RTOL = 1e-12
 COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
@@ -132,6 +136,9 @@ def _check_contact(law: Any) -> None:
 
 
 def _check_friction(law: Any) -> None:
+    if law.states:
+        _check_dynamic_friction(law)
+        return
     speed, normal = map(np.ravel, np.meshgrid(SPEEDS, FORCES))
     kinetic, limit = (
         _consistent_values(law, "kinetic", normal, speed),
@@ -144,6 +151,25 @@ def _check_friction(law: Any) -> None:
         fail(law, "kinetic(normal_force, 0) must not exceed static_limit(normal_force)", kinetic[slow])
 
 
+def _check_dynamic_friction(law: Any) -> None:
+    velocities = np.concatenate([-SPEEDS[1:], SPEEDS[1:]])
+    grid = np.meshgrid(FORCES, velocities, *[LAW_STATES] * len(law.states))
+    arguments = [values.ravel() for values in grid]
+    _consistent_values(law, "force", *arguments)
+    states = tuple(map(symbol, law.states))
+    values_of_law(symbolic_copy(law.structure_key), symbol("normal_force"), symbol("velocity"), states)
+    for name in law.states:
+        _consistent_values(law, "rates", *arguments, of=name)
+    normal, _, *some = arguments
+    either = [law.force(normal, side * NEARLY_ZERO, *some) for side in (1, -1)]
+    largest = np.abs(law.force(*arguments)).max()
+    if not np.allclose(*either, rtol=0.0, atol=CONTINUITY_RTOL * largest):
+        rule = (
+            "force(...) must not jump where the relative velocity changes its sign, as no mode holds it there"
+        )
+        fail(law, rule, np.abs(either[0] - either[1]).max())
+
+
 def _check_impact(law: Any) -> None:
     rate, compliance = map(np.ravel, np.meshgrid(SPEEDS, [0.5, 2.0]))
     impulse = _consistent_values(law, "impulse", rate, rate, compliance)
@@ -154,19 +180,25 @@ def _check_impact(law: Any) -> None:
         fail(law, "the gap rate after an impact must be from -1 times that before to 0", after)
 
 
-def _consistent_values(law: Any, method: str, *arguments: Any) -> Any:
-    """A method's values at arrays; fails unless symbols and single numbers give the same values."""
-    values = np.broadcast_to(getattr(law, method)(*arguments), arguments[0].shape)
+def _consistent_values(law: Any, method: str, *arguments: Any, of: str = "") -> Any:
+    """A method's values at arrays; fails unless symbols and single numbers give the same values.
+
+    Of a method that returns several values they are those `of` a name.
+    """
+
+    def given(law: Any, *at: Any) -> Any:
+        value = getattr(law, method)(*at)
+        return value[of] if of else value
+
+    values = np.broadcast_to(given(law, *arguments), arguments[0].shape)
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
     reduced = law.reduced()
     numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
-    formula: Any = sp.sympify(getattr(symbolic_copy(law.structure_key), method)(*symbols), strict=True).subs(
-        numbers
-    )
+    formula: Any = sp.sympify(given(symbolic_copy(law.structure_key), *symbols), strict=True).subs(numbers)
     for i, row in enumerate(zip(*arguments, strict=True)):
         at = tuple(map(float, row))
         exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
-        single = _real(law, method, at, getattr(law, method)(*at))
+        single = _real(law, method, at, given(law, *at))
         if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=0.0):
             rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
             fail(law, rule, (single, values[i]))

@@ -331,6 +331,7 @@ class _Judge:
             speed, sign = at(contact.speed, places.states), self._signs(contact, regimes, places)
             still = (
                 (regimes != "slip")
+                & (contact.limit is not None)
                 & (np.abs(speed) <= resting * self._speed_size(contact, along))
                 & ~open_contact
             )
@@ -339,7 +340,9 @@ class _Judge:
             for force, direction in ((pressing, normal), (known, along)):
                 given += force[:, None] * direction
                 sizes += np.abs(force[:, None] * direction)
-            limit = np.where(still, np.maximum(at(contact.limit, places.states), 0.0), 0.0)
+            limit = 0.0 * speed
+            if contact.limit is not None:
+                limit = np.where(still, np.maximum(at(contact.limit, places.states), 0.0), 0.0)
             columns += [along, normal]
             least += [-limit, 0.0 * limit]
             most += [limit, np.where(regimes == CHATTER_MODE, np.inf, 0.0)]
@@ -480,9 +483,12 @@ class _Judge:
     def _laws(self) -> list[Any]:
         """The impact laws of all contacts, with numbers."""
         model, start = self.run.source, self.run.problem.x0[: len(self.run.names)].tolist()
-        n, further = self.stated.n, len(start) - len(model.states)
-        phase = (*start[2 * n : further], 0.0)[0]
-        about = mechanics_at(model, start[:n], start[n : 2 * n], phase, start[further:])
+        n, further = self.stated.n, len(model.states)
+        others = start[
+            2 * n : 2 * n + len(self.stated.statement.others)
+        ]  # without the states of friction laws
+        phase = (*others[: len(others) - further], 0.0)[0]
+        about = mechanics_at(model, start[:n], start[n : 2 * n], phase, others[len(others) - further :])
         laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]
         return [None if law is None else law.reduced() for law in laws]
 

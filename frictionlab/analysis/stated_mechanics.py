@@ -16,6 +16,7 @@ import numpy as np
 
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.dynamic_laws import values_of_contact
 from frictionlab.models.mechanical.mechanics import Friction, Stop, mechanics_at
 from frictionlab.models.symbols import (
     parameter_symbols,
@@ -41,7 +42,8 @@ class StatedContact:
     Parameters
     ----------
     speed, pressing, limit : callable or None
-        v_r (m/s), F_N (N) and the static limit of friction (N), of contacts with friction.
+        v_r (m/s), F_N (N) and the static limit of friction (N), of contacts with friction.  A dynamic law has
+        no limit.
     sliding : mapping of int to callable
         Friction (N) along v_r where this is positive, by 1, or negative, by -1.
     gap : callable or None
@@ -65,6 +67,8 @@ class Statement:
     """Energies (J), loads (N) and contacts as functions of states and parameters.
 
     `others` are the rates of the states that follow coordinates and velocities: phase and further states.
+    Those of friction laws come last; they have no part in energies and distances, so their rates are none of
+    them.
     """
 
     names: tuple[str, ...]
@@ -84,7 +88,8 @@ def _statement_of(key: StructureKey) -> Statement:
     phase, further = symbol("phase"), [*map(symbol, copy.states)]
     about = mechanics_at(copy, q, v, phase, further)
     in_time = about.frequency is not None
-    states = [*q, *v, *([phase] if in_time else []), *further]
+    of_laws = [tuple(map(symbol, names)) for names in about.law_states]
+    states = [*q, *v, *([phase] if in_time else []), *further, *(one for some in of_laws for one in some)]
     others = [*([about.frequency] if in_time else []), *(about.rates[name] for name in copy.states)]
 
     def compiled(expression: Any) -> StateFunction:
@@ -96,22 +101,28 @@ def _statement_of(key: StructureKey) -> Statement:
         compiled(about.stored),
         compiled(about.dissipation),
         tuple(compiled(about.loads.get(name, 0)) for name in names),
-        tuple(_contact(contact, compiled) for contact in about.contacts),
+        tuple(_contact(c, some, compiled) for c, some in zip(about.contacts, of_laws, strict=True)),
         tuple(map(compiled, others)),
     )
 
 
-def _contact(contact: Friction | Stop, compiled: Callable[[Any], StateFunction]) -> StatedContact:
+def _contact(
+    contact: Friction | Stop, of_law: tuple[Any, ...], compiled: Callable[[Any], StateFunction]
+) -> StatedContact:
     if isinstance(contact, Stop):
         return StatedContact(compiled(contact.distance), contact.law)
-    speed, force = contact.relative_velocity, contact.pressing
+    speed, force, law = contact.relative_velocity, contact.pressing, contact.law
+    if of_law:
+        sliding = {sign: values_of_contact(contact, of_law, sign).force for sign in (1, -1)}
+    else:
+        sliding = {sign: sign * law.kinetic(force, sign * speed) for sign in (1, -1)}
     return StatedContact(
         None if contact.penetration is None else compiled(-contact.penetration),
         contact.impact,
         compiled(speed),
         compiled(force),
-        compiled(contact.law.static_limit(force)),
-        {sign: compiled(sign * contact.law.kinetic(force, sign * speed)) for sign in (1, -1)},
+        None if of_law else compiled(law.static_limit(force)),
+        {sign: compiled(friction) for sign, friction in sliding.items()},
         None if contact.normal is None else tuple(map(compiled, contact.normal)),
     )
 

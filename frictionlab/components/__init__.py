@@ -1,9 +1,10 @@
 """Components: one small class for each law, in arithmetic that floats and sympy symbols share.
 
 `component` is the base of all, a frozen dataclass whose fields are parameters with unit, symbol and range.
-`contact`, `friction` and `impact` hold the laws.  `contact` also has the regimes of contact (`Interface`),
-and the coordinates and directions of the contact forces (`Geometry`).  `functions` has exp, tanh and the like
-for laws.  Nothing here imports sympy; numpy is imported only inside functions.
+`contact`, `friction` and `impact` hold the laws, `dynamic_friction` those of friction with states of their
+own.  `contact` also has the regimes of contact (`Interface`), and the coordinates and directions of the
+contact forces (`Geometry`).  `functions` has exp, tanh and the like for laws.  Nothing here imports sympy;
+numpy is imported only inside functions.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from .contact import (
     StickSlip,
     StickSlipSeparation,
 )
+from .dynamic_friction import Dahl, LuGre, RateAndState, RateAndStateSlip
 from .friction import (
     Coulomb,
     ExponentialDecay,
@@ -40,6 +42,7 @@ __all__ = [
     "ContactLaw",
     "Coulomb",
     "CubicContact",
+    "Dahl",
     "ExponentialDecay",
     "FixedLoad",
     "FrictionLaw",
@@ -49,11 +52,14 @@ __all__ = [
     "ImpactLaw",
     "Interface",
     "LinearContact",
+    "LuGre",
     "MovingLoad",
     "Parameter",
     "PlasticImpact",
     "PolynomialContact",
     "PressureDependent",
+    "RateAndState",
+    "RateAndStateSlip",
     "RestitutionImpact",
     "SlidingOnly",
     "SlidingSeparation",

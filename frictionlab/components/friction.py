@@ -1,12 +1,14 @@
 """Friction laws: the friction force while sliding, and its limit while sticking.
 
-They are Coulomb's law, and laws that depend on speed or pressure.
+They are Coulomb's law, and laws that depend on speed or pressure.  Laws with states of their own, such as
+LuGre's, are in `dynamic_friction`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from .component import Component, parameter
 from .functions import exp
@@ -14,7 +16,14 @@ from .functions import exp
 
 @dataclass(frozen=True, repr=False)
 class FrictionLaw(Component):
-    """Base of the friction laws: a subclass gives :meth:`kinetic` and :meth:`static_limit`."""
+    """Base of the friction laws: a subclass gives :meth:`kinetic` and :meth:`static_limit`.
+
+    A *dynamic* law has states of its own, such as the deflection of bristles.  It names them in `states`, and
+    gives :meth:`force` and :meth:`rates` instead, which take the states by their names.  Its contact does not
+    stick: where v_r changes its sign, force and rates are continuous.
+    """
+
+    states: ClassVar[tuple[str, ...]] = ()
 
     def kinetic(self, normal_force: Any, speed: Any) -> Any:
         """Friction force (N) along the relative velocity, whose magnitude is `speed` (m/s)."""
@@ -23,6 +32,31 @@ class FrictionLaw(Component):
     def static_limit(self, normal_force: Any) -> Any:
         """Largest friction force (N) in stick."""
         raise NotImplementedError(f"{type(self).__name__} must define static_limit(normal_force)")
+
+    if TYPE_CHECKING:  # a law with the state z has force(normal_force, relative_velocity, z)
+        force: ClassVar[Any]
+        rates: ClassVar[Any]
+        rates_in_separation: ClassVar[Any]
+    else:
+
+        def force(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Any:
+            """Friction force (N) of a dynamic law, positive along v_r (m/s), which has either sign."""
+            raise NotImplementedError(f"{type(self).__name__} must define {self._signature('force')}")
+
+        def rates(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Mapping[str, Any]:
+            """The rates of a dynamic law's states, by their names."""
+            raise NotImplementedError(f"{type(self).__name__} must define {self._signature('rates')}")
+
+        def rates_in_separation(self, *states: Any) -> Mapping[str, Any] | None:
+            """The rates of the states while the bodies are apart, by their names.
+
+            None, as by default, where all states return to zero at once when the contact is lost, as
+            bristles without mass do.
+            """
+            return None
+
+    def _signature(self, method: str) -> str:
+        return f"{method}(normal_force, relative_velocity, {', '.join(self.states) or '<states>'})"
 
 
 @dataclass(frozen=True, repr=False)

@@ -5,7 +5,7 @@ Also the equations of an impact: on a stop, or of a re-contact, Eqs. (10) to (17
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,6 +33,12 @@ from frictionlab.models.mechanical.contact_regimes import (
     sliding_friction,
     velocities_after,
 )
+from frictionlab.models.mechanical.dynamic_laws import (
+    LawValues,
+    rates_in_separation,
+    values_of_law,
+    values_on_one_side,
+)
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
@@ -41,6 +47,7 @@ from frictionlab.models.symbols import symbol, symbolic_copy
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
+SIGNS = {"slip+": 1, "slip-": -1}  # of v_r
 NORMAL_IMPULSE, TANGENTIAL_IMPULSE = symbol("p"), symbol("p_T")
 
 
@@ -168,7 +175,8 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
 
 
 def _functions(system: LagrangeSystem) -> dict[Any, Any]:
-    functions = time_functions((*system.q, *system.v, *system.further), len(system.q))
+    of_laws = (one for some in system.of_laws for one in some)
+    functions = time_functions((*system.q, *system.v, *system.further, *of_laws), len(system.q))
     if system.phase:
         functions[system.phase[0]] = system.mechanics.frequency * TIME
     return functions
@@ -195,10 +203,13 @@ def _mode_equations(
     forces = [_force_function(system, i) for i in each]
     rubbing = [i for i in each if isinstance(system.mechanics.contacts[i], Friction)]
     others = [_contact_function(system, name, i) for i in rubbing for name in ("F_N", "v_r")]
-    others += map(write, (*system.q, *system.further))
+    others += map(write, (*system.q, *system.further, *(one for some in system.of_laws for one in some)))
     return Equations(
         mode,
-        motion=_motion(write, forces),
+        motion=(
+            *_motion(write, forces),
+            *(eq for i in rubbing for eq in _law_rates(write, mode, chosen[i], i)),
+        ),
         forces=tuple(eq for i in each for eq in _forces(write, mode, chosen, i)),
         definitions=_definitions(write),
         constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
@@ -249,11 +260,38 @@ def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: i
     system = write.system
     contact: Any = system.mechanics.contacts[i]
     normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
+    if contact.law.states:
+        return _law_values(write, mode, regime, i).force
     if mode == "slip" and regime.name == "slip+":
         return sympy.sign(velocity) * contact.law.kinetic(normal, sympy.Abs(velocity))
-    signs = {"slip+": 1, "slip-": -1}
-    sign = system.sliding_sign(contact) if regime.name == "slip" else signs[regime.name]
+    sign = system.sliding_sign(contact) if regime.name == "slip" else SIGNS[regime.name]
     return sliding_friction(contact, sign, normal, velocity)
+
+
+def _law_values(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> LawValues:
+    """Force and rates of a dynamic law; with |v_r| where the mode does not tell the sign of v_r."""
+    contact: Any = write.system.mechanics.contacts[i]
+    normal, velocity = (_contact_function(write.system, name, i) for name in ("F_N", "v_r"))
+    arguments = contact.law, normal, velocity, tuple(map(write, write.system.of_laws[i]))
+    if mode != "slip" and regime.name in SIGNS:
+        return values_on_one_side(*arguments, SIGNS[regime.name])
+    return values_of_law(*arguments)
+
+
+def _law_rates(
+    write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int
+) -> Iterator[tuple[Any, ...]]:
+    """The rates of the states of a contact's friction law."""
+    contact: Any = write.system.mechanics.contacts[i]
+    states = tuple(map(write, write.system.of_laws[i]))
+    if not states:
+        return
+    if regime.name in APART:
+        rates = rates_in_separation(contact, states)
+    else:
+        rates = _law_values(write, mode, regime, i).rates
+    for one, rate in zip(states, rates, strict=True):
+        yield equation(sympy.diff(one, TIME), rate)
 
 
 def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:

@@ -28,7 +28,7 @@ from .kept_structures import derivations_of
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
 
-LAW_METHODS = ("force", "kinetic", "static_limit", "impulse", "friction")
+LAW_METHODS = ("force", "rates", "rates_in_separation", "kinetic", "static_limit", "impulse", "friction")
 Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
@@ -103,8 +103,9 @@ def _law_formulas(key: StructureKey) -> tuple[tuple[str, Any], ...]:
         for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
             with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
                 method = getattr(law, name)
-                formula = method(*map(_positive, signature(method).parameters))
-                formulas.append((f"{type(law).__name__}.{name}", formula))
+                given = method(*map(_positive, signature(method).parameters))
+                parts = given.values() if isinstance(given, Mapping) else () if given is None else (given,)
+                formulas += [(f"{type(law).__name__}.{name}", formula) for formula in parts]
     return tuple(formulas)
 
 
@@ -146,9 +147,10 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
                 "max, math or numpy; what changes at a value is a mode of its own"
             ) from error
-        if value is None:
+        if value is None and method.__name__ != "rates_in_separation":
             raise TypeError(
-                f"{law}.{method.__name__} must return a force or an impulse, got None: write return in front"
+                f"{law}.{method.__name__} must return a force, an impulse or rates, got None: "
+                "write return in front"
             )
         return value
 

@@ -92,6 +92,14 @@ class FrictionKeywords(TypedDict, total=False):
     mu_v: float
     n: float
     F_ref: float
+    sigma_0: float
+    sigma_1: float
+    sigma_2: float
+    mu_0: float
+    a: float
+    b: float
+    D_c: float
+    v_0: float
 
 
 class ImpactKeywords(TypedDict, total=False):

@@ -26,6 +26,7 @@ from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
+from frictionlab.models.mechanical.dynamic_laws import rates_in_separation, returns_to_zero, values_of_contact
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
 
@@ -47,8 +48,9 @@ CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights b
 class RegimeEnd(NamedTuple):
     """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
-    `jump` is None, "project" (onto the constraint) or "impact".  What is `common` ends the regimes of all
-    contacts that rub along one direction, at once.
+    `jump` is None, "project" (onto the constraint), "impact", "cross" (v_r changes its sign, and nothing
+    jumps) or "unload" (the states of a friction law return to zero).  What is `common` ends the regimes of
+    all contacts that rub along one direction, at once.
     """
 
     name: str
@@ -78,6 +80,8 @@ class ContactRegime:
         What takes the place of slip where other contacts keep v_r at zero: friction at its limit.
     pressing : Expr
         F_N of a contact with friction, N.
+    rates : tuple of Expr
+        The rates of the states of its friction law.
     """
 
     name: str
@@ -88,6 +92,7 @@ class ContactRegime:
     limit: Any = None
     resting: ContactRegime | None = None
     pressing: Any = sympy.S.Zero
+    rates: tuple[Any, ...] = ()
 
 
 def regimes_of_contact(contact: Friction | Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
@@ -117,25 +122,52 @@ def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> A
 
 def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
     """Slip in one direction, Eqs. (1) to (4)."""
+    if contact.law.states:
+        return _slip_by_states(contact, system, name)
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
     force = sliding_friction(contact, sign, contact.pressing, speed)
     pressing = contact.pressing
     limit = sign * contact.law.static_limit(pressing)
-    resting = ContactRegime(name, limit, None, (speed,), lambda *_: _leaving(contact), pressing=pressing)
+    resting = ContactRegime(
+        name, limit, None, (speed,), lambda *_: _leaving(contact, system), pressing=pressing
+    )
     return ContactRegime(
-        name, force, None, (), lambda *_: (stops, *_leaving(contact)), resting=resting, pressing=pressing
+        name,
+        force,
+        None,
+        (),
+        lambda *_: (stops, *_leaving(contact, system)),
+        resting=resting,
+        pressing=pressing,
+    )
+
+
+def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
+    """v_r of one sign under a dynamic law, whose force is continuous where v_r changes its sign."""
+    sign, speed, pressing = 1 if name == "slip+" else -1, contact.relative_velocity, contact.pressing
+    crosses = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "cross")
+    leaving = _leaving(contact, system)
+    force, rates = values_of_contact(contact, system.law_states(contact), sign)
+    held = ContactRegime(name, force, None, (speed,), lambda *_: leaving, pressing=pressing, rates=rates)
+    return ContactRegime(
+        name, force, None, (), lambda *_: (crosses, *leaving), resting=held, pressing=pressing, rates=rates
     )
 
 
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
     sign, belt = system.sliding_sign(contact), system.at_rest(contact.relative_velocity)
-    force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
+    rates: tuple[Any, ...] = ()
+    if contact.law.states:
+        force, rates = values_of_contact(contact, system.law_states(contact), sign)
+    else:
+        force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
     # A belt whose speed depends on time or place may turn round; then the force has no sign.
     turns = (RegimeEnd("belt", sign * belt, ()),) if system.varies(belt) else ()
+    leaving = _leaving(contact, system)
     return ContactRegime(
-        "slip", force, None, (), lambda *_: (*turns, *_leaving(contact)), pressing=contact.pressing
+        "slip", force, None, (), lambda *_: (*turns, *leaving), pressing=contact.pressing, rates=rates
     )
 
 
@@ -146,24 +178,29 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
         forwards = RegimeEnd("cone+", largest - force, _known(contact, ("slip+",)), common=True)
         backwards = RegimeEnd("cone-", largest + force, _known(contact, ("slip-",)), common=True)
-        return (forwards, backwards, *_leaving(contact))
+        return (forwards, backwards, *_leaving(contact, system))
 
     return ContactRegime("stick", None, speed, (speed,), breaks, limit, pressing=contact.pressing)
 
 
 def _separation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
+    rates = rates_in_separation(contact, system.law_states(contact))
     if contact.penetration is None:
-        return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact),))
+        return ContactRegime(
+            "separation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact),), rates=rates
+        )
     jump = None if contact.impact is None else "impact"
     lands = RegimeEnd("gap", -contact.penetration, _known(contact, (*AFTER_FLIGHT, "relaxation")), jump)
-    return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,))
+    return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,), rates=rates)
 
 
 def _relaxation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """No contact forces, as the law would pull: it ends where it would press, or where a gap opens."""
     opens = RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)))
-    return ContactRegime("relaxation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact), opens))
+    rates = rates_in_separation(contact, system.law_states(contact))
+    ends = (_pressed(contact), opens)
+    return ContactRegime("relaxation", sympy.S.Zero, None, (), lambda *_: ends, rates=rates)
 
 
 def _pressed(contact: Friction) -> RegimeEnd:
@@ -180,11 +217,12 @@ BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
 }
 
 
-def _leaving(contact: Friction) -> tuple[RegimeEnd, ...]:
+def _leaving(contact: Friction, system: LagrangeSystem) -> tuple[RegimeEnd, ...]:
     """What ends contact: nothing where it is bilateral, as its interface has no mode for a lost contact."""
     open_regimes = _known(contact, APART[::-1])
-    gap = (RegimeEnd("gap", contact.penetration, _known(contact, ("separation",))),)
-    pulls = (RegimeEnd("F_N", contact.pressing, open_regimes),)
+    jump = "unload" if returns_to_zero(contact, system.law_states(contact)) else None
+    gap = (RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)), jump),)
+    pulls = (RegimeEnd("F_N", contact.pressing, open_regimes, jump),)
     if not open_regimes:
         return ()
     if contact.penetration is None:
@@ -234,6 +272,16 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     if system.coupled is not None:
         after |= _last_velocity(system, contact, w, after)
     return Reset(after, zero)
+
+
+def crossing_reset(contact: Friction) -> Reset:
+    """What is known where v_r changes its sign and nothing jumps: v_r is zero, seen from either side."""
+    return Reset(vanishing={sign * contact.relative_velocity: 1 for sign in (1, -1)})
+
+
+def unloading_reset(system: LagrangeSystem, contact: Friction) -> Reset:
+    """The states of a dynamic law are zero once the contact is lost."""
+    return Reset(dict.fromkeys(system.law_states(contact), sympy.S.Zero))
 
 
 def _alike(system: LagrangeSystem, contact: Any) -> tuple[Any, ...]:
@@ -373,7 +421,9 @@ def _limit(system: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
         "friction_force": sympy.S.Zero,
         "relative_velocity": contact.relative_velocity,
     }
-    flow = (*system.v, *_accelerations(system, contact, force), *system.other_rates)
+    flow = system.flow(
+        _accelerations(system, contact, force), rates_in_separation(contact, system.law_states(contact))
+    )
     constraints = (contact.penetration, system.rate(contact.penetration))
     events = (*_chatter_events(system, contact, rate, closing), *period_events(system, CHATTER_MODE))
     return Mode(CHATTER_MODE, flow, events, constraints, outputs, limit=True)
@@ -403,7 +453,8 @@ def closing_acceleration(system: LagrangeSystem, contact: Friction) -> Any:
     """Second derivative of the penetration in flight, Eq. (9)."""
     rates = (*system.v, *_accelerations(system, contact, 0), *system.other_rates)
     penetration_rate = system.rate(contact.penetration)
-    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(system.states, rates, strict=True))
+    states = system.states[: len(rates)]  # those of friction laws do not move the bodies
+    return sum(sympy.diff(penetration_rate, x) * rate for x, rate in zip(states, rates, strict=True))
 
 
 def _accelerations(system: LagrangeSystem, contact: Friction, force: Any) -> list[Any]:

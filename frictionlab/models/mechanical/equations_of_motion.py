@@ -65,6 +65,7 @@ class LagrangeSystem:
     internal: tuple[Any, ...]
     loads: tuple[Any, ...]
     further: tuple[Any, ...] = ()
+    of_laws: tuple[tuple[Any, ...], ...] = ()
 
     @cached_property
     def inverse(self) -> Any:
@@ -230,12 +231,20 @@ class LagrangeSystem:
 
     @property
     def states(self) -> tuple[Any, ...]:
-        """Coordinates, velocities, phase, further states."""
-        return (*self.q, *self.v, *self.phase, *self.further)
+        """Coordinates, velocities, phase, further states, states of friction laws."""
+        return (*self.q, *self.v, *self.phase, *self.further, *(one for some in self.of_laws for one in some))
+
+    def law_states(self, contact: Friction | Stop) -> tuple[Any, ...]:
+        """The states of a contact's friction law."""
+        return self.of_laws[self.mechanics.contacts.index(contact)]
+
+    def flow(self, accelerations: Sequence[Any], of_laws: Sequence[Any] = ()) -> tuple[Any, ...]:
+        """The rates of all states, by accelerations and by the rates of the friction laws' states."""
+        return (*self.v, *accelerations, *self.other_rates, *of_laws)
 
     def rate(self, expression: Any) -> Any:
-        """Time derivative of a function of all states but the velocities; of one of velocities too, the part
-        of its time derivative that has no accelerations."""
+        """Time derivative of a function of all states but velocities and those of friction laws; of one of
+        velocities too, the part of its time derivative that has no accelerations."""
         moving = (*self.q, *self.phase, *self.further)
         return _dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
@@ -341,7 +350,8 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     if linear:
         check_linear(about, model, q, v)
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
-    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further)
+    of_laws = tuple(tuple(map(symbol, some)) for some in about.law_states)
+    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further, of_laws)
 
 
 # How numpy, math and sympy begin their errors where a number is wanted of a symbol.
@@ -383,6 +393,8 @@ def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) 
     names = own.modes
     if not allowed.sticks and own.sticks:
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
+    if isinstance(contact, Friction) and contact.law.states:  # v_r just passes through zero
+        names = tuple(name for name in names if name != "stick")
     names = tuple(name for name in names if name != "separation" or allowed.separates)
     if isinstance(contact, Stop) or "separation" not in names:
         return names

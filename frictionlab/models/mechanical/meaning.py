@@ -19,6 +19,7 @@ from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE
+from .dynamic_laws import rates_in_separation, values_of_law
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
 
@@ -66,8 +67,11 @@ def check_mechanics(about: Any, model: MechanicalModel, q: Sequence[Any], v: Seq
         )
     for name, load in about.loads.items():
         check.expression(f"the load on {name!r}", load)
-    for contact in about.contacts:
+    check.names_of_law_states(about.law_states)
+    for contact, names in zip(about.contacts, about.law_states, strict=True):
         check.contact(contact)
+        if isinstance(contact, Friction):
+            check.law(contact, tuple(map(symbol, names)))
     forces = {f"the load on {name!r}": load for name, load in about.loads.items()}
     energies = {f"the energy {name!r}": energy for name, energy in potential.items()}
     others = {"kinetic": about.kinetic, "dissipation": about.dissipation}
@@ -129,12 +133,13 @@ class _Check:
             )
         return expr
 
-    def powers(self, what: str, given: Any, positive: Sequence[Any]) -> None:
+    def powers(self, what: str, given: Any, positive: Sequence[Any], of_law: Sequence[Any] = ()) -> None:
         """That no parameter is the exponent of a base that can be negative.
 
-        What is in `positive` is not; parameters count as positive, as their values are not known here.
+        What is in `positive` is not; parameters count as positive, as their values are not known here.  The
+        states `of_law`, a friction law, may have either sign.
         """
-        vary = self.states.union(*(one.free_symbols for one in positive))
+        vary = self.states.union(of_law, *(one.free_symbols for one in positive))
         for power in sympy.sympify(given, strict=True).atoms(sympy.Pow):
             base, exponent = power.base, power.exp
             by_parameter = integer_exponent(power) is None and exponent.free_symbols
@@ -180,8 +185,6 @@ class _Check:
             self.free("normal_force", contact.normal_force, (), "")
             pressed = [] if contact.penetration is None else [contact.penetration]
             self.powers("normal_force", contact.normal_force, pressed)
-        force, sliding = sympy.symbols("normal_force speed", nonnegative=True)
-        self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
         if contact.penetration is not None:
             self.free("penetration", contact.penetration, self.moving, place)
         if contact.normal is not None:
@@ -192,6 +195,29 @@ class _Check:
                     f"normal of {self.of} must have one entry for each of its {len(self.q)} coordinates, got "
                     f"{len(contact.normal)}"
                 )
+
+    def law(self, contact: Friction, states: tuple[Any, ...]) -> None:
+        """That a friction law has formulas, of bases with a sign where exponents are parameters."""
+        force, sliding = sympy.symbols("normal_force speed", nonnegative=True)
+        if not states:
+            self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
+            return
+        for sign in (1, -1):
+            values = values_of_law(contact.law, force, sign * sliding, states)
+            for given in (values.force, *values.rates, *rates_in_separation(contact, states)):
+                self.powers("the friction law", given, [force, sliding], states)
+
+    def names_of_law_states(self, of_laws: Sequence[Sequence[str]]) -> None:
+        """Refuse a state of a friction law that has the name of anything else."""
+        taken = {*self.names, *map(str, self.states)}
+        for name in (one for some in of_laws for one in some):
+            if name in taken:
+                raise ValueError(
+                    f"the state {name!r} of a friction law must differ from the coordinates, states and "
+                    f"parameters of {self.of}: rename these, or derive a class from the law with another "
+                    "name in its states"
+                )
+            taken.add(name)
 
 
 def mass_matrix(

@@ -161,6 +161,16 @@ class Mechanics:
             )
 
     @property
+    def law_states(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states of each contact's friction law; numbered, as z_2, where there are several
+        contacts."""
+        numbers = [f"_{i}" for i in range(1, len(self.contacts) + 1)] if len(self.contacts) > 1 else [""]
+        return tuple(
+            tuple(name + number for name in contact.law.states) if isinstance(contact, Friction) else ()
+            for contact, number in zip(self.contacts, numbers)
+        )
+
+    @property
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential

@@ -26,9 +26,11 @@ from .contact_regimes import (
     ContactRegime,
     RegimeEnd,
     chatter_mode,
+    crossing_reset,
     impact_resets,
     period_events,
     stick_reset,
+    unloading_reset,
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
@@ -229,11 +231,6 @@ def _sparse_product(one: Any, other: Any) -> Any:
     return sympy.Matrix(one.rows, other.cols, lambda i, k: product.get((int(i), int(k)), sympy.S.Zero))
 
 
-def flow_of(system: LagrangeSystem, accelerations: Sequence[Any]) -> tuple[Any, ...]:
-    """The rates of all states."""
-    return (*system.v, *accelerations, *system.other_rates)
-
-
 def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
     """The mode of one regime for each contact."""
     chosen = system.chosen(combination)
@@ -249,7 +246,8 @@ def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
     events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = _outputs(system, chosen, solved.forces)
-    return Mode(name, flow_of(system, solved.accelerations), tuple(events), constraints, outputs)
+    flow = system.flow(solved.accelerations, [rate for regime in chosen for rate in regime.rates])
+    return Mode(name, flow, tuple(events), constraints, outputs)
 
 
 def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
@@ -260,6 +258,10 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
         return Event(label, end.function, targets, *impact_resets(system, contact))
     if end.jump == "project":
         return Event(label, end.function, targets, stick_reset(system, contact))
+    if end.jump == "cross" and isinstance(contact, Friction):
+        return Event(label, end.function, targets, crossing_reset(contact))
+    if end.jump == "unload" and isinstance(contact, Friction):
+        return Event(label, end.function, targets, unloading_reset(system, contact))
     return Event(label, end.function, targets)
 
 

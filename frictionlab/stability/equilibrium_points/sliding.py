@@ -209,16 +209,21 @@ def _equations_of_structure(key: StructureKey) -> SlidingEquations:
 
 
 def by_penetration(model: ModelOrAutomaton) -> TypeGuard[Model]:
-    """Whether a model's equilibria follow from the penetration of its contact."""
-    return isinstance(model, Model) and model.statics is not None
+    """Whether a model's equilibria follow from the penetration of its contact.
+
+    They do not where the friction law has states of its own.
+    """
+    if not isinstance(model, Model) or model.statics is None:
+        return False
+    return not any(getattr(component, "states", ()) for component in model.components.values())
 
 
 def _rates_of_slip(system: LagrangeSystem) -> tuple[Any, ...]:
     from frictionlab.models.mechanical.contact_regimes import regime  # which load sympy
-    from frictionlab.models.mechanical.modes import flow_of, solve_contact_forces
+    from frictionlab.models.mechanical.modes import solve_contact_forces
 
     slip = regime(system.rubbing, "slip", system)
-    return flow_of(system, solve_contact_forces(system, (slip,)).accelerations)
+    return system.flow(solve_contact_forces(system, (slip,)).accelerations)
 
 
 def _guards_of_slip(system: LagrangeSystem, forwards: bool) -> list[Any]:

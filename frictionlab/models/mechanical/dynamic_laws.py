@@ -1,0 +1,86 @@
+"""Force and rates of dynamic friction laws, whose states are symbols, on either side of v_r = 0.
+
+Such a law is written with |v_r|.  On one side this is v_r, on the other -v_r, so that each side is smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import sympy
+
+from frictionlab.components.friction import FrictionLaw
+from frictionlab.validation import abbreviate
+
+from .mechanics import Friction
+
+
+class LawValues(NamedTuple):
+    """Friction force (N) of a dynamic law, and the rates of its states, in their order."""
+
+    force: Any
+    rates: tuple[Any, ...]
+
+
+def values_of_law(
+    law: FrictionLaw, normal_force: Any, relative_velocity: Any, states: Sequence[Any]
+) -> LawValues:
+    """Force and rates at any arguments, as expressions.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Where the law gives no rates, or others than those of its states.
+    """
+    given = law.rates(normal_force, relative_velocity, *states)
+    force = sympy.sympify(law.force(normal_force, relative_velocity, *states), strict=True)
+    return LawValues(force, _in_order(law, "rates", given))
+
+
+def values_of_contact(contact: Friction, states: Sequence[Any], sign: Any) -> LawValues:
+    """Force and rates of a contact's law where v_r has this sign, 1, -1, or sign(v) of a belt's speed v."""
+    arguments = contact.law, contact.pressing, contact.relative_velocity, states
+    forwards, backwards = (values_on_one_side(*arguments, side) for side in (1, -1))
+    if sign in (1, -1):
+        return forwards if sign == 1 else backwards
+    share = (1 + sign) / 2
+    return LawValues(
+        share * forwards.force + (1 - share) * backwards.force,
+        tuple(share * a + (1 - share) * b for a, b in zip(forwards.rates, backwards.rates, strict=True)),
+    )
+
+
+def values_on_one_side(
+    law: FrictionLaw, normal_force: Any, relative_velocity: Any, states: Sequence[Any], sign: int
+) -> LawValues:
+    """Force and rates where v_r has this sign, without |v_r|."""
+    speed = sympy.Dummy("speed", positive=True)  # sympy knows its magnitude
+    there = {speed: sign * relative_velocity}
+    force, rates = values_of_law(law, normal_force, sign * speed, states)
+    return LawValues(force.xreplace(there), tuple(rate.xreplace(there) for rate in rates))
+
+
+def rates_in_separation(contact: Friction, states: Sequence[Any]) -> tuple[Any, ...]:
+    """The rates of a law's states while the bodies are apart; zeros where these return to zero at once."""
+    given = contact.law.rates_in_separation(*states)
+    if given is None:
+        return tuple(sympy.S.Zero for _ in states)
+    return _in_order(contact.law, "rates_in_separation", given)
+
+
+def returns_to_zero(contact: Friction, states: Sequence[Any]) -> bool:
+    """Whether a law's states, if it has any, are zero as soon as the contact is lost."""
+    return bool(states) and contact.law.rates_in_separation(*states) is None
+
+
+def _in_order(law: FrictionLaw, method: str, given: Any) -> tuple[Any, ...]:
+    of, names = f"{type(law).__name__}.{method}", law.states
+    if not isinstance(given, Mapping) or {*given} != {*names}:
+        shown = ", ".join(f'"{name}": ...' for name in names)
+        got = ", ".join(map(str, given)) if isinstance(given, Mapping) else abbreviate(given)
+        raise ValueError(
+            f"{of} must give the rate of each of its states {', '.join(names)}, got {got or 'none'}: "
+            f"write return {{{shown}}}"
+        )
+    return tuple(sympy.sympify(given[name], strict=True) for name in names)
