@@ -31,11 +31,29 @@ pytest.register_assert_rewrite("tests.helpers", "tests.differential")  # helpers
 
 HERE = Path(__file__).parent
 
+# By Python's own thresholds a twentieth of the processor time goes into looking, again and again, through
+# what earlier tests have cached.  What counts for them is at the end: see `pytest_sessionfinish`.
+gc.set_threshold(100_000, 20, 1000)
+
 
 def pytest_ignore_collect(collection_path, config):
     """Folders that the default leaves out as a whole are not imported: that takes seconds in each process."""
     default = config.option.markexpr == "not slow and not browser"
     return (default and collection_path in (HERE / "slow", HERE / "browser")) or None
+
+
+# Of two processes one reads the files from the last to the first: each writes the byte code of half of them,
+# where there is none yet, and finds that of the other half.
+BACKWARDS = os.environ.get("PYTEST_XDIST_WORKER", "gw0").endswith(tuple("13579"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """The files of a folder, in the order in which this process reads them."""
+    report = yield
+    if BACKWARDS and isinstance(collector, pytest.Directory):
+        report.result.reverse()
+    return report
 
 
 def pytest_collection_finish():
@@ -50,8 +68,13 @@ def pytest_sessionfinish():
     gc.freeze()
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Tests are slow by folder or mark, and need a browser where they ask for the fixture."""
+    """Tests are slow by folder or mark, and need a browser where they ask for the fixture.
+
+    All processes have them in the same order.
+    """
+    items.sort(key=lambda item: item.path.parts)
     for item in items:
         if item.path.is_relative_to(HERE) and item.path.relative_to(HERE).parts[0] == "slow":
             item.add_marker(pytest.mark.slow)
