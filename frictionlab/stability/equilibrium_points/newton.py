@@ -12,7 +12,7 @@ instead of the elimination of a whole matrix at every point.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -110,6 +110,7 @@ SCALE_ROUNDING = 1e-14  # of a state's usual size: what is smaller is rounding
 MAX_POLISH_STEPS = 64
 POLISH_CONTRACTION = 0.9  # if a step is longer than this share of the last, it is rounding alone
 NOISE_SAMPLES = 16  # states near a zero at which the rounding of the flow is seen
+NUMBERS_AT_ONCE = 1_000_000  # entries of Jacobians: as many samples as have no more are evaluated together
 NOISE_DISTANCE = 1e-8  # share of a state: how far they are from the zero
 FINER_DISTANCES = 1e-11, 1e-14  # the same where the flow is not linear so far, such as a sine of many turns
 TURNED_SHARE = 0.1  # of the Jacobian's change at the first distance: so much at the last is all of it
@@ -131,9 +132,13 @@ SAFE_CONTRACTION = 0.25
 def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
     """The step (m, N) towards a zero; NaN where the flow is not finite."""
     with np.errstate(all="ignore"):
-        matrices, rest = flow.jacobian(x, values), flow.rhs(x, values)
+        return _newton_step(flow.jacobian(x, values), flow.rhs(x, values))
+
+
+def _newton_step(matrices: Array, rest: Array) -> Array:
+    """The step (m, N) of Jacobians (N, m, m) and rates (m, N)."""
     usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(rest).all(axis=0)
-    step = np.full_like(x, np.nan)
+    step = np.full_like(rest, np.nan)
     step[:, usable] = -solve_matrices(matrices[usable], rest.T[usable, :, None])[..., 0].T
     return step
 
@@ -184,9 +189,10 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
 def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:
     """Where a rate is much larger than all around: near a pole Newton's steps are short as well."""
     random, most = np.random.default_rng(0), np.zeros_like(x)
-    for _ in range(NOISE_SAMPLES):
-        way = random.uniform(-1, 1, size=(len(x), 1)) * POLE_DISTANCE * np.abs(x)
-        most = np.fmax(most, np.abs(flow.rhs(x + way, values)))
+    shares = [random.uniform(-1, 1, size=(len(x), 1)) for _ in range(NOISE_SAMPLES)]
+    around = np.hstack([x + share * POLE_DISTANCE * np.abs(x) for share in shares])
+    for rates in np.hsplit(np.abs(flow.rhs(around, _repeated(values, NOISE_SAMPLES))), NOISE_SAMPLES):
+        most = np.fmax(most, rates)
     return (np.abs(flow.rhs(x, values)) > POLE_FACTOR * most) & (most > 0)
 
 
@@ -232,9 +238,9 @@ def _rounding_noise(
         # in proportion to the distance.
         distance[there] = np.where(bent[there] & (now > TURNED_SHARE * turned[there]), 0.0, finer)
     noise[:, distance == 0.0] = 0.0
-    for least in MACHINE_EPSILON * np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES):
-        way = _random_way(random, distance * np.abs(x) + least * scale)
-        missed, curved, _ = _missed(flow, x, values, way)
+    leasts = MACHINE_EPSILON * np.geomspace(1, ORIGIN_DISTANCE, NOISE_SAMPLES)
+    ways = [_random_way(random, distance * np.abs(x) + least * scale) for least in leasts]
+    for missed, curved, _ in _missed(flow, x, values, ways):
         noise = np.where(curved, noise, np.fmax(noise, missed))  # too far from a zero so near to the origin
     inverse = np.abs(solve_matrices(matrices, np.broadcast_to(np.eye(len(x)), matrices.shape)))
     terms = _times(inverse, _times(np.abs(matrices), np.abs(x)))
@@ -250,8 +256,8 @@ def _sampled_noise(
     """
     noise, turned = np.zeros_like(x), np.zeros(x.shape[1])
     bent: Any = np.zeros(x.shape[1], dtype=bool)
-    for _ in range(NOISE_SAMPLES):
-        missed, curved, change = _missed(flow, x, values, _random_way(random, distance * np.abs(x)))
+    ways = [_random_way(random, distance * np.abs(x)) for _ in range(NOISE_SAMPLES)]
+    for missed, curved, change in _missed(flow, x, values, ways):
         noise, bent, turned = np.fmax(noise, missed), bent | curved.any(axis=0), np.fmax(turned, change)
     return noise, bent, turned
 
@@ -266,18 +272,34 @@ def _chosen(values: Any, there: Any) -> Any:
     return values[there] if np.ndim(values) else values
 
 
-def _missed(flow: Flow, x: Array, values: Sequence[Any], way: Array) -> tuple[Array, Any, Array]:
-    """By how much the flow's change along a way, ahead and back, is not that of its Jacobian.
+def _repeated(values: Sequence[Any], count: int) -> list[Any]:
+    """The values of parameters for points that are repeated `count` times."""
+    return [np.tile(one, count) if np.ndim(one) else one for one in values]
+
+
+def _missed(
+    flow: Flow, x: Array, values: Sequence[Any], ways: Sequence[Array]
+) -> Iterator[tuple[Array, Any, Array]]:
+    """By how much the flow's change along each way (m, N), ahead and back, is not that of its Jacobian.
 
     Ahead and back, since curvature is no rounding.  Also where the Jacobian changes along the way, and the
-    largest change of its entries.
+    largest change of its entries.  Many ways are evaluated together: of few points a call costs as much.
     """
-    matrices, ahead, back = flow.jacobian(x, values), x + way, x - way
-    linear = _times(matrices, ahead - back)
-    missed = np.abs(flow.rhs(ahead, values) - flow.rhs(back, values) - linear)
-    change = flow.jacobian(ahead, values) - flow.jacobian(back, values)
-    curved = np.abs(_times(change, way)) > NONLINEARITY_RTOL * _times(np.abs(matrices), np.abs(way))
-    return missed, curved, np.abs(change).max(axis=(1, 2), initial=0.0)
+    matrices = flow.jacobian(x, values)
+    at_once = max(NUMBERS_AT_ONCE // max(matrices.size, 1), 1)
+    for first in range(0, len(ways), at_once):
+        some = ways[first : first + at_once]
+        way, here = np.hstack(some), np.tile(x, (1, len(some)))
+        known, at = np.tile(matrices, (len(some), 1, 1)), _repeated(values, 2 * len(some))
+        ahead, back = here + way, here - way
+        both = np.hstack([ahead, back])
+        there, before = np.hsplit(flow.rhs(both, at), 2)
+        missed = np.abs(there - before - _times(known, ahead - back))
+        change = np.subtract(*np.split(flow.jacobian(both, at), 2))
+        curved = np.abs(_times(change, way)) > NONLINEARITY_RTOL * _times(np.abs(known), np.abs(way))
+        largest = np.abs(change).max(axis=(1, 2), initial=0.0)
+        count = len(some)
+        yield from zip(np.hsplit(missed, count), np.hsplit(curved, count), np.split(largest, count))
 
 
 def _times(matrices: Array, x: Array) -> Array:
@@ -443,10 +465,17 @@ def follow_zero(
         last = np.abs(second).max(axis=0)
         safe = last <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
         safe |= last <= LAST_STEP_RTOL * np.abs(zeros).max(axis=0)
-        steps = 1 if safe.all() else HOMOTOPY_STEPS
-        for s in np.linspace(0, 1, steps + 1)[1:]:
-            between = [b if np.ndim(v) == 0 and v == b else b + s * (v - b) for b, v in zip(base, values)]
-            zeros = _newton(flow, zeros, between)
+        if safe.all():
+            zeros = zeros + first + second
+            if (np.abs(second) > MACHINE_EPSILON * np.abs(zeros)).any():
+                zeros = _newton(flow, zeros, values)
+        else:
+            for s in np.linspace(0, 1, HOMOTOPY_STEPS + 1)[1:]:
+                between = [
+                    v if s == 1 or (np.ndim(v) == 0 and v == b) else b + s * (v - b)
+                    for b, v in zip(base, values)
+                ]
+                zeros = _newton(flow, zeros, between)
         scale = _replace_unknown(np.abs(x)[:, None] + np.abs(first))
         zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
         zeros[:, ~admits(zeros, values)] = np.nan
@@ -517,7 +546,7 @@ def _search(newton: Callable[[Array], Array], x: Array) -> Array:
 def _is_solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
     """Where Newton's method has converged, and is not stuck at a singular matrix."""
     size = np.fmax(np.abs(x), scale)
-    forces = _times(np.abs(flow.jacobian(x, values)), size)
-    left = np.abs(flow.rhs(x, values)) <= LAST_STEP_RTOL * forces
-    step = np.abs(newton_step(flow, x, values))
+    matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
+    left = np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), size)
+    step = np.abs(_newton_step(matrices, rates))
     return left.all(axis=0) & (step <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale).all(axis=0)

@@ -477,11 +477,14 @@ def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Arra
 def _polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
     """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
     does."""
-    left = np.abs(statics.excess(penetrations, values))
+    left = statics.excess(penetrations, values)
     for _ in range(NEWTON_STEPS):
-        trial = penetrations - statics.excess(penetrations, values) / statics.slope(penetrations, values)
-        rest = np.abs(statics.excess(trial, values))
-        penetrations, left = np.where(rest < left, trial, penetrations), np.fmin(rest, left)
+        trial = penetrations - left / statics.slope(penetrations, values)
+        rest = statics.excess(trial, values)
+        better = np.abs(rest) < np.abs(left)
+        if not better.any():  # nor would the next step change anything
+            break
+        penetrations, left = np.where(better, trial, penetrations), np.where(better, rest, left)
     return penetrations
 
 
