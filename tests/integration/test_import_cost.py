@@ -51,7 +51,7 @@ def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
     code = f"""
 import json, sys
 from frictionlab.cli.command import main
-main(["run", "--quiet", "--t-end", "1", "-o", {picture!r}])
+main(["run", "--model", "MassOnBelt", "--quiet", "--t-end", "1", "-o", {picture!r}])
 print(json.dumps([[m for m in {never!r} if m in sys.modules], "sympy" in sys.modules]))
 """
     environment = {**os.environ, "FRICTIONLAB_CACHE_DIR": str(tmp_path / "cache")}

@@ -38,16 +38,16 @@ ROOT = Path(__file__).parents[2]
 SCRIPT = """
 import sys
 import frictionlab as fl
-model = fl.SliderOnBelt(mu_k=1.4)
-fl.simulate(model, 0.1, progress=False).defect
-fl.simulate(model, 0.01, method="rk4", progress=False)
+slider, model = fl.SliderOnBelt(mu_k=1.4), fl.MassOnBelt()
+fl.simulate(slider, 0.1, progress=False).defect
+fl.simulate(slider, 0.01, method="rk4", progress=False)
+fl.ensemble([slider, slider.replace(mu_k=1.2)], 0.05, progress=False)
 fl.eigenvalues(model)
-fl.energy_audit(fl.simulate(model, 0.1, progress=False))
-fl.ensemble([model, model.replace(mu_k=1.2)], 0.05, progress=False)
-fl.steady_state(fl.MassOnBelt(), transient=20.0, window=20.0, progress=False)
-fl.basins(fl.MassOnBelt(), ("x", [0.0, 1.0]), ("x'", [0.0]), transient=20.0, window=20.0, progress=False)
-fl.bifurcation(fl.MassOnBelt(), "v", [0.1, 0.2], section="x'", transient=20.0, window=20.0, progress=False)
-fl.explore(fl.MassOnBelt(), ("response",))
+fl.energy_audit(fl.simulate(model, 20.0, progress=False))
+fl.steady_state(model, transient=20.0, window=20.0, progress=False)
+fl.basins(model, ("x", [0.0, 1.0]), ("x'", [0.0]), transient=20.0, window=20.0, progress=False)
+fl.bifurcation(model, "v", [0.1, 0.2], section="x'", transient=20.0, window=20.0, progress=False)
+fl.explore(model, ("response",))
 print("numba" in sys.modules)
 """
 

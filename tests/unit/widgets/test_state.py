@@ -22,6 +22,7 @@ def short():
 
 @pytest.fixture(scope="module")
 def unchanged():
+    """One for all tests that change no value."""
     return made(fl.SliderOnBelt(mu_k=1.4), ("phase",), 2.0)
 
 
@@ -108,13 +109,13 @@ def test_values_that_cannot_be_set_change_nothing(unchanged, values, words):
     assert (unchanged.values(), unchanged.model) == (before, model)
 
 
-def test_the_figure_is_saved_with_its_curves(short):
-    svg = short.files.buttons["figure svg"].make()
+def test_the_figure_is_saved_with_its_curves(unchanged):
+    svg = unchanged.files.buttons["figure svg"].make()
     assert (svg.name, svg.type) == ("SliderOnBelt.svg", "image/svg+xml")
     assert svg.content.startswith(b"<?xml")
-    colour = short.picture.tiles["phase"].lines["stick"].get_color()
+    colour = unchanged.picture.tiles["phase"].lines["stick"].get_color()
     assert colour.lower().encode() in svg.content.lower()
-    assert short.files.buttons["figure pdf"].make().content.startswith(b"%PDF")
+    assert unchanged.files.buttons["figure pdf"].make().content.startswith(b"%PDF")
 
 
 def test_the_figure_is_saved_on_white_paper_from_a_dark_page_too(short):
@@ -135,27 +136,27 @@ def colours(svg):
     return set(re.findall(rb"(?:fill|stroke): (#[0-9a-f]{6})", svg))
 
 
-def test_data_are_saved_with_all_digits(short):
-    content = short.files.buttons["data csv"].make().content.decode()
+def test_data_are_saved_with_all_digits(unchanged):
+    content = unchanged.files.buttons["data csv"].make().content.decode()
     head, *rows = content.splitlines()
     names = head.split(",")
     t = np.array([float(row.split(",")[0]) for row in rows])
     x = np.array([float(row.split(",")[names.index("phi'")]) for row in rows])
-    assert np.array_equal(t, short.result.times())
-    assert np.array_equal(x, short.run(t)[:, short.run.names.index("phi'")])
-    assert [row.split(",")[-1] for row in rows] == list(short.result.modes)
+    assert np.array_equal(t, unchanged.result.times())
+    assert np.array_equal(x, unchanged.run(t)[:, unchanged.run.names.index("phi'")])
+    assert [row.split(",")[-1] for row in rows] == list(unchanged.result.modes)
 
 
-def test_parquet_holds_the_same(short):
+def test_parquet_holds_the_same(unchanged):
     pandas = pytest.importorskip("pandas", reason="pandas reads parquet; it is not installed")
     pytest.importorskip("pyarrow", reason="pyarrow reads parquet; it is not installed")
-    table = pandas.read_parquet(io.BytesIO(short.files.buttons["data parquet"].make().content))
-    assert np.array_equal(table["x1"], short.result.state("x1"))
-    assert list(table["mode"]) == list(short.result.modes)
+    table = pandas.read_parquet(io.BytesIO(unchanged.files.buttons["data parquet"].make().content))
+    assert np.array_equal(table["x1"], unchanged.result.state("x1"))
+    assert list(table["mode"]) == list(unchanged.result.modes)
 
 
-def test_a_button_sends_a_file_and_tells_what_fails(short, monkeypatch):
-    sent, button = [], short.files.buttons["save state"]
+def test_a_button_sends_a_file_and_tells_what_fails(unchanged, monkeypatch):
+    sent, button = [], unchanged.files.buttons["save state"]
     monkeypatch.setattr(button, "send", lambda *message: sent.append(message))
     button._handle_custom_msg({"asked": True}, [])
     (about, (content,)) = sent[0]
@@ -163,4 +164,4 @@ def test_a_button_sends_a_file_and_tells_what_fails(short, monkeypatch):
     assert json.loads(content)["changed"] == {"duration": 2.0}
     monkeypatch.setattr(button, "make", lambda: Path("/no/such/file").read_text())
     button._handle_custom_msg({"asked": True}, [])
-    assert "FileNotFoundError" in short.layout.message.value
+    assert "FileNotFoundError" in unchanged.layout.message.value
