@@ -13,7 +13,7 @@ constant.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -22,6 +22,9 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
+from frictionlab.compilation.loaded_kernels import prepared_call
+from frictionlab.hybrid.codegen.native_cache import interpreted_code
+from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
@@ -32,6 +35,7 @@ from frictionlab.hybrid.variational.tangent_flow import (
 )
 from frictionlab.hybrid.variational.tangent_jets import (
     SaltationError,
+    TangentScratch,
     carry_steps,
     constraint_gradients,
     linearise_mode,
@@ -148,6 +152,7 @@ def _carry(
     """Tangent vectors at times, derivatives of the events' times, and tangent vectors at the end."""
     raw, width = varied.run.raw, frame.shape[1]
     rows = np.ascontiguousarray(frame.T)
+    carry = _carrier_of_steps(varied, rows)
     starts = raw.step_times[:, 0]
     samples, moved = np.zeros((len(times), *frame.shape)), np.zeros((len(raw.event_times), width))
     marks = sorted(
@@ -156,15 +161,15 @@ def _carry(
     first = 0
     for t, is_event, i in marks:
         last = int(np.searchsorted(starts, t))
-        _carry_steps(varied, slice(first, last), rows)
+        carry(slice(first, last))
         first = last
         if is_event:
             saltation = _saltation(varied, i)  # raises where an event has no derivative
             moved[i] = _event_time_slopes(varied, i, rows)
-            rows = np.ascontiguousarray(rows @ saltation.T)
+            rows[...] = rows @ saltation.T
         else:
             samples[i] = rows.T
-    _carry_steps(varied, slice(first, len(starts)), rows)
+    carry(slice(first, len(starts)))
     return samples, moved, rows.T.copy()
 
 
@@ -204,19 +209,54 @@ class _VariedRun(NamedTuple):
     plain: Trajectory | None
 
 
-def _carry_steps(varied: _VariedRun, part: slice, rows: Array) -> None:
-    """Propagate tangent vectors along steps without an event, in slices short enough for ctrl-C."""
-    if varied.plain is None:
-        for first in range(part.start, part.stop, RECORD_CAPACITY):
-            carry_rows(carry_steps, varied.run, slice(first, min(first + RECORD_CAPACITY, part.stop)), rows)
-        return
-    for i in range(part.start, part.stop):
+def _carrier_of_steps(varied: _VariedRun, rows: Array) -> Callable[[slice], None]:
+    """A function that propagates the rows, tangent vectors, along steps without an event, in slices short
+    enough for ctrl-C."""
+    carry = _carrier(varied.run, rows)
+    plain = None if varied.plain is None else _carrier(varied.plain, rows)
+
+    def carry_steps_of(part: slice) -> None:
+        if plain is None:
+            for first in range(part.start, part.stop, RECORD_CAPACITY):
+                carry(slice(first, min(first + RECORD_CAPACITY, part.stop)))
+            return
+        for i in range(part.start, part.stop):
+            try:
+                carry(slice(i, i + 1))
+            except SaltationError:
+                plain(slice(i, i + 1))
+
+    return carry_steps_of
+
+
+def _carrier(run: Trajectory, rows: Array) -> Callable[[slice], None]:
+    """`carry_rows` with the same rows again and again; where it fails they are as before.
+
+    A fit asks for the tangent vectors at each measured time, so that a call takes one step or two: what does
+    not change is handed to the kernel once.
+    """
+    problem, raw, order = run.problem, run.raw, run.samples.order
+    J = np.zeros((problem.program.slots, order + 1))
+    scratch = TangentScratch(J, np.zeros((*J.shape, len(rows))))
+    steps = StepData(*map(np.ascontiguousarray, (raw.step_times, raw.step_modes, raw.step_states)))
+    truncation, code = Truncation(order, run.description["method"]["tol"]), interpreted_code(problem.program)
+    arguments = code, problem.numbers, truncation, steps, raw.state.copy(), rows, scratch
+    call = prepared_call(carry_steps, arguments, 3)
+
+    def carry(part: slice) -> None:
+        if part.start >= part.stop:
+            return
         before = rows.copy()
-        try:
-            carry_rows(carry_steps, varied.run, slice(i, i + 1), rows)
-        except SaltationError:
-            rows[:] = before
-            carry_rows(carry_steps, varied.plain, slice(i, i + 1), rows)
+        with np.errstate(all="ignore"):
+            failed = call(StepData(steps.times[part], steps.modes[part], steps.states[part]))
+        if failed >= 0 or not np.isfinite(rows).all():
+            rows[...] = before
+            try:
+                carry_rows(carry_steps, run, part, rows)  # which says what is wrong
+            finally:
+                rows[...] = before
+
+    return carry
 
 
 def _saltation(varied: _VariedRun, i: int) -> Array:

@@ -187,7 +187,8 @@ class Fit(Drawable):
 def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple[Array, int, tuple[Any, ...]]:
     """Covariance (P, P), rank and undetermined combinations, of derivatives (N, P) of residuals."""
     scaled = slopes * scales
-    _, sizes, directions = np.linalg.svd(scaled, full_matrices=True)
+    # All directions are needed where there are fewer residuals than parameters, never all of the residuals'.
+    _, sizes, directions = np.linalg.svd(scaled, full_matrices=len(scaled) < len(names))
     sizes = np.concatenate([sizes, np.zeros(len(directions) - len(sizes))])
     known = sizes > RANK_RTOL * sizes[0] if sizes[0] > 0 else np.zeros(len(sizes), dtype=bool)
     determined = directions[known] / sizes[known, None]
