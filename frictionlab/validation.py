@@ -139,6 +139,17 @@ def check_sequence(name: str, value: Any, cure: str) -> tuple[Any, ...]:
     return tuple(value)
 
 
+def check_names_among(what: str, given: Any, known: Sequence[str]) -> None:
+    """Raise unless it is a tuple of different names among those that are known."""
+    names = check_sequence(what, given, f"write {what} = ({', '.join(map(repr, known[:1]))},)")
+    for name in names:
+        if name not in known or names.count(name) > 1:
+            hint = did_you_mean_or_known(name, known) if isinstance(name, str) else ""
+            raise ValueError(
+                f"{what} must have names of coordinates, each once, got {abbreviate(name)}{hint}"
+            )
+
+
 def check_pair(name: str, value: Any, rule: str, cure: str) -> tuple[Any, Any]:
     """The two elements of a list or a tuple, which the `rule` names: "a parameter and its values"."""
     if not isinstance(value, (list, tuple)) or len(value) != 2:

@@ -293,7 +293,8 @@ def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, 
     )
 
     def of_modes(those: tuple[Mode, ...]) -> Trajectory:
-        wider = HybridAutomaton(states, those, {**automaton.parameters, **numbers}, automaton.coordinates)
+        numbered = {**automaton.parameters, **numbers}
+        wider = HybridAutomaton(states, those, numbered, automaton.coordinates, automaton.cyclic)
         problem = Problem(*program_of(wider), np.append(run.problem.x0, np.zeros(more)), run.problem.t_end)
         return Trajectory(wider, problem, raw, run.samples, description=run.description)
 

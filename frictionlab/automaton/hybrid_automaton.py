@@ -11,6 +11,7 @@ from frictionlab.validation import (
     check_field,
     check_key,
     check_mapping,
+    check_names_among,
     check_number,
     check_sequence,
     unknown_parameter,
@@ -35,6 +36,9 @@ class HybridAutomaton:
         dwell time (s) below which it replaces a sequence of events by its limit mode.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
+    cyclic : tuple of str
+        Coordinates that may turn for ever, by their names: where nothing depends on how far they have turned,
+        a steady rotation is an equilibrium.
 
     Raises
     ------
@@ -54,6 +58,7 @@ class HybridAutomaton:
     modes: tuple[Mode, ...] | ModesOnDemand
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
+    cyclic: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
@@ -71,6 +76,7 @@ class HybridAutomaton:
             least=0,
             cure="count the coordinates, which come first in states",
         )
+        check_names_among("cyclic", self.cyclic, self.state_names[: self.coordinates])
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
@@ -144,7 +150,9 @@ class HybridAutomaton:
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
         changed = {symbols[name]: value for name, value in changes.items()}
-        return HybridAutomaton(self.states, self.modes, {**self.parameters, **changed}, self.coordinates)
+        return HybridAutomaton(
+            self.states, self.modes, {**self.parameters, **changed}, self.coordinates, self.cyclic
+        )
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"

@@ -44,6 +44,7 @@ class Outline(NamedTuple):
     parameters : mapping of str to float
         The parameters that a derivation adds to those of the model.
     coordinates : int
+    cyclic : tuple of str
     """
 
     states: tuple[str, ...]
@@ -51,6 +52,7 @@ class Outline(NamedTuple):
     outputs: tuple[str, ...]
     parameters: Mapping[str, float]
     coordinates: int
+    cyclic: tuple[str, ...]
 
 
 class CachedAutomaton(HybridAutomaton):
@@ -66,7 +68,7 @@ class CachedAutomaton(HybridAutomaton):
         self._key, self._outline, self._values, self._derivations = key, outline, values, derivations
 
     def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
-        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates)
+        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates, self.cyclic)
 
     @cached_property
     def _derived(self) -> HybridAutomaton:
@@ -95,6 +97,11 @@ class CachedAutomaton(HybridAutomaton):
     def coordinates(self) -> int:
         """How many of the states are coordinates."""
         return self._outline.coordinates
+
+    @property
+    def cyclic(self) -> tuple[str, ...]:
+        """Names of the coordinates that may turn for ever."""
+        return self._outline.cyclic
 
     @property
     def derivations(self) -> Derivations:
@@ -160,7 +167,7 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
 
 
 def _with_numbers(derived: HybridAutomaton, numbers: Mapping[Symbol, float]) -> HybridAutomaton:
-    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates)
+    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates, derived.cyclic)
 
 
 def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
@@ -184,6 +191,7 @@ def _outline(key: StructureKey, derivations: Derivations) -> Outline | None:
         tuple(about["outputs"]),
         about["parameters"],
         about["coordinates"],
+        tuple(about["cyclic"]),
     )
 
 
@@ -201,6 +209,7 @@ def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
         "outputs": derived.outputs,
         "parameters": derived.values,
         "coordinates": derived.coordinates,
+        "cyclic": derived.cyclic,
     }
 
 

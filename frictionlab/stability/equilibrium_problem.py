@@ -169,6 +169,8 @@ class EquilibriumProblem:
     flow : Flow
     derive_guards : callable
         Gives the functions that are positive while the motion stays in this mode: v_r, the penetration.
+    following : tuple of int
+        Places of states that follow from the others, such as the angle of what turns.
     """
 
     model: ModelOrAutomaton
@@ -178,6 +180,7 @@ class EquilibriumProblem:
     solve: Callable[[Sequence[Any], int], Array]
     flow: Flow
     derive_guards: Callable[[], Formulas]
+    following: tuple[int, ...] = ()
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -198,10 +201,23 @@ class EquilibriumProblem:
         matrices[np.isnan(x).any(axis=0)] = np.nan  # entries that do not depend on x are still numbers
         return x, matrices
 
+    def without_following(self, matrices: Array) -> Array:
+        """State matrices (..., m, m) without the states that follow from the others."""
+        for axis in (-2, -1) if self.following else ():
+            matrices = np.delete(matrices, self.following, axis=axis)
+        return matrices
+
+    def with_following(self, vectors: Any, axis: int = -2) -> Any:
+        """Vectors (..., m, k) of these matrices with zeros at the states that follow from the others."""
+        places = [place - i for i, place in enumerate(self.following)]
+        return np.insert(vectors, places, 0.0, axis=axis) if places else vectors
+
     def spectra(self, changes: Mapping[str, Any]) -> ComplexArray:
         """Eigenvalues (N, m), the largest growth rate first."""
         _, matrices = self.linearised(changes)
         eigenvalues: Any = np.full(matrices.shape[:2], complex(np.nan, np.nan))
+        matrices = self.without_following(matrices)
+        eigenvalues = eigenvalues[:, : matrices.shape[1]]
         known = np.isfinite(matrices).all(axis=(1, 2))
         eigenvalues[known] = eigenvalues_of_matrices(matrices[known])
         return np.take_along_axis(eigenvalues, np.argsort(-eigenvalues.real, axis=1), axis=1)

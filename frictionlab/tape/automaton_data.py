@@ -127,6 +127,7 @@ def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:
         "states": writer.nodes(automaton.states),
         "parameters": [[writer.node(symbol), float(v)] for symbol, v in automaton.parameters.items()],
         "coordinates": automaton.coordinates,
+        "cyclic": list(automaton.cyclic),
         "modes": [_mode_to_data(mode, writer) for mode in automaton.modes],
     }
     data["nodes"] = writer.written
@@ -237,6 +238,7 @@ def automaton_from_data(data: Mapping[str, Any]) -> HybridAutomaton:
             tuple(_mode_from_data(mode, nodes) for mode in data["modes"]),
             {_symbol(nodes, place): _finite(value) for place, value in data["parameters"]},
             _whole(data["coordinates"], 0, len(data["states"])),
+            tuple(data.get("cyclic", ())),
         )
     except (KeyError, TypeError, AttributeError, IndexError, NotImplementedError, OverflowError) as error:
         raise ValueError(f"the automaton in it is damaged, {error!r}") from error

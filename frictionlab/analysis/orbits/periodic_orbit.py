@@ -24,12 +24,13 @@ from frictionlab.analysis.motion_scales import (
     state_ranges,
     state_scales,
 )
+from frictionlab.analysis.orbits.closing import Closing, closing_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.hybrid.variational.tangent_jets import SaltationError
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
@@ -67,7 +68,7 @@ class PeriodicOrbit(Drawable):
         Derivative of the state after one period by `state`.
     multipliers : array (n,), complex
         Floquet multipliers, its eigenvalues, the largest first.  One is 1, along the orbit; with onsets of
-        stick or plastic impacts one at least is 0.
+        stick or plastic impacts one at least is 0.  So is that of cyclic coordinates that turn together.
     modes : tuple of (str, float)
         The modes, in order from the first event of `trajectory` on, and the seconds spent in each.
     residual : float
@@ -121,8 +122,8 @@ def periodic_orbit(
     """The periodic orbit near a guess, stable or unstable, by Newton's method on the return map.
 
     The monodromy matrix is that of :func:`frictionlab.tangent_flow`, so that events are accounted for.
-    The result has been checked: it closes, keeps to the conditions of its modes, and its monodromy matrix
-    maps the flow's direction onto itself.
+    The result has been checked: it closes, up to turns of cyclic coordinates; it keeps to the conditions of
+    its modes; and its monodromy matrix maps the flow's direction onto itself.
 
     Parameters
     ----------
@@ -232,11 +233,16 @@ def _shortest_period(
     """The orbit with its shortest period, where the guess was several periods long."""
     for fold in PERIOD_DIVISORS:
         period = shot.run.raw.t / fold
-        while np.abs((shot.run(period) - shot.run.raw.step_states[0]) / guess.size).max() < SAME_STATE_RTOL:
+        while np.abs(_moved(shot, period) / guess.size).max() < SAME_STATE_RTOL:
             once = OrbitGuess(shot.run.raw.step_states[0], period, guess.size)
             shot = shoot(automaton, once, tolerance)
             period = shot.run.raw.t / fold
     return shot
+
+
+def _moved(shot: ShootingResult, t: float) -> Array:
+    """How far the state at a time is from that at the start (n,), but for turns."""
+    return shot.closing.difference(shot.run(t), shot.run.raw.step_states[0])
 
 
 def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:
@@ -306,17 +312,29 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
 
 def _distances(run: Trajectory, t: Any, start: float) -> Array:
     """Distances (N, 3) from the state at `start`: in the coordinates, in the velocities, in the rest."""
-    differences = np.abs(run(np.asarray(t)) - run(start))
+    differences = np.abs(closing_of(run).difference(run(np.asarray(t)), run(start)))
     parts = state_groups(run.automaton.coordinates)
     return np.column_stack([differences[:, part].max(axis=1, initial=0.0) for part in parts])
 
 
 class ShootingResult(NamedTuple):
-    """A trial over one period: the run, its fundamental matrix, its residual over the motion's size."""
+    """A trial over one period: the run, its monodromy matrix, its residual over the motion's size, and what
+    of the state has to return."""
 
     run: Trajectory
     matrix: Array
     residual: float
+    closing: Closing
+
+    @property
+    def missed(self) -> Array:
+        """How far the end is from the start (n,), but for turns."""
+        return self.closing.difference(self.run.final_state, self.run.raw.step_states[0])
+
+    @property
+    def end_rates(self) -> tuple[Array, Array]:
+        """Rates (n,) of the state at the start and at the end."""
+        return self.closing.end_rates(self.run)
 
 
 def floquet_multipliers(monodromy: Array) -> Array:
@@ -357,7 +375,7 @@ def stability_within_errors(orbit: PeriodicOrbit) -> str:
 
 def _monodromy_error(orbit: PeriodicOrbit, matrix: Array, size: Array) -> float:
     """An estimate of |dM|, in units of `size`: by what the run leaves open, and by M f = f for the flow f."""
-    first, last = (rate / size for rate in end_rates(orbit.trajectory))
+    first, last = (rate / size for rate in closing_of(orbit.trajectory).end_rates(orbit.trajectory))
     tolerance = orbit.trajectory.description["method"]["tol"]
     share = max(tolerance, len(size) * np.finfo(float).eps, orbit.residual)
     missed = np.linalg.norm(matrix @ first - last) / np.linalg.norm(first)
@@ -409,8 +427,10 @@ def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Ar
     run = solve(automaton, period, x0=z, progress=False)
     if not run.status.ok:
         raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
-    missed = float(np.abs((run.final_state - z) / size).max())
-    return ShootingResult(run, tangent_flow(run, progress=False).matrix, missed)
+    closing = closing_of(run)
+    missed = float(np.abs(closing.difference(run.final_state, z) / size).max())
+    matrix = closing.matrix(tangent_flow(run, progress=False).matrix)
+    return ShootingResult(run, matrix, missed, closing)
 
 
 def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
@@ -418,9 +438,9 @@ def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
 
     At a periodic orbit it is normal to the flow, so that z moves on a Poincare section.
     """
-    last = end_rates(shot.run)[1] / size
+    last = shot.end_rates[1] / size
+    missed: Any = shot.missed / size
     matrix = shot.matrix * size / size[:, None] - np.eye(len(size))
-    missed = (shot.run.final_state - shot.run.raw.step_states[0]) / size
     return np.linalg.lstsq(np.column_stack([matrix, last * period]), -missed, rcond=FAMILY_RCOND)[0]
 
 
@@ -467,7 +487,7 @@ def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
         raise ValueError(
             f"the orbit found violates a condition of its modes by {amount:.2g}: give another guess"
         )
-    first, last = (rate / guess.size for rate in end_rates(shot.run))
+    first, last = (rate / guess.size for rate in shot.end_rates)
     matrix = shot.matrix * guess.size / guess.size[:, None]
     missed = np.abs(matrix @ first - last).max() / (np.abs(matrix) @ np.abs(first)).max()
     if not missed < FLOW_DIRECTION_RTOL:

@@ -26,7 +26,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_flow
+from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 
 MAX_CORRECTOR_ITERATIONS = 12
 RESIDUAL_TOLERANCE = 1e-9  # largest residual of an orbit, as a share of the motion's size
@@ -77,6 +77,7 @@ def with_parameter_as_state(automaton: HybridAutomaton, parameter: str) -> Hybri
         _modes_with_constant(automaton.modes),
         others,
         automaton.coordinates,
+        automaton.cyclic,
     )
 
 
@@ -177,7 +178,7 @@ def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:
     """Derivative (n + 1, n + 2) of the orbit's residual by u, and the direction of the flow at its start."""
-    first, last = (rate[:-1] / scale[:-2] for rate in end_rates(shot.run))
+    first, last = (rate[:-1] / scale[:-2] for rate in shot.end_rates)
     n, matrix = len(first), shot.matrix[:-1]
     by_state = matrix[:, :-1] * scale[:n] / scale[:n, None] - np.eye(n)
     by_value = matrix[:, -1] * scale[-1] / scale[:n]
@@ -197,7 +198,7 @@ def _tangent(shot: ShootingResult, state: Array, period: float, scale: Array) ->
 
 def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: Array, off: Array) -> Array:
     """Newton's step for u: normal to the flow, it closes the orbit on the plane with the normal `across`."""
-    missed = (shot.run.final_state - shot.run.raw.step_states[0])[:-1] / scale[:-2]
+    missed = shot.missed[:-1] / scale[:-2]
     matrix = np.vstack([_corrector_rows(shot, period, scale), across])
     left: Any = np.concatenate([missed, [0.0], [across @ off]])
     return np.linalg.lstsq(matrix, -left, rcond=CORRECTOR_RCOND)[0]
@@ -211,8 +212,9 @@ def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoi
         return point
     part = solve(automaton, middle, x0=point.state, progress=False)
     physical = np.append(tangent[:-2], tangent[-1]) * np.append(scale[:-2], scale[-1])
-    carried = (tangent_flow(part, progress=False).matrix @ physical)[:-1] / scale[:-2]
-    flow = end_rates(part)[1][:-1] / scale[:-2]
+    closing = point.shot.closing  # a shift along which nothing changes is no part of the tangent
+    carried = (closing.matrix(tangent_flow(part, progress=False).matrix) @ physical)[:-1] / scale[:-2]
+    flow = closing.end_rates(part)[1][:-1] / scale[:-2]
     carried -= flow * (flow @ carried) / (flow @ flow)
     moved = np.append(carried, tangent[-2:])
     return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved))

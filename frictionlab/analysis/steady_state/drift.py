@@ -110,8 +110,11 @@ class Drift:
 def drift_of(run: Trajectory) -> Drift | None:
     """The shifts of a run's drifting states that change nothing; None where there are none."""
     places = drifting_states(run)
-    if not places:
-        return None
+    return shifts_without_effect(run, places) if places else None
+
+
+def shifts_without_effect(run: Trajectory, places: list[int]) -> Drift | None:
+    """The shifts of some states, at least one, that change nothing in a run; None where there are none."""
     across = _directions_across(run, places)
     if across.shape[1] < len(places):
         return Drift(run, places, across, [])

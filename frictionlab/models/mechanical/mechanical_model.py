@@ -15,7 +15,7 @@ from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model, model
-from frictionlab.validation import abbreviate
+from frictionlab.validation import abbreviate, check_names_among
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
@@ -31,7 +31,8 @@ class MechanicalModel(Model):
     """Base of the models that state their energies and contacts; modes, resets and equations follow.
 
     Besides its other components a model has an `interface`: the regimes of its contacts, by default all.
-    `states` names further states, such as a current or a temperature, if it has any.
+    `states` names further states, such as a current or a temperature, if it has any, and `cyclic` the
+    coordinates that may turn for ever, such as a shaft's angle.
 
     Examples
     --------
@@ -55,6 +56,7 @@ class MechanicalModel(Model):
     """
 
     states: ClassVar[tuple[str, ...]] = ()
+    cyclic: ClassVar[tuple[str, ...]] = ()
     interface: Interface = StickSlipSeparation()
 
     @property
@@ -97,8 +99,9 @@ class MechanicalModel(Model):
             raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
 
     def check(self) -> None:
-        """Raise ValueError if the names of further states are none, or are taken."""
+        """Raise ValueError if names of further states are none, or taken, or a cyclic coordinate is none."""
         super().check()
+        check_names_among("cyclic", self.cyclic, self.coordinates)
         for name in self.states:
             taken = {*self.coordinates, *(f"{q}'" for q in self.coordinates), *self.parameters, "phase"}
             if not isinstance(name, str) or name in taken or self.states.count(name) > 1:

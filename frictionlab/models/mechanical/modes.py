@@ -63,7 +63,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
         limit = chatter_mode(system)
         if limit is not None:
             modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
-    return HybridAutomaton(system.states, modes, numbers, len(system.q))
+    return HybridAutomaton(system.states, modes, numbers, len(system.q), model.cyclic)
 
 
 def modes_of_structure(key: StructureKey) -> Any:

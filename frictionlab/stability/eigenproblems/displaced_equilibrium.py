@@ -54,10 +54,11 @@ def displaced_equilibrium(model: Model) -> Array:
         if point.q.any():
             return state
         raise
-    mode = _least_stable_mode(matrix)
+    problem = equilibrium_problem(model)
+    mode = _least_stable_mode(problem, matrix)
     if mode.value.real <= 0 and point.q.any():
         return state
-    size = _linear_size(equilibrium_problem(model), point, matrix, mode)
+    size = _linear_size(problem, point, matrix, mode)
     if _is_excited(mode, state - point.state, size):
         return state
     right = mode.vectors.right
@@ -65,14 +66,16 @@ def displaced_equilibrium(model: Model) -> Array:
     return state + DISPLACEMENT * (1.0 if np.isinf(size) else size) * (right * abs(largest) / largest).real
 
 
-def _least_stable_mode(matrix: Array) -> Mode:
+def _least_stable_mode(problem: EquilibriumProblem, whole: Array) -> Mode:
     """The mode that grows fastest; if none grows or decays, the one of the highest frequency."""
+    matrix = problem.without_following(whole)
     values: Any = np.linalg.eigvals(matrix).astype(complex)
     values.real[is_neutral(matrix, values)] = 0.0
     value = complex(values[np.lexsort((np.abs(values.imag), values.real))[-1]])
     vectors = null_vectors(matrix, value)
-    right = vectors.right / np.abs(vectors.right).max()
-    return Mode(value, NullVectors(vectors.left, right, complex(vectors.left @ right)))
+    left = problem.with_following(vectors.left, axis=-1)
+    right = problem.with_following(vectors.right / np.abs(vectors.right).max(), axis=-1)
+    return Mode(value, NullVectors(left, right, complex(left @ right)))
 
 
 def _is_excited(mode: Mode, shift: Array, size: float) -> bool:

@@ -30,6 +30,7 @@ class Eigenvalues(Drawable):
         rounding of the state matrix could explain is 0.
     vectors : complex array (m, m)
         The eigenvectors as columns: coordinates, then velocities, then further states; m = 2n without these.
+        Of coordinates that turn together m does not count one, from which the others are measured.
     equilibrium : Equilibrium
         Where the system was linearised.
     """
@@ -68,7 +69,8 @@ class Eigenvalues(Drawable):
     @property
     def participation(self) -> Array:
         """Share of each coordinate in each mode, (n, m); columns sum to 1."""
-        left: Any = np.linalg.inv(self.vectors)
+        square = len(self.vectors) == len(self.values)
+        left: Any = np.linalg.inv(self.vectors) if square else np.linalg.pinv(self.vectors)
         return participation_factors(left, self.vectors, len(self.equilibrium.q))
 
     def to_dataframe(self) -> Any:
@@ -131,13 +133,14 @@ def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
     point = equilibrium(model)
-    matrix = jacobian(model, point.state)
+    problem = equilibrium_problem(model)
+    matrix = problem.without_following(jacobian(model, point.state))
     pairs: Any = np.linalg.eig(matrix)
     values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
     values.real[is_neutral(matrix, values)] = 0.0
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
-    return Eigenvalues(values[order], vectors[:, order], point)
+    return Eigenvalues(values[order], problem.with_following(vectors[:, order]), point)
 
 
 def jacobian(model: ModelOrAutomaton, state: Array) -> Array:

@@ -359,7 +359,8 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     at = check_path(problem, parameter, values)
 
     def sample(points: Array) -> Modes:
-        return modes_of_matrices(points, problem.linearised({parameter: points})[1])
+        matrices = problem.linearised({parameter: points})[1]
+        return modes_of_matrices(points, problem.without_following(matrices))
 
     path: Any = sample(at)
     _refuse_nothing(path, parameter)
@@ -377,8 +378,9 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
 
 def _shapes_and_participation(problem: EquilibriumProblem, path: Any) -> tuple[ComplexArray, Array]:
     n = len(problem.names)
+    right, left = problem.with_following(path.right), problem.with_following(path.left, axis=-1)
     with np.errstate(invalid="ignore"):  # NaN where there is no equilibrium
-        return mode_shapes(path.right, n), participation_factors(path.left, path.right, n)
+        return mode_shapes(right, n), participation_factors(left, right, n)
 
 
 def _refuse_nothing(path: Modes, parameter: str) -> None:

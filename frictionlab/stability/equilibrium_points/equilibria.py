@@ -119,6 +119,7 @@ def _problem_from_equilibrium(
         partial(follow_zero, flow, x, start, mode.admits),
         flow,
         lambda: mode.guards,
+        mode.following,
     )
 
 
@@ -182,7 +183,7 @@ def _same_state(x: Array, other: Array) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium(Drawable):
-    """A state of steady sliding.
+    """A state of steady sliding, or of steady rotation, in which cyclic coordinates turn.
 
     Parameters
     ----------
@@ -217,7 +218,12 @@ class Equilibrium(Drawable):
     def __repr__(self) -> str:
         known = bool(self.model.coordinates)  # states of an automaton without coordinates may have any unit
         units = {name: f" {state_unit(name)}" if known else "" for name in self.names}
-        shown = [*zip(self.names, self.q), *zip(self._further_names, self.state[2 * len(self.names) :])]
+        n = len(self.names)
+        turning = [
+            (f"{name}'", v) for name, v in zip(self.names, self.state[n : 2 * n]) if known and v != 0.0
+        ]
+        units |= {name: f" {state_unit(name)}" for name, _ in turning}
+        shown = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
         places = shorten(f"{name} {value:.4g}{units.get(name, '')}" for name, value in shown)
         forces = {"F_N": self.normal_force, "F_T": self.friction_force}
         acting = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
@@ -281,7 +287,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         stick, are left out.  States that enter linearly are eliminated.  If at most four remain, boxes of
         their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
         threefold one counts once.  If that does not come to an end, Newton's method starts from all decades
-        of size.
+        of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
 
     Returns
     -------

@@ -20,6 +20,7 @@ from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
+from frictionlab.stability.equilibrium_points.steady_rotation import steady_rates
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
@@ -45,6 +46,8 @@ class SteadyMode:
         Gives the mode.
     inputs : callable
         Gives the symbols of the states, then those of the parameters.
+    following : tuple of int
+        Places of states that follow from the others where the motion is steady; see `SteadyRates`.
     """
 
     name: str
@@ -53,6 +56,7 @@ class SteadyMode:
     derivations: Derivations
     derive: Callable[[], Mode]
     inputs: Callable[[], Sequence[Any]]
+    following: tuple[int, ...] = ()
 
     @property
     def guards(self) -> Formulas:
@@ -198,9 +202,14 @@ def _cached_mode(key: ModeKey) -> SteadyMode:
             lambda: formulas_of(_inputs(automaton), expressions(derive())),
         )
 
-    rates, margins = formulas("rates", lambda mode: mode.flow), formulas("margins", _margins)
-    flow = Flow(tuple(automaton.values), rates, margins)
-    return SteadyMode(key.name, False, flow, key.derivations, derive, partial(_inputs, automaton))
+    rates = formulas("rates", lambda mode: steady_rates(automaton, mode).rates)
+    flow = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
+    following: tuple[int, ...] = ()
+    if automaton.cyclic:
+        name = f"following states in {key.name}"
+        following = tuple(key.derivations.value(name, lambda: steady_rates(automaton, derive()).following))
+    inputs = partial(_inputs, automaton)
+    return SteadyMode(key.name, False, flow, key.derivations, derive, inputs, following)
 
 
 def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
@@ -240,15 +249,22 @@ def _is_free(mode: Mode) -> bool:
 
 
 def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
-    return _steady_mode(mode, automaton.states, tuple(automaton.parameters))
+    key = automaton.states, automaton.coordinates, automaton.cyclic
+    return _steady_mode(mode, key, tuple(automaton.parameters))
 
 
 @lru_cache(maxsize=256)
-def _steady_mode(mode: Mode, states: tuple[Any, ...], parameters: tuple[Any, ...]) -> SteadyMode:
+def _steady_mode(
+    mode: Mode, about: tuple[tuple[Any, ...], int, tuple[str, ...]], parameters: tuple[Any, ...]
+) -> SteadyMode:
+    states, coordinates, cyclic = about
     inputs = (*states, *parameters)
     names = tuple(str(symbol) for symbol in parameters)
-    flow = Flow(names, formulas_of(inputs, mode.flow), formulas_of(inputs, _margins(mode)))
-    return SteadyMode(mode.name, mode.holds, flow, Derivations(None), lambda: mode, lambda: inputs)
+    steady = steady_rates(HybridAutomaton(states, (mode,), {}, coordinates, cyclic), mode)
+    flow = Flow(names, formulas_of(inputs, steady.rates), formulas_of(inputs, _margins(mode)))
+    return SteadyMode(
+        mode.name, mode.holds, flow, Derivations(None), lambda: mode, lambda: inputs, steady.following
+    )
 
 
 def _margins(mode: Mode) -> tuple[Any, ...]:
@@ -273,8 +289,9 @@ def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> 
 
 
 def _without_states(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:
-    """Functions at zero velocities, those that depend on no other state."""
+    """Functions at zero velocities, of coordinates that do not turn, those that depend on no other state."""
     n = automaton.coordinates
-    at_rest = dict.fromkeys(automaton.states[n : 2 * n], 0)
+    pairs = zip(automaton.state_names, automaton.states[n : 2 * n])
+    at_rest = {rate: 0 for name, rate in pairs if name not in automaton.cyclic}
     held = [sympy.sympify(c, strict=True).subs(at_rest) for c in functions]
     return [c for c in held if not c.free_symbols & set(automaton.states)]

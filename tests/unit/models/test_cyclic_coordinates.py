@@ -1,0 +1,216 @@
+"""Coordinates that turn for ever: steady rotation is an equilibrium, and orbits close up to turns."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import frictionlab as fl
+
+J1, J2, K, C, DRIVE, TORQUE = 2000.0, 400.0, 500.0, 50.0, 400.0, 2000.0
+MU_K, MU_S, DECAY = 0.5, 1.0, 3.0
+
+
+@fl.model
+class Drill(fl.MechanicalModel):
+    """A drill string: a driven table, a shaft, and a bit with friction that falls with its speed."""
+
+    Omega: float = 10.0
+    friction: fl.FrictionLaw = fl.ExponentialDecay(mu_k=MU_K, mu_s=MU_S, v_s=DECAY)
+    coordinates = ("table", "bit")
+    cyclic = ("table", "bit")
+    period = 5.0
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            J1 * v.table**2 / 2 + J2 * v.bit**2 / 2,
+            K * (q.table - q.bit) ** 2 / 2,
+            C * (v.table - v.bit) ** 2 / 2 + DRIVE * (v.table - self.Omega) ** 2 / 2,
+            contacts=(fl.Friction(-v.bit, TORQUE, self.friction),),
+        )
+
+
+def drill_speed(omega):
+    """The speed at which the drive's torque is that of the bit."""
+    return brentq(lambda w: DRIVE * (omega - w) - TORQUE * bit_friction(w), 0.0, omega)
+
+
+def bit_friction(w):
+    return MU_K + (MU_S - MU_K) * math.exp(-w / DECAY)
+
+
+def drill_matrix(omega):
+    """Of the twist and the two speeds, by hand."""
+    slope = -(MU_S - MU_K) / DECAY * math.exp(-drill_speed(omega) / DECAY) * TORQUE
+    return np.array(
+        [
+            [0.0, 1.0, -1.0],
+            [-K / J1, -(C + DRIVE) / J1, C / J1],
+            [K / J2, C / J2, -(C + slope) / J2],
+        ]
+    )
+
+
+def test_steady_rotation_is_an_equilibrium():
+    point = fl.equilibrium(Drill())
+    w = drill_speed(10.0)
+    assert np.allclose(point.state, [TORQUE * bit_friction(w) / K, 0.0, w, w], rtol=1e-13)
+    assert "bit' 7.279" in repr(point)
+    assert point.friction_force == pytest.approx(-TORQUE * bit_friction(w), rel=1e-13)
+
+
+def test_its_eigenvalues_are_those_without_the_rotation():
+    found = fl.eigenvalues(Drill())
+    expected = np.linalg.eigvals(drill_matrix(10.0))
+    assert np.allclose(np.sort_complex(found.values), np.sort_complex(expected), rtol=1e-12)
+    assert found.vectors.shape == (4, 3)
+    assert np.allclose(found.participation.sum(axis=0), 1.0)
+    locus = fl.root_locus(Drill(), "Omega", [10.0, 12.0])
+    assert np.allclose(locus.growth_rates[0].max(), expected.real.max(), rtol=1e-12)
+
+
+def test_it_loses_stability_where_the_matrix_does():
+    """At low speeds friction falls too fast; also by the Hopf point there."""
+
+    def growth(omega):
+        return np.linalg.eigvals(drill_matrix(omega)).real.max()
+
+    expected = brentq(growth, 6.5, 9.0, xtol=1e-13)
+    (change,) = fl.stability_changes(Drill(), "Omega", bounds=(6.5, 30.0))
+    assert change.value == pytest.approx(expected, rel=1e-9)
+    assert fl.hopf(Drill(), "Omega", bounds=(6.5, 30.0)).value == pytest.approx(expected, rel=1e-9)
+
+
+def test_stick_slip_of_the_bit_is_an_orbit_that_closes_up_to_a_turn():
+    """Also by scipy: what of twist and speeds an integration of slip, stick and slip comes back to."""
+    model = Drill(Omega=5.0)
+    settled = fl.steady_state(model, transient=200.0, window=50.0, progress=False)
+    orbit = fl.periodic_orbit(model, settled)
+    assert orbit.stable
+    assert {mode for mode, _ in orbit.modes} == {"stick", "slip-"}
+    assert np.abs(orbit.multipliers - 1.0).min() < 1e-9
+
+    def rates(t, z, sticks):
+        twist, table, bit = z
+        string = K * twist + C * (table - bit)
+        pull = 0.0 if sticks else (string - TORQUE * bit_friction(bit)) / J2
+        return [table - bit, (DRIVE * (5.0 - table) - string) / J1, pull]
+
+    def stops(t, z, sticks):
+        return z[1 + 1]
+
+    def breaks(t, z, sticks):
+        return TORQUE * MU_S - K * z[0] - C * z[1]
+
+    stops.terminal, breaks.terminal = True, True
+    stops.direction = -1
+    table, bit, *speeds = orbit.state
+    start, z, sticks = 0.0, [table - bit, *speeds], speeds[1] == 0.0
+    first = np.array(z)
+    while start < orbit.period:
+        part = solve_ivp(
+            rates,
+            (start, orbit.period),
+            z,
+            "DOP853",
+            events=breaks if sticks else stops,
+            args=(sticks,),
+            rtol=1e-11,
+            atol=1e-13,
+        )
+        start, z = part.t[-1], part.y[:, -1]
+        if start < orbit.period:
+            sticks = not sticks
+            z[2] = 0.0 if sticks else z[2]
+    assert np.allclose(z, first, atol=1e-7)
+
+
+@fl.model
+class Over(fl.MechanicalModel):
+    """A pendulum that a torque turns over the top."""
+
+    T: float = 3.0
+    c: float = 0.5
+    coordinates = ("phi",)
+    cyclic = ("phi",)
+
+    def mechanics(self, q, v):
+        stored = 1 - fl.functions.cos(q.phi)
+        return fl.Mechanics(v.phi**2 / 2, stored, self.c * v.phi**2 / 2, loads={"phi": self.T})
+
+
+def test_a_pendulum_goes_over_the_top_on_an_orbit():
+    """The product of the multipliers is exp(-c T), by Liouville's theorem."""
+    settled = fl.steady_state(Over(), transient=60.0, window=20.0, progress=False)
+    orbit = fl.periodic_orbit(Over(), settled)
+    run = orbit.trajectory
+    assert run.final_state[0] - orbit.state[0] == pytest.approx(2.0 * math.pi, rel=1e-12)
+    assert np.prod(orbit.multipliers).real == pytest.approx(math.exp(-0.5 * orbit.period), rel=1e-9)
+
+
+def test_where_something_depends_on_the_angle_equilibria_are_at_rest():
+    found = fl.equilibria(Over(T=0.5))
+    assert found[0].state == pytest.approx([math.asin(0.5), 0.0], rel=1e-12)
+
+
+@fl.model
+class Gears(fl.MechanicalModel):
+    """Two wheels whose teeth are springs: one turns r times as fast."""
+
+    r: float = 2.5
+    coordinates = ("fast", "slow")
+    cyclic = ("fast", "slow")
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            v.fast**2 / 2 + 3.0 * v.slow**2 / 2,
+            40.0 * (q.fast - self.r * q.slow) ** 2 / 2,
+            0.2 * v.fast**2 / 2 + 0.1 * v.slow**2 / 2,
+            loads={"fast": 5.0},
+        )
+
+
+def test_wheels_turn_in_their_ratio():
+    """Of the teeth's deflection d = fast - r slow and the speeds, by hand."""
+    r, k = 2.5, 40.0
+    A = [[0.0, 1.0, -r], [-k, -0.2, 0.0], [r * k / 3.0, 0.0, -0.1 / 3.0]]
+    found = fl.eigenvalues(Gears())
+    assert np.allclose(np.sort_complex(found.values), np.sort_complex(np.linalg.eigvals(A)), rtol=1e-11)
+    fast, slow, w, w_slow = found.equilibrium.state
+    assert w == pytest.approx(r * w_slow, rel=1e-13)
+    assert w_slow == pytest.approx(5.0 * r / (0.2 * r**2 + 0.1), rel=1e-12)
+    assert fast - r * slow == pytest.approx(0.1 * w_slow / (r * k), rel=1e-12)
+
+
+def test_an_automaton_and_its_files_know_cyclic_coordinates(tmp_path):
+    automaton = Drill().automaton()
+    assert automaton.cyclic == automaton.replace(Omega=7.0).cyclic == ("table", "bit")
+    assert fl.eigenvalues(automaton).values == pytest.approx(fl.eigenvalues(Drill()).values)
+    run = fl.solve(automaton.derived(), 1.0, x0=[0.0, 0.0, 5.0, 5.0], progress=False)
+    assert fl.load(run.save(tmp_path / "run.npz")).automaton.cyclic == ("table", "bit")
+
+
+@pytest.mark.slow
+def test_analyses_of_rotation():
+    """Runs from near it, a continued orbit, a bifurcation diagram."""
+    run = fl.simulate(Drill(), 300.0, x0="near", progress=False)
+    assert run["bit'"][-1] == pytest.approx(drill_speed(10.0), rel=1e-6)
+    settled = fl.steady_state(Drill(Omega=6.0), transient=200.0, window=50.0, progress=False)
+    orbit = fl.periodic_orbit(Drill(Omega=6.0), settled)
+    branch = fl.continue_orbit(orbit, "Omega", (5.5, 6.5), progress=False)
+    assert [branch.values.min(), branch.values.max()] == pytest.approx([5.5, 6.5])
+    diagram = fl.bifurcation(
+        Drill(), "Omega", [5.0, 20.0], transient=200, window=100, progress=False, workers=1
+    )
+    assert [str(kind) for kind in diagram.kinds] == ["periodic", "equilibrium"]
+
+
+def test_a_name_that_is_no_coordinate_is_refused():
+    @fl.model
+    class Wrong(Over):
+        cyclic = ("ph",)
+
+    with pytest.raises(ValueError, match="cyclic must have names of coordinates, each once, got 'ph'"):
+        Wrong()
