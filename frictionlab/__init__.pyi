@@ -82,6 +82,7 @@ from .components import Geometry as Geometry
 from .components import HertzContact as HertzContact
 from .components import ImpactLaw as ImpactLaw
 from .components import Interface as Interface
+from .components import Jenkins as Jenkins
 from .components import LinearContact as LinearContact
 from .components import LuGre as LuGre
 from .components import MovingLoad as MovingLoad

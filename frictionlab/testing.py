@@ -156,6 +156,10 @@ def _check_dynamic_friction(law: Any) -> None:
     grid = np.meshgrid(FORCES, velocities, *[LAW_STATES] * len(law.states))
     arguments = [values.ravel() for values in grid]
     _consistent_values(law, "force", *arguments)
+    if law.state_limit(1.0) is not None:
+        limit = _consistent_values(law, "state_limit", FORCES)
+        if not (limit > 0.0).all():
+            fail(law, "state_limit(normal_force) must be above 0 where the bodies press on each other", limit)
     states = tuple(map(symbol, law.states))
     values_of_law(symbolic_copy(law.structure_key), symbol("normal_force"), symbol("velocity"), states)
     for name in law.states:
@@ -374,6 +378,8 @@ def rule_violations(run: Trajectory) -> dict[str, float]:
 
 
 def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> Any:
+    if any(name == "stick" and not run.automaton.mode(name).holds for name in run.mode_names):
+        modes = np.where(modes == "stick", "elastic", modes)  # a spring that gives, whose v_r is not zero
     unilateral, flight = "separation" in run.mode_names, modes == "separation"
     for name, value in values.items():
         yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf

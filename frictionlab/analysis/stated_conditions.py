@@ -256,7 +256,7 @@ class _Judge:
 
     def _amounts(self, contact: StatedContact, regimes: Array) -> Any:
         """Rules and by how much, as shares of sizes, they are broken at the samples."""
-        if contact.speed is not None:
+        if contact.speed is not None and contact.elastic is None:
             speed = self._share(contact.speed)
             yield "v_r is not zero in stick", np.where(regimes == "stick", np.abs(speed), 0.0)
             for name, sign in (("slip+", 1), ("slip-", -1)):
@@ -336,6 +336,10 @@ class _Judge:
                 & ~open_contact
             )
             known = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
+            if contact.elastic is not None:
+                signs = np.where(regimes == "slip-", -1, np.where(regimes == "slip+", 1, sign))
+                known = np.where(signs > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
+                known = np.where(regimes == "stick", at(contact.elastic, places.states), known)
             known = np.where(still | open_contact, 0.0, known)
             for force, direction in ((pressing, normal), (known, along)):
                 given += force[:, None] * direction

@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.dynamic_laws import values_of_contact
+from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
 from frictionlab.models.mechanical.mechanics import Friction, Stop, mechanics_at
 from frictionlab.models.symbols import (
     parameter_symbols,
@@ -51,6 +51,8 @@ class StatedContact:
     normal : tuple of callable or None
         W_N, where it is not the gradient of the gap.
     law : ImpactLaw or None
+    elastic : callable or None
+        Friction (N) in stick of an elastic-plastic law.
     """
 
     gap: StateFunction | None
@@ -60,6 +62,7 @@ class StatedContact:
     limit: StateFunction | None = None
     sliding: Any = None
     normal: tuple[StateFunction, ...] | None = None
+    elastic: StateFunction | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +115,11 @@ def _contact(
     if isinstance(contact, Stop):
         return StatedContact(compiled(contact.distance), contact.law)
     speed, force, law = contact.relative_velocity, contact.pressing, contact.law
-    if of_law:
+    elastic, largest = None, limit_of_state(contact)
+    if largest is not None:
+        elastic = compiled(values_of_law(law, force, speed, of_law).force)
+        sliding = {sign: values_of_law(law, force, speed, (sign * largest,)).force for sign in (1, -1)}
+    elif of_law:
         sliding = {sign: values_of_contact(contact, of_law, sign).force for sign in (1, -1)}
     else:
         sliding = {sign: sign * law.kinetic(force, sign * speed) for sign in (1, -1)}
@@ -124,6 +131,7 @@ def _contact(
         None if of_law else compiled(law.static_limit(force)),
         {sign: compiled(friction) for sign, friction in sliding.items()},
         None if contact.normal is None else tuple(map(compiled, contact.normal)),
+        elastic,
     )
 
 

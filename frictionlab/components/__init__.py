@@ -26,7 +26,7 @@ from .contact import (
     StickSlip,
     StickSlipSeparation,
 )
-from .dynamic_friction import Dahl, LuGre, RateAndState, RateAndStateSlip
+from .dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSlip
 from .friction import (
     Coulomb,
     ExponentialDecay,
@@ -51,6 +51,7 @@ __all__ = [
     "HertzContact",
     "ImpactLaw",
     "Interface",
+    "Jenkins",
     "LinearContact",
     "LuGre",
     "MovingLoad",

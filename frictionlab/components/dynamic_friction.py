@@ -1,4 +1,4 @@
-"""Dynamic friction laws, which have states of their own: LuGre, Dahl, rate and state.
+"""Dynamic friction laws, which have states of their own: LuGre, Dahl, Jenkins, rate and state.
 
 A state is the deflection of bristles, or how long a contact has rested.  v_r has either sign in force and
 rates, which are written with ``abs(relative_velocity)`` where they depend on the speed alone.
@@ -145,6 +145,51 @@ class LuGre(FrictionLaw):
     def _deflection_rate(self, relative_velocity: Any, z: Any) -> Any:
         decay = (self.mu_s - self.mu_k) * exp(-((relative_velocity / self.v_s) ** 2))
         return relative_velocity - self.sigma_0 * abs(relative_velocity) / (self.mu_k + decay) * z
+
+
+@dataclass(frozen=True, repr=False)
+class Jenkins(FrictionLaw):
+    """Jenkins' element, a spring in series with a slider: F_T = k_t z, z' = v_r while |z| < mu_k F_N/k_t.
+
+    At its limit the slider slips and F_T = mu_k F_N along v_r.  The mode "stick" is that of the spring alone.
+    Several contacts of one v_r with different laws are an Iwan element.
+
+    Parameters
+    ----------
+    mu_k : float
+        Coefficient of friction of the slider, above 0.
+    k_t : float
+        Tangential stiffness, N/m, above 0.
+
+    References
+    ----------
+    G. M. Jenkins, British Journal of Applied Physics 13 (1962) 30-32; W. D. Iwan, Journal of Applied
+    Mechanics 33 (1966) 893-900.
+    """
+
+    states: ClassVar[tuple[str, ...]] = ("z",)
+    mu_k: float = _coefficient(0.3, "k", "coefficient of friction of the slider")
+    k_t: float = parameter(
+        100.0,
+        unit="N/m",
+        symbol=r"k_{\mathrm{t}}",
+        meaning="tangential stiffness of the contact",
+        exclusive_minimum=0.0,
+        range=(1.0, 1e7),
+        log=True,
+    )
+
+    def force(self, normal_force: Any, relative_velocity: Any, z: Any) -> Any:
+        """Friction force (N) at a deflection z (m)."""
+        return self.k_t * z
+
+    def rates(self, normal_force: Any, relative_velocity: Any, z: Any) -> dict[str, Any]:
+        """The rate of the deflection while the slider sticks, m/s."""
+        return {self.states[0]: relative_velocity}
+
+    def state_limit(self, normal_force: Any) -> Any:
+        """The deflection (m) at which the slider slips."""
+        return self.mu_k * normal_force / self.k_t
 
 
 @dataclass(frozen=True, repr=False)

@@ -20,7 +20,8 @@ class FrictionLaw(Component):
 
     A *dynamic* law has states of its own, such as the deflection of bristles.  It names them in `states`, and
     gives :meth:`force` and :meth:`rates` instead, which take the states by their names.  Its contact does not
-    stick: where v_r changes its sign, force and rates are continuous.
+    stick: where v_r changes its sign, force and rates are continuous.  Of an elastic-plastic law, which has a
+    :meth:`state_limit` for its one state, "stick" is the elastic regime.
     """
 
     states: ClassVar[tuple[str, ...]] = ()
@@ -54,6 +55,10 @@ class FrictionLaw(Component):
             bristles without mass do.
             """
             return None
+
+    def state_limit(self, normal_force: Any) -> Any:
+        """Largest magnitude of the state of an elastic-plastic law, at which the contact slips; else None."""
+        return None
 
     def _signature(self, method: str) -> str:
         return f"{method}(normal_force, relative_velocity, {', '.join(self.states) or '<states>'})"

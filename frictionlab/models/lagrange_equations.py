@@ -35,7 +35,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 )
 from frictionlab.models.mechanical.dynamic_laws import (
     LawValues,
-    rates_in_separation,
+    limit_of_state,
     values_of_law,
     values_on_one_side,
 )
@@ -171,7 +171,8 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
         return ()
     (contact,), modes = system.mechanics.contacts, system.names
     hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
-    return ("slip",) * ("slip+" in modes) + ("impact",) * hits
+    smooth = isinstance(contact, Friction) and limit_of_state(contact) is None
+    return ("slip",) * ("slip+" in modes and smooth) + ("impact",) * hits
 
 
 def _functions(system: LagrangeSystem) -> dict[Any, Any]:
@@ -286,8 +287,8 @@ def _law_rates(
     states = tuple(map(write, write.system.of_laws[i]))
     if not states:
         return
-    if regime.name in APART:
-        rates = rates_in_separation(contact, states)
+    if regime.name in APART or limit_of_state(contact) is not None:
+        rates = tuple(map(write, regime.rates))
     else:
         rates = _law_values(write, mode, regime, i).rates
     for one, rate in zip(states, rates, strict=True):
@@ -329,6 +330,9 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return _apart(write, regime, contact)
     normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
     pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
+    if regime.name == "stick" and system.of_laws[i]:
+        (state,), limit = map(write, system.of_laws[i]), contact.law.state_limit(normal)
+        return (sympy.Le(sympy.Abs(state), limit, evaluate=False), *pressed)
     if regime.name == "stick":
         limit = contact.law.static_limit(normal)
         return (sympy.Le(sympy.Abs(_force_function(system, i)), limit, evaluate=False), *pressed)

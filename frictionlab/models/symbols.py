@@ -28,7 +28,17 @@ from .kept_structures import derivations_of
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
 
-LAW_METHODS = ("force", "rates", "rates_in_separation", "kinetic", "static_limit", "impulse", "friction")
+LAW_METHODS = (
+    "force",
+    "rates",
+    "rates_in_separation",
+    "state_limit",
+    "kinetic",
+    "static_limit",
+    "impulse",
+    "friction",
+)
+MAY_BE_NONE = "rates_in_separation", "state_limit"
 Derivatives = dict[Any, Any]  # symbol -> derivative by it; zeros are left out
 
 
@@ -147,7 +157,7 @@ def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
                 "max, math or numpy; what changes at a value is a mode of its own"
             ) from error
-        if value is None and method.__name__ != "rates_in_separation":
+        if value is None and method.__name__ not in MAY_BE_NONE:
             raise TypeError(
                 f"{law}.{method.__name__} must return a force, an impulse or rates, got None: "
                 "write return in front"

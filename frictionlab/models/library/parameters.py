@@ -95,6 +95,7 @@ class FrictionKeywords(TypedDict, total=False):
     sigma_0: float
     sigma_1: float
     sigma_2: float
+    k_t: float
     mu_0: float
     a: float
     b: float

@@ -26,7 +26,13 @@ from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
-from frictionlab.models.mechanical.dynamic_laws import rates_in_separation, returns_to_zero, values_of_contact
+from frictionlab.models.mechanical.dynamic_laws import (
+    limit_of_state,
+    rates_in_separation,
+    returns_to_zero,
+    values_of_contact,
+    values_of_law,
+)
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
 
@@ -49,7 +55,8 @@ class RegimeEnd(NamedTuple):
     """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
     `jump` is None, "project" (onto the constraint), "impact", "cross" (v_r changes its sign, and nothing
-    jumps) or "unload" (the states of a friction law return to zero).  What is `common` ends the regimes of
+    jumps), "unload" (the states of a friction law return to zero), "yield" (one comes to its limit) or "hold"
+    (it leaves that).  What is `common` ends the regimes of
     all contacts that rub along one direction, at once.
     """
 
@@ -123,7 +130,8 @@ def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> A
 def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
     """Slip in one direction, Eqs. (1) to (4)."""
     if contact.law.states:
-        return _slip_by_states(contact, system, name)
+        elastic = limit_of_state(contact) is not None
+        return (_slip_at_limit if elastic else _slip_by_states)(contact, system, name)
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
     force = sliding_friction(contact, sign, contact.pressing, speed)
@@ -155,8 +163,35 @@ def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> Con
     )
 
 
+def _slip_at_limit(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
+    """The slider of an elastic-plastic law slips: the state is at its limit, and follows it."""
+    sign: Any = {"slip+": 1, "slip-": -1, "slip": system.sliding_sign(contact)}[name]
+    (state,), limit, pressing = system.law_states(contact), sign * limit_of_state(contact), contact.pressing
+    force, (elastic,) = values_of_law(contact.law, pressing, contact.relative_velocity, (limit,))
+    rate = system.rate(limit)
+    sticks = RegimeEnd("v_r", sign * (elastic - rate), _known(contact, ("stick",)), "hold")
+    ends = (*((sticks,) if name != "slip" else ()), *_leaving(contact, system))
+    return ContactRegime(
+        name, force, None, (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,)
+    )
+
+
+def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
+    """Stick of the slider of an elastic-plastic law, while the state is within its limit."""
+    (state,), limit, pressing = system.law_states(contact), limit_of_state(contact), contact.pressing
+    force, rates = values_of_law(contact.law, pressing, contact.relative_velocity, (state,))
+    ends = (
+        RegimeEnd("cone+", limit - state, _known(contact, ("slip+",)), "yield"),
+        RegimeEnd("cone-", limit + state, _known(contact, ("slip-",)), "yield"),
+        *_leaving(contact, system),
+    )
+    return ContactRegime("stick", force, None, (), lambda *_: ends, pressing=pressing, rates=rates)
+
+
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
+    if limit_of_state(contact) is not None:
+        return _slip_at_limit(contact, system, "slip")
     sign, belt = system.sliding_sign(contact), system.at_rest(contact.relative_velocity)
     rates: tuple[Any, ...] = ()
     if contact.law.states:
@@ -173,6 +208,8 @@ def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
+    if contact.law.states:
+        return _elastic(contact, system)
     speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
@@ -277,6 +314,19 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
 def crossing_reset(contact: Friction) -> Reset:
     """What is known where v_r changes its sign and nothing jumps: v_r is zero, seen from either side."""
     return Reset(vanishing={sign * contact.relative_velocity: 1 for sign in (1, -1)})
+
+
+def yielding_reset(system: LagrangeSystem, contact: Friction, function: Any) -> Reset:
+    """The state of an elastic-plastic law is at the limit that an event function, limit -+ state, has met."""
+    (state,), limit = system.law_states(contact), limit_of_state(contact)
+    at = limit if expand_products(function - limit + state) == 0 else -limit
+    return Reset({state: at}, {state - at: 1})
+
+
+def holding_reset(system: LagrangeSystem, contact: Friction, slipped: str) -> Reset:
+    """After a regime of slip the slider sticks: its state is still at the limit, and moves as this does."""
+    (state,), limit = system.law_states(contact), limit_of_state(contact)
+    return Reset(vanishing={limit - state if slipped == "slip+" else limit + state: 2})
 
 
 def unloading_reset(system: LagrangeSystem, contact: Friction) -> Reset:

@@ -69,6 +69,12 @@ def rates_in_separation(contact: Friction, states: Sequence[Any]) -> tuple[Any, 
     return _in_order(contact.law, "rates_in_separation", given)
 
 
+def limit_of_state(contact: Friction) -> Any:
+    """The largest magnitude of the state of a contact with an elastic-plastic law; None for other laws."""
+    limit = contact.law.state_limit(contact.pressing) if contact.law.states else None
+    return None if limit is None else sympy.sympify(limit, strict=True)
+
+
 def returns_to_zero(contact: Friction, states: Sequence[Any]) -> bool:
     """Whether a law's states, if it has any, are zero as soon as the contact is lost."""
     return bool(states) and contact.law.rates_in_separation(*states) is None

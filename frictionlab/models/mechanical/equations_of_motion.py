@@ -20,6 +20,7 @@ from frictionlab.models.symbols import expand_products, gradient, symbol, symbol
 from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
+from .dynamic_laws import limit_of_state
 from .meaning import check_linear, check_mechanics, mass_matrix
 from .mechanics import Friction, Mechanics, Stop, mechanics_at
 
@@ -153,8 +154,8 @@ class LagrangeSystem:
     def directions(self) -> tuple[CommonDirection, ...]:
         """Contacts that rub along one direction, in groups; those that share it with none left out."""
         sticking = [
-            contact if isinstance(contact, Friction) and "stick" in contact.modes else None
-            for contact in self.mechanics.contacts
+            c if isinstance(c, Friction) and "stick" in c.modes and not c.law.states else None
+            for c in self.mechanics.contacts
         ]
         rows = [c and tuple(self.gradient(c.relative_velocity, self.v)) for c in sticking]
         speeds = [c and self.at_rest(c.relative_velocity) for c in sticking]
@@ -393,7 +394,8 @@ def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) 
     names = own.modes
     if not allowed.sticks and own.sticks:
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
-    if isinstance(contact, Friction) and contact.law.states:  # v_r just passes through zero
+    smooth = isinstance(contact, Friction) and contact.law.states and limit_of_state(contact) is None
+    if smooth:  # v_r just passes through zero
         names = tuple(name for name in names if name != "stick")
     names = tuple(name for name in names if name != "separation" or allowed.separates)
     if isinstance(contact, Stop) or "separation" not in names:

@@ -19,7 +19,7 @@ from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE
-from .dynamic_laws import rates_in_separation, values_of_law
+from .dynamic_laws import limit_of_state, rates_in_separation, values_of_law
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
 
@@ -202,6 +202,13 @@ class _Check:
         if not states:
             self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
             return
+        limit = limit_of_state(contact)
+        if limit is not None and (len(states) > 1 or any(gradient(limit, self.v))):
+            raise ValueError(
+                f"{type(contact.law).__name__} in {self.of} must have one state, whose limit does not depend "
+                f"on velocities, got {abbreviate(limit)}: give a normal force without a damper, and several "
+                "contacts for several elements"
+            )
         for sign in (1, -1):
             values = values_of_law(contact.law, force, sign * sliding, states)
             for given in (values.force, *values.rates, *rates_in_separation(contact, states)):

@@ -27,10 +27,12 @@ from .contact_regimes import (
     RegimeEnd,
     chatter_mode,
     crossing_reset,
+    holding_reset,
     impact_resets,
     period_events,
     stick_reset,
     unloading_reset,
+    yielding_reset,
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
@@ -260,6 +262,12 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
         return Event(label, end.function, targets, stick_reset(system, contact))
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
+    if end.jump == "yield" and isinstance(contact, Friction):
+        return Event(label, end.function, targets, yielding_reset(system, contact, end.function))
+    if end.jump == "hold" and isinstance(contact, Friction):
+        return Event(
+            label, end.function, targets, holding_reset(system, contact, system.chosen(combination)[i].name)
+        )
     if end.jump == "unload" and isinstance(contact, Friction):
         return Event(label, end.function, targets, unloading_reset(system, contact))
     return Event(label, end.function, targets)

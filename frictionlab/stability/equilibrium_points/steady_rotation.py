@@ -9,7 +9,7 @@ eigenvalues of the whole system but the zero of the carrier.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -17,9 +17,10 @@ from frictionlab.lazy_names import sympy
 
 
 class SteadyRates(NamedTuple):
-    """Rates whose zeros are the steady motions of a mode, and the places of carriers.
+    """Rates whose zeros are the steady motions of a mode, and the places of states that follow from others.
 
-    The rate of a carrier is minus itself, so that it is zero, and decoupled from the others.
+    These are carriers, whose rates are minus themselves, and states that a constraint gives, such as a
+    deflection at its limit.  No other rate depends on them.
     """
 
     rates: tuple[Any, ...]
@@ -37,7 +38,27 @@ def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
         rates[place] = rates[place] - sum(moving, sympy.S.Zero)
     for carrier in carriers:
         rates[carrier] = -automaton.states[carrier]
-    return SteadyRates(tuple(rates), tuple(sorted(carriers)))
+    constrained = {place: rate for place, rate in constrained_states(automaton, mode) if place is not None}
+    for place, rate in constrained.items():
+        rates[place] = rate
+    return SteadyRates(tuple(rates), tuple(sorted({*carriers, *constrained})))
+
+
+def constrained_states(automaton: HybridAutomaton, mode: Mode) -> Iterator[tuple[int | None, Any]]:
+    """For each constraint the place of the further state that it gives, and a rate that is zero there.
+
+    The place is None for other constraints, such as those of velocities.
+    """
+    n = automaton.coordinates
+    for constraint in mode.constraints:
+        expression = sympy.sympify(constraint, strict=True)
+        moving = not expression.free_symbols.isdisjoint(automaton.states[n : 2 * n])
+        further = [] if moving else [x for x in automaton.states[2 * n :] if x in expression.free_symbols]
+        slope = sympy.diff(expression, further[-1]) if further else sympy.S.Zero
+        if slope == 0 or not slope.free_symbols.isdisjoint(automaton.states):
+            yield None, None
+        else:
+            yield automaton.states.index(further[-1]), -expression / slope
 
 
 def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> dict[int, dict[int, Any]]:
