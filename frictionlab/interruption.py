@@ -52,14 +52,19 @@ def interruption(what: str, result: Any, more: str = "") -> KeyboardInterrupt:
     It is Python's own class, not one derived from it: for no other does the interpreter tell the shell that
     ctrl-C was pressed, and without that a loop of the shell would go on.
     """
-    if threading.current_thread() is threading.main_thread():
-        _LAST[0] = result
+    keep_partial_result(result)
     remark = "nothing was computed yet" if result is None else "frictionlab.partial_result() is what there is"
     return KeyboardInterrupt(f"{what} by ctrl-C; {remark}{more}")
 
 
+def keep_partial_result(result: Any) -> None:
+    """Keep what there is of a computation that has stopped, for :func:`partial_result`."""
+    if threading.current_thread() is threading.main_thread():
+        _LAST[0] = result
+
+
 def partial_result() -> Any:
-    """What a computation had computed when ctrl-C stopped it, and a KeyboardInterrupt was raised.
+    """What a computation had computed when ctrl-C stopped it, or when a task of a sweep failed.
 
     Returns
     -------

@@ -91,10 +91,11 @@ class Execution:
     Parameters
     ----------
     workers : int or None
-        Threads; None takes one for each processor.
+        Threads; None takes one for each processor.  Of an executor the workers that get tasks at a time; None
+        takes all that it says it has, 32 where it does not say.
     executor : concurrent.futures.Executor or None
         Used instead of threads, and left open: a ProcessPoolExecutor, or a cluster's, such as Dask's
-        ``client.get_executor()``.
+        ``client.get_executor()``.  It gets tasks in chunks of about a second, two for each worker at a time.
     resume : path or None
         File in which results are kept as they come; results that it already holds are not computed again.
         The complete file does not depend on the number of workers, nor on how often the computation was

@@ -70,8 +70,8 @@ def run_basin_tasks(
     probes = [(automaton, starts[i], options) for i in chosen]
     names = [f"initial state {i}" for i in chosen]
     with Journal(specification, execution.resume, check_results) as journal:
-        journal.run_tasks(probe_attractor, probes, names, execution, "attractors")
-        if not journal.interrupted:
+        journal.run_tasks(probe_attractor, probes, names.__getitem__, execution, "attractors")
+        if journal.complete:
             _run_groups(journal, automaton, groups, options, len(chosen), execution)
     result = result_of(specification, journal.results) if journal.results else None
     return journal.finish(result, len(chosen) + len(groups))
@@ -94,12 +94,14 @@ def _run_groups(
     try:
         known = catalogue_of_probes(ends, automaton.coordinates, options.rtol, points_on)
     except KeyboardInterrupt:
-        journal.interrupted = True
+        journal.interrupt()
         return
     spread = transient_ranges(ends)
     tasks = [(automaton, group, known, spread, options) for group in groups]
     names = [f"initial states from {i * size} on" for i in range(len(groups))]
-    journal.run_tasks(label_initial_states, tasks, names, execution, f"basins, {size} states each", probes)
+    journal.run_tasks(
+        label_initial_states, tasks, names.__getitem__, execution, f"basins, {size} states each", probes
+    )
 
 
 def probe_indices(count: int) -> list[int]:

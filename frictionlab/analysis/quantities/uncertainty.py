@@ -395,7 +395,7 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
     schema = results_schema([listed(none_or(real), len(block[3])) for block in tasks])
     with Journal(specification, how.resume, schema) as journal:
-        journal.run_tasks(evaluate, tasks, names, how, title)
+        journal.run_tasks(evaluate, tasks, names.__getitem__, how, title)
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
     flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
     return journal.finish(flat, len(tasks))

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Unpack
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
-from frictionlab.stored_data import anything
 from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean
 
 from .factorial_design import (
@@ -30,7 +29,7 @@ from .factorial_design import (
     switches_of,
     table_of_numbers,
 )
-from .journal import Journal, results_schema
+from .journal import Journal, any_results
 from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_name, own_name, point_name
 
 if TYPE_CHECKING:
@@ -325,9 +324,9 @@ def ablation(
     plan = _Plan(model, factors, Grid({} if over is None else check_over(over), starts))
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
-    schema = results_schema([anything] * len(tasks))  # users' functions return what they like
+    schema = any_results(len(tasks))  # users' functions return what they like
     with Journal(specification, how.resume, schema) as journal:
-        journal.run_tasks(_call_study, tasks, names, how, "ablation")
+        journal.run_tasks(_call_study, tasks, names.__getitem__, how, "ablation")
     results = [journal.results.get(i) for i in range(len(tasks))]
     return journal.finish(plan.ablation(results, tuple(named)), len(tasks))
 

@@ -326,7 +326,7 @@ def bifurcation(
     names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
     with Journal(specification, how.resume, check_results) as journal:
-        journal.interrupted = not run(list(zip(models, starts, names)), chosen, journal, how)
+        journal.attempt(lambda: run(list(zip(models, starts, names)), chosen, journal, how))
     return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 
 
@@ -367,7 +367,7 @@ def _run_independently(
         steady_states_task,
         [([models[i] for i in group], [starts[i] for i in group], options) for group in groups],
         keep=keep,
-        names=[", ".join(names[i] for i in group) for group in groups],
+        name=lambda task: ", ".join(names[i] for i in groups[task]),
         execution=execution,
         title=TITLE,
     )

@@ -16,7 +16,7 @@ import os
 import re
 import warnings
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic
@@ -27,9 +27,9 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.analysis.options import Execution
-from frictionlab.analysis.sweeps.tasks import run_tasks
+from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
 from frictionlab.file_writing import read_file, replace_file
-from frictionlab.interruption import interruption
+from frictionlab.interruption import interruption, keep_partial_result
 from frictionlab.stored_data import Check, anything, integer, json_data, reading, record, text
 from frictionlab.validation import abbreviate, check_number, check_path
 
@@ -59,21 +59,28 @@ class Journal:
     path : path or None
     schema : callable of (specification, results)
         Called when a file is read; raises ValueError for results that no task returns.
+    parts : sequence of paths
+        Journals of the same sweep, whose results are taken over.
 
     Attributes
     ----------
     results : dict of int to object
         By the index of their task.
-    interrupted : bool
-        Whether ctrl-C stopped the sweep.
+    complete : bool
+        Whether nothing has stopped the sweep.
     """
 
     def __init__(
-        self, specification: dict[str, Any], path: str | Path | None = None, schema: Schema = anything
+        self,
+        specification: dict[str, Any],
+        path: str | Path | None = None,
+        schema: Schema = anything,
+        parts: Sequence[Path] = (),
     ) -> None:
         self.results: dict[int, Any] = {}
-        self.interrupted = False
-        self._specification, self._schema = specification, schema
+        self._interrupted = False
+        self._failure: TaskFailure | None = None
+        self._specification, self._schema, self._parts = specification, schema, parts
         self._path = None if path is None else Path(path)
         self._lock: Any = None
         self._file: Any = None
@@ -99,20 +106,32 @@ class Journal:
         if self._lock is not None:
             self._lock.release()
 
+    @property
+    def complete(self) -> bool:
+        """Whether neither ctrl-C nor a failure has stopped the sweep."""
+        return not self._interrupted and self._failure is None
+
     def _open(self, path: Path) -> None:
         try:
+            for part in self._parts:
+                self._take(part)
             if path.exists() and path.stat().st_size:
-                stored = _read(path, read_file(path, "give another path"))
-                _refuse_another(path, stored.specification, self._specification, stored.version)
-                with reading(path, DELETE):
-                    self._schema(self._specification, stored.results)
-                self.results = stored.results
-                if stored.damaged:
-                    warnings.warn(f"{path} is damaged in {stored.damage}: computed again", RuntimeWarning, 4)
+                damage = self._take(path)
+                if damage:
+                    warnings.warn(f"{path} is damaged in {damage}: computed again", RuntimeWarning, 4)
             write_journal(path, self._specification, self.results)
             self._file = path.open("ab", buffering=0)
         except OSError as error:
             raise _unusable(path, error) from error
+
+    def _take(self, path: Path) -> str:
+        """Take over the results in a file; returns what of it is damaged, in words."""
+        stored = _read(path, read_file(path, "give another path"))
+        _refuse_another(path, stored.specification, self._specification, stored.version)
+        with reading(path, DELETE):
+            self._schema(self._specification, stored.results)
+        self.results |= stored.results
+        return stored.damage if stored.damaged else ""
 
     def keep(self, task: int, result: Any) -> None:
         """Keep a result as the file would return it; it is in the file when this function returns.
@@ -151,23 +170,44 @@ class Journal:
         self,
         function: Callable[..., Any],
         tasks: Sequence[tuple[Any, ...]],
-        names: Sequence[str],
+        name: Callable[[int], str],
         execution: Execution,
         title: str,
         first: int = 0,
+        chosen: Iterable[int] | None = None,
     ) -> None:
-        """Run the tasks of which there is no result yet, and keep their results; `first` is the index of the
-        first one in the sweep."""
-        complete = run_tasks(
-            function,
-            tasks,
-            keep=lambda i, result: self.keep(first + i, result),
-            names=names,
-            done={i - first for i in self.results},
-            execution=execution,
-            title=title,
+        """Run the tasks of which there is no result yet, and keep their results.
+
+        `name` gives the name of a task; `first` is the index of the first one in the sweep.  Only the tasks
+        with the indices `chosen` are run, None stands for all.
+        """
+        indices = range(len(tasks)) if chosen is None else chosen
+        todo = [i for i in indices if first + i not in self.results]
+        self.attempt(
+            lambda: run_tasks(
+                function,
+                tasks,
+                keep=lambda i, result: self.keep(first + i, result),
+                name=name,
+                todo=todo,
+                execution=execution,
+                title=title,
+            )
         )
-        self.interrupted = not complete
+
+    def attempt(self, compute: Callable[[], bool]) -> None:
+        """Compute what is missing by a function that returns whether it came to its end.
+
+        If ctrl-C or a failure stops it, `finish` says so.
+        """
+        try:
+            self._interrupted = not compute()
+        except TaskFailure as error:
+            self._failure = error
+
+    def interrupt(self) -> None:
+        """Note that ctrl-C has stopped the sweep."""
+        self._interrupted = True
 
     def finish(self, result: Result, count: int) -> Result:
         """Return the result of a sweep of `count` tasks.
@@ -176,9 +216,15 @@ class Journal:
         ------
         KeyboardInterrupt
             After ctrl-C, with the result as the partial one.
+        RuntimeError
+            Where a task has failed or the executor was lost, with the result as the partial one.
         """
-        if self.interrupted:
-            file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
+        file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
+        if self._failure is not None:
+            keep_partial_result(result)
+            text = f"{self._failure}; frictionlab.partial_result() is what there is{file}"
+            raise TaskFailure(text) from self._failure.__cause__
+        if self._interrupted:
             raise interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
         return result
 
@@ -215,6 +261,16 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
     with replace_file(path) as beside, open(beside, "wb") as file:
         file.writelines(map(_json_line, (head, *rows)))
     return path
+
+
+def any_results(count: int) -> Schema:
+    """The schema of the results of `count` tasks, of which each may be anything."""
+
+    def check(specification: dict[str, Any], results: dict[int, Any]) -> None:
+        for task in results:
+            check_number("task", task, below=count)
+
+    return check
 
 
 def results_schema(checks: Sequence[Check]) -> Schema:

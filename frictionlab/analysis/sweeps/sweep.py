@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -12,15 +15,17 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.sweeps.journal import Journal, results_schema
+from frictionlab.analysis.sweeps.journal import Journal, any_results
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
-from frictionlab.stored_data import anything
-from frictionlab.validation import abbreviate, check_mapping, check_sequence, float_array
+from frictionlab.validation import abbreviate, check_mapping, check_number, check_sequence, float_array
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
+
+
+MOST_CHECKED = 10_000  # points of a grid whose combinations of values are checked before any is computed
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +99,7 @@ def sweep(
     over: Mapping[str, Any],
     *,
     x0: Sequence[Any] = (),
+    shard: tuple[int, int] | None = None,
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Sweep:
@@ -108,6 +114,10 @@ def sweep(
         Parameters and their values.
     x0 : sequence
         Initial states: names, or arrays (2n,), as :func:`simulate` takes them.
+    shard : (int, int) or None
+        ``(i, n)`` computes every n-th task only, from the i-th on, i from 0 to n - 1, as one job of an array
+        of n.  With ``resume="sweep.jsonl"`` the job has a file of its own, ``sweep.i-of-n.jsonl``.  The same
+        call without `shard` takes over what is in such files beside its own, and computes what is missing.
     execution : Execution or None
         Workers, executor, file and progress bar; None takes the defaults.  Results that the file of `resume`
         keeps have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
@@ -125,13 +135,15 @@ def sweep(
         For an unknown parameter or keyword, or where an argument is no model or function.
     ValueError
         For a value that breaks a rule or a bad initial state.  Both are raised before any task starts, but
-        for the TypeError of a result that JSON cannot hold.
+        for the TypeError of a result that JSON cannot hold; of a grid of more than 10,000 points the values
+        are checked one by one before, their combinations where they are computed.
     OSError
         Where the file cannot be written, or another sweep is using it.
     RuntimeError
-        Where the function fails, raised from its error; the results before it are in the file.
+        Where the function fails, raised from its error, or the executor is lost; the results before it are in
+        the file, and :func:`partial_result` returns the Sweep with None for what was not done.
     KeyboardInterrupt
-        After ctrl-C; :func:`partial_result` then returns the Sweep with None for what was not done.  A first
+        After ctrl-C; :func:`partial_result` then returns the same.  A first
         press lets tasks that have begun finish, a second one abandons them.
 
     Examples
@@ -146,16 +158,84 @@ def sweep(
     (how,) = merge_keywords("sweep", keywords, execution=(Execution, execution))
     axes, starts = check_over(over), check_sequence("x0", x0, f"write [{abbreviate(x0)}]")
     grid = Grid(axes, starts)
-    models = [model.replace(**changes) for changes in grid.points()]
-    specification = {"function": function_name(function), "model": model.to_dict(), **grid.specification()}
+    for changes in grid.points() if grid.size <= MOST_CHECKED else grid.points_of_axes():
+        model.replace(**changes)
     for start in starts:
         initial_state_of(model, start)
-    tasks = [(each, *start) for each in models for start in grid.starts()]
-    names = [point_name(changes) for changes in grid.points() for _ in grid.starts()]
-    with Journal(specification, how.resume, results_schema([anything] * len(tasks))) as journal:
-        journal.run_tasks(function, tasks, names, how, "sweep")
+    part = _check_shard(shard)
+    path = how.resume if shard is None or how.resume is None else _file_of_shard(Path(how.resume), part)
+    specification = {"function": function_name(function), "model": model.to_dict(), **grid.specification()}
+    tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
+    chosen, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
+    with Journal(specification, path, any_results(len(tasks)), parts) as journal:
+        journal.run_tasks(at_point, tasks, tasks.name, how, "sweep", chosen=chosen)
     results = [journal.results.get(i) for i in range(len(tasks))]
-    return journal.finish(grid.sweep(results, model, own_name(function)), len(tasks))
+    return journal.finish(grid.sweep(results, model, own_name(function)), len(chosen))
+
+
+def _check_shard(shard: Any) -> tuple[int, int]:
+    """The index and the number of shards; (0, 1) where there is one."""
+    if shard is None:
+        return 0, 1
+    cure = "write shard=(0, 8) in the first of 8 jobs, (7, 8) in the last"
+    pair = check_sequence("shard", shard, cure)
+    if len(pair) != 2:
+        raise ValueError(f"shard must be an index and a number of jobs, got {abbreviate(shard)}: {cure}")
+    count = check_number("shard[1]", pair[1], integer=True, least=1, cure=cure)
+    return check_number("shard[0]", pair[0], integer=True, least=0, below=count, cure=cure), count
+
+
+def _file_of_shard(path: Path, part: tuple[int, int]) -> Path:
+    """The file of one job of an array."""
+    return path.with_name(f"{path.stem}.{part[0]}-of-{part[1]}{path.suffix}")
+
+
+def _files_of_shards(resume: str | Path | None, shard: Any) -> list[Path]:
+    """The files of an array's jobs that the sweep of the whole grid takes over."""
+    if resume is None or shard is not None:
+        return []
+    path = Path(resume)
+    form = re.compile(re.escape(path.stem) + r"\.\d+-of-\d+" + re.escape(path.suffix))
+    return sorted(beside for beside in path.parent.glob("*") if form.fullmatch(beside.name))
+
+
+@dataclass(frozen=True)
+class FunctionAtPoint:
+    """A function of a model at a point of a grid; the model is made where it is computed."""
+
+    function: Callable[..., Any]
+    model: Model
+    names: tuple[str, ...]
+
+    def __call__(self, values: Sequence[float], *start: Any) -> Any:
+        return self.function(self.model.replace(**dict(zip(self.names, values))), *start)
+
+
+class GridTasks(Sequence[tuple[Any, ...]]):
+    """The arguments of :class:`FunctionAtPoint` at all points of a grid, made when they are asked for."""
+
+    def __init__(self, grid: Grid) -> None:
+        self._starts = grid.starts()
+        self._names, self._axes = tuple(grid.over), [values.tolist() for values in grid.over.values()]
+        self._shape = (*map(len, self._axes), len(self._starts))
+
+    def __len__(self) -> int:
+        return prod(self._shape)
+
+    def __getitem__(self, i: Any) -> Any:
+        *places, start = self._places(i)
+        return tuple(axis[k] for axis, k in zip(self._axes, places)), *self._starts[start]
+
+    def name(self, i: int) -> str:
+        """The values of a point in words."""
+        return point_name(dict(zip(self._names, self[i][0])))
+
+    def _places(self, i: int) -> list[int]:
+        places = []
+        for length in reversed(self._shape):
+            i, place = divmod(i, length)
+            places.append(place)
+        return places[::-1]
 
 
 @dataclass(frozen=True)
@@ -168,6 +248,17 @@ class Grid:
     def points(self) -> list[dict[str, float]]:
         """The values of the parameters at each point, as arguments of ``replace``."""
         return [dict(zip(self.over, map(float, point))) for point in product(*self.over.values())]
+
+    @property
+    def size(self) -> int:
+        """The number of points."""
+        return prod(map(len, self.over.values()))
+
+    def points_of_axes(self) -> Iterator[dict[str, float]]:
+        """Each value of each parameter once, and all combinations of least and greatest values."""
+        ends = [sorted({float(values.min()), float(values.max())}) for values in self.over.values()]
+        yield from (dict(zip(self.over, corner)) for corner in product(*ends))
+        yield from ({name: float(value)} for name, values in self.over.items() for value in values)
 
     def starts(self) -> list[tuple[Any, ...]]:
         """The arguments of a function after the model: an initial state, or nothing."""

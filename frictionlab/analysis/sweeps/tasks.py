@@ -1,5 +1,9 @@
 """Many independent computations: in threads, or in any given executor, with a progress bar.
 
+An executor gets tasks in chunks that take about a second, and a few chunks for each of its workers at a time.
+So a task of a microsecond costs little, a lost worker takes a second of work with it, and neither the
+executor nor this process holds more than it needs, however many tasks there are.
+
 After a first ctrl-C the tasks that have begun are finished.  A second one abandons them and their results.  A
 third one interrupts the computation at once.
 """
@@ -9,12 +13,14 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable, Container, Iterator, Sequence, Sized
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from multiprocessing import parent_process
+from queue import Empty, SimpleQueue
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 from frictionlab.analysis.options import Execution
 from frictionlab.interruption import (
@@ -26,11 +32,21 @@ from frictionlab.interruption import (
     tell,
 )
 
-# tasks handed to each worker at a time, so that ctrl-C does not have to wait for all of them
-TASKS_PER_WORKER = 2
+# chunks handed to each worker at a time, so that none waits, and ctrl-C does not have to wait for all of them
+CHUNKS_PER_WORKER = 2
+CHUNK_TIME = 1.0  # seconds that a chunk should take in an executor
+LONGEST_CHUNK_TIME = 5.0  # seconds after which a worker hands back what it has done of a chunk
+MAX_CHUNK_SIZE = 10_000  # tasks
+MANY_WORKERS = 32  # taken for an executor that does not tell how many it has
 QUIETLY = Execution(progress=False)
 LEAVING_PRESS, URGENT_PRESS = 2, 3  # presses of ctrl-C that abandon running tasks, that interrupt at once
 SILENT_TIME = 0.5  # seconds after ctrl-C before the user is told that tasks are still running
+WORKER_CHECK_TIME = 2.0  # seconds between two looks at how many workers an executor has
+NO_WORKER = "waiting: the executor has no worker"
+
+
+class TaskFailure(RuntimeError):
+    """A task that failed, or an executor that was lost; what was done before is kept."""
 
 
 def run_tasks(
@@ -38,8 +54,8 @@ def run_tasks(
     tasks: Sequence[tuple[Any, ...]],
     *,
     keep: Callable[[int, Any], None],
-    names: Sequence[str],
-    done: Container[int] = (),
+    name: Callable[[int], str],
+    todo: Iterable[int] | None = None,
     execution: Execution = QUIETLY,
     title: str = "",
 ) -> bool:
@@ -50,12 +66,13 @@ def run_tasks(
     function : callable
         Called as ``function(*task)``.  For an executor of processes it has to be picklable.
     tasks : sequence of tuples
+        They may be made when they are asked for.
     keep : callable of (index, result)
         Called in this thread only, and never interrupted by a first or a second ctrl-C.
-    names : sequence of str
-        Name of each task, for the message where it fails, e.g. "mu_k = 1.4".
-    done : container of int
-        Indices of the tasks that are left out.
+    name : callable of index
+        Name of a task, for the message where it fails, e.g. "mu_k = 1.4".
+    todo : iterable of int or None
+        Indices of the tasks to be done; None for all.
     execution : Execution
         Its workers, executor and progress.  Threads compute in parallel, as the solver's kernels release the
         lock of the interpreter.
@@ -69,96 +86,178 @@ def run_tasks(
 
     Raises
     ------
-    RuntimeError
-        Where a task fails, raised from its error, once those already begun are finished and kept.
+    TaskFailure
+        Where a task fails, raised from its error, once those already begun are finished and kept; where the
+        executor is lost.
     """
-    executor, count = execution.executor, execution.workers or os.cpu_count() or 1
-    left = [(i, task) for i, task in enumerate(tasks) if i not in done]
-    max_running = TASKS_PER_WORKER * count if executor is None else len(left)
-    bar = progress_bar(total=len(left), desc=title, shown=execution.progress)
-    todo, running = iter(left), {}
-    failed: dict[int, BaseException] = {}
+    left = deque(range(len(tasks)) if todo is None else todo)
+    count = len(left)
+    bar = progress_bar(total=count, desc=title, shown=execution.progress)
     with bar, deferred_interrupts(URGENT_PRESS) as interrupts:
         try:
-            with _executor(executor, count, interrupts) as pool:
-                while not failed and not interrupts.count:
-                    _submit_tasks(running, todo, max_running, pool, function)
-                    if not running:
-                        break
-                    _collect_results(running, keep, failed, bar)
-                for future in [f for f in running if f.cancel()]:
-                    del running[future]
-                _finish_tasks(running, interrupts, lambda: _collect_results(running, keep, failed, bar))
+            with _executor(execution, interrupts) as (pool, workers, chunk_time):
+                run = _Run(function, tasks, keep, left, pool, workers, chunk_time, bar)
+                while not (run.failed or run.lost or interrupts.count) and run.submit():
+                    run.collect(POLL_TIME)
+                run.cancel()
+                _finish_tasks(run, interrupts)
         except KeyboardInterrupt:
             return False
-    if failed and not interrupts.count:
-        index, error = min(failed.items())
-        raise failure(names[index], error) from error
+    if run.lost is not None and not interrupts.count:
+        what = f"{type(run.lost).__name__}: {run.lost}"
+        raise TaskFailure(
+            f"the executor was lost after {run.done} of {count} tasks ({what}): call again with a new one"
+        ) from run.lost
+    if run.failed and not interrupts.count:
+        index, error = min(run.failed.items())
+        raise failure(name(index), error) from error
     return not interrupts.count
 
 
-def failure(name: str, error: BaseException) -> RuntimeError:
+def failure(name: str, error: BaseException) -> TaskFailure:
     """The error to raise where a task fails."""
-    return RuntimeError(f"{name} failed with {type(error).__name__}: {error}")
+    return TaskFailure(f"{name} failed with {type(error).__name__}: {error}")
 
 
-def _finish_tasks(running: Sized, interrupts: InterruptCounter, collect: Callable[[], None]) -> None:
+class Chunk(NamedTuple):
+    """What a worker hands back: the results of the first tasks of a chunk, and the seconds it took."""
+
+    results: list[Any]
+    seconds: float
+
+
+def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Chunk:
+    """Call a function on tasks, one after another, in a worker.
+
+    A task that fails ends the chunk.  If it is the first, its error is raised; if not, it comes again as the
+    first of another chunk, so that the results before it arrive.
+    """
+    ignore_interrupts_in_worker()
+    results: list[Any] = []
+    begun = monotonic()
+    for task in tasks:
+        try:
+            results.append(function(*task))
+        except Exception:
+            if not results:
+                raise
+            break
+        if monotonic() - begun > LONGEST_CHUNK_TIME:
+            break
+    return Chunk(results, monotonic() - begun)
+
+
+class _Run:
+    """Tasks that are left, chunks that are running, and failures."""
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        tasks: Sequence[tuple[Any, ...]],
+        keep: Callable[[int, Any], None],
+        left: deque[int],
+        pool: Executor,
+        workers: Callable[[], int],
+        chunk_time: float,
+        bar: Any,
+    ) -> None:
+        self.failed: dict[int, BaseException] = {}
+        self.lost: BaseException | None = None  # what the executor said where it was lost
+        self.done = 0
+        self.running: dict[Future[Chunk], list[int]] = {}
+        self._function, self._tasks, self._keep, self._left = function, tasks, keep, left
+        self._pool, self._workers, self._chunk_time, self._bar = pool, workers, chunk_time, bar
+        self._arrived: SimpleQueue[Future[Chunk]] = SimpleQueue()
+        self._size, self._waiting = 1, False
+
+    def submit(self) -> bool:
+        """Hand chunks to the executor until it has enough; returns whether any are running."""
+        workers = self._workers()
+        while self._left and len(self.running) < CHUNKS_PER_WORKER * max(workers, 1):
+            even = -(-len(self._left) // (CHUNKS_PER_WORKER * max(workers, 1)))
+            chunk = [self._left.popleft() for _ in range(min(self._size, even, len(self._left)))]
+            try:
+                future = self._pool.submit(call_chunk, self._function, [self._tasks[i] for i in chunk])
+            except (RuntimeError, OSError, CancelledError) as error:  # a broken or closed executor
+                self._left.extendleft(reversed(chunk))
+                self.lost = self.lost or error
+                return False
+            self.running[future] = chunk
+            future.add_done_callback(self._arrived.put)
+        if (workers == 0) != self._waiting:
+            self._waiting = workers == 0
+            self._bar.set_postfix_str(NO_WORKER if self._waiting else "")
+        return bool(self.running)
+
+    def collect(self, patience: float) -> None:
+        """Keep the results that have arrived, waiting for so many seconds at most if there are none."""
+        with suppress(Empty):
+            self._take(self._arrived.get(timeout=patience) if patience else self._arrived.get_nowait())
+            while True:
+                self._take(self._arrived.get_nowait())
+
+    def _take(self, future: Future[Chunk]) -> None:
+        chunk = self.running.pop(future, None)
+        if chunk is None:
+            return
+        error = (
+            CancelledError("its tasks were cancelled, as where a scheduler ends")
+            if future.cancelled()
+            else future.exception()
+        )
+        if isinstance(error, (BrokenExecutor, CancelledError)):
+            self.lost = self.lost or error
+            return
+        if error is not None:
+            self.failed[chunk[0]] = error
+            return
+        results, seconds = future.result()
+        for index, result in zip(chunk, results):
+            self._keep(index, result)
+        self._left.extendleft(reversed(chunk[len(results) :]))
+        self.done += len(results)
+        self._bar.update(len(results))
+        if self._chunk_time:
+            longest = int(self._chunk_time * len(results) / max(seconds, 1e-9))
+            self._size = max(1, min(longest, MAX_CHUNK_SIZE))
+
+    def cancel(self) -> None:
+        """Take back the chunks that have not begun."""
+        for future in [f for f in self.running if f.cancel()]:
+            del self.running[future]
+
+
+def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
     """Collect the results of tasks that have begun; after ctrl-C, tell the user of the wait."""
     since, told = monotonic(), False
-    while running and interrupts.count < LEAVING_PRESS:
+    if run.lost is not None:  # what is still running may never end
+        run.collect(0.0)
+        return
+    while run.running and interrupts.count < LEAVING_PRESS:
         if interrupts.count and not told and monotonic() - since > SILENT_TIME:
-            tasks = "the task that has" if len(running) == 1 else f"the {len(running)} tasks that have"
+            count = len(run.running)
+            tasks = "the task that has" if count == 1 else f"the {count} tasks that have"
             tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
             told = True
-        collect()
-
-
-def _collect_results(
-    running: dict[Future[Any], int],
-    keep: Callable[[int, Any], None],
-    failed: dict[int, BaseException],
-    bar: Any,
-) -> None:
-    """Keep the results that have arrived, waiting for a moment at most."""
-    for future in wait(running, timeout=POLL_TIME, return_when=FIRST_COMPLETED).done:
-        index = running.pop(future)
-        error = future.exception()
-        if error is None:
-            keep(index, future.result())
-            bar.update()
-        else:
-            failed[index] = error
-
-
-def _call(function: Callable[..., Any], *task: Any) -> Any:
-    ignore_interrupts_in_worker()
-    return function(*task)
-
-
-def _submit_tasks(
-    running: dict[Future[Any], int],
-    todo: Iterator[tuple[int, tuple[Any, ...]]],
-    max_running: int,
-    pool: Executor,
-    function: Any,
-) -> None:
-    while len(running) < max_running:
-        index, task = next(todo, (None, ()))
-        if index is None:
-            return
-        running[pool.submit(_call, function, *task)] = index
+        run.collect(POLL_TIME)
 
 
 @contextmanager
-def _executor(given: Executor | None, workers: int, interrupts: InterruptCounter) -> Iterator[Executor]:
-    """The given executor, which is left open, or one of threads, whose runs stop if they are abandoned."""
-    if given is not None:
-        yield given
+def _executor(
+    execution: Execution, interrupts: InterruptCounter
+) -> Iterator[tuple[Executor, Callable[[], int], float]]:
+    """The executor, its number of workers, and the seconds that a chunk should take.
+
+    A given executor is left open.  If there is none, it is one of threads, whose runs stop if they are
+    abandoned.
+    """
+    if execution.executor is not None:
+        yield execution.executor, _Workers(execution.executor, execution.workers), CHUNK_TIME
         return
-    sign = threading.Event()
+    sign, workers = threading.Event(), execution.workers or os.cpu_count() or 1
     pool = ThreadPoolExecutor(workers, initializer=STOP_SIGN.set, initargs=(sign,))
     try:
-        yield pool
+        yield pool, lambda: workers, 0.0
     except BaseException:
         sign.set()
         raise
@@ -166,6 +265,24 @@ def _executor(given: Executor | None, workers: int, interrupts: InterruptCounter
         if interrupts.count >= LEAVING_PRESS:
             sign.set()
         pool.shutdown(wait=not sign.is_set(), cancel_futures=True)
+
+
+class _Workers:
+    """How many workers an executor has, as far as it tells; a cluster's number changes."""
+
+    def __init__(self, executor: Executor, given: int | None) -> None:
+        fixed = (getattr(executor, name, None) for name in ("_max_workers", "num_workers"))  # of mpi4py
+        self._count = given or next((n for n in fixed if isinstance(n, int)), MANY_WORKERS)
+        self._client: Any = None if given else getattr(executor, "_client", None)  # of Dask
+        self._asked = -WORKER_CHECK_TIME
+
+    def __call__(self) -> int:
+        """The number now, 0 where the executor says that none is left."""
+        if hasattr(self._client, "nthreads") and monotonic() - self._asked > WORKER_CHECK_TIME:
+            with suppress(Exception):  # a lost scheduler cancels what it was given, which is seen there
+                self._count = sum(self._client.nthreads().values())
+            self._asked = monotonic()
+        return self._count
 
 
 def ignore_interrupts_in_worker() -> None:

@@ -161,7 +161,7 @@ class ProgressiveSweep:
             steady_state_task,
             [(m, start, options) for m, start in zip(models, starts)],
             keep=keep,
-            names=names,
+            name=names.__getitem__,
         )
 
     def _keep(self, value: float, result: Any, times: int) -> None:
