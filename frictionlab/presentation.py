@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
+from html import escape
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, ClassVar, Generic, TypeVar
 
 Value = TypeVar("Value")
 MAX_LISTED = 8  # items that a summary names before it says how many more there are
 MAX_ROWS = 10  # rows of a table in text
+MAX_COLUMNS = 12  # columns of a table in a notebook
 MAX_ROW_LENGTH = 110  # characters of such a row
 # in LaTeX; all other coordinates are lengths
 ANGLE_LETTERS = {"phi": r"\varphi", "theta": r"\theta", "psi": r"\psi"}
@@ -176,11 +179,38 @@ def dataset(
     return table
 
 
+def html_table(table: Any) -> str:
+    """The first rows of a DataFrame as HTML, with the units of its columns and how many rows it has."""
+    units = table.attrs.get("units", {})
+
+    def with_unit(name: Any) -> str:
+        return f"{name} ({units[name]})" if units.get(name) else str(name or "")
+
+    shown = table.head(MAX_ROWS).rename(columns=with_unit)
+    shown.index.names = [with_unit(name) for name in shown.index.names]
+    more = f"<p>{len(table)} rows</p>" if len(table) > MAX_ROWS else ""
+    return str(shown.to_html(float_format="{:.5g}".format, max_cols=MAX_COLUMNS)) + more
+
+
 class Drawable:
     """A result that a function of ``frictionlab.plotting`` draws."""
 
     drawn_by: ClassVar[str]  # the name of that function
+    instead_of_array: ClassVar[str] = ""  # what to write where numpy is asked to make an array of it
     several_axes: ClassVar[bool] = False  # whether that function may make several axes, and returns them
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        """Refuse to be taken for an array, of which numpy would make one with no shape."""
+        name = type(self).__name__
+        tables = [f"write {table}()" for table in ("to_array", "to_dataframe") if hasattr(self, table)]
+        cure = self.instead_of_array or next(iter(tables), f"see the attributes of {name}")
+        raise TypeError(f"numpy cannot make an array of {name}: {cure}")
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the summary, and the first rows of the table where there is one."""
+        text = f"<p>{escape(repr(self))}</p>"
+        table: Any = getattr(self, "to_dataframe", None)
+        return text if table is None or find_spec("pandas") is None else text + html_table(table())
 
     def plot(self, ax: Any = None, **options: Any) -> Any:
         """Draw the result by the function of ``frictionlab.plotting`` that `drawn_by` names.

@@ -24,6 +24,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 MAX_CHARACTERS = 100  # characters of a value that a message shows
 MAX_PATH = 4096  # characters of a path: no system takes longer ones
+MOST_SEED = 1 << 30
 MAX_ELEMENTS = 50  # elements of a value of which a message could show anything
 
 # What arguments of other libraries are called here.
@@ -36,6 +37,24 @@ ELSEWHERE = {
     "max_step": "steps are the method's: write method=fl.Scipy(max_step=0.01)",
     "events": "give crossings to be recorded as sections",
     "dense_output": "a run always has it: write run(t)",
+    "args": "parameters are the model's: write model.replace(mu_k=1.4)",
+    "jac": "derivatives are known from the model: leave it out",
+    "first_step": "the solver chooses it: leave it out",
+    "min_step": "the solver chooses it: leave it out",
+    "seed": "random numbers are chosen by rng: write rng=1",
+    "ax": "it draws a whole figure: give figure=, or draw one panel by run.plot(ax=ax)",
+    "c": "write color",
+    "n_jobs": "write workers=2",
+}
+# What attributes of the results of other libraries are called here.
+ATTRIBUTES_ELSEWHERE = {
+    "y": "write run.states, a row for each time, or run['x1']",
+    "x": "write run.states, a row for each time, or run['x1']",
+    "sol": "write run(t)",
+    "success": "see run.status",
+    "message": "see run.status",
+    "t_events": "write run.events.t",
+    "y_events": "write run.events.state",
 }
 
 
@@ -279,8 +298,41 @@ def check_keywords(function: str, given: Iterable[str], known: Iterable[str]) ->
     known = tuple(known)
     for name in given:
         if name not in known:
-            hint = f": {ELSEWHERE[name]}" if name in ELSEWHERE else did_you_mean(name, known)
-            raise TypeError(f"{function} takes no {abbreviate(name)}{hint}")
+            raise unknown_keyword(function, name, known)
+
+
+def unknown_keyword(function: str, name: str, known: Iterable[str]) -> TypeError:
+    """The error for a keyword that a function does not take, with what was meant."""
+    hint = f": {ELSEWHERE[name]}" if name in ELSEWHERE else did_you_mean(name, known)
+    return TypeError(f"{function} takes no {abbreviate(name)}{hint}")
+
+
+def explains_fields(kind: type[R]) -> type[R]:
+    """Let a dataclass answer an unknown keyword with what was meant."""
+    make = kind.__init__
+    code = make.__code__
+    known = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
+
+    @wraps(make)
+    def init(self: R, *arguments: Any, **keywords: Any) -> None:
+        check_keywords(kind.__name__, keywords, known)
+        make(self, *arguments, **keywords)
+
+    setattr(kind, "__init__", init)  # noqa: B010  # an assignment is a method's, to type checkers
+    return kind
+
+
+def seed_of(rng: Any) -> int:
+    """A seed by which random numbers can be drawn again, from what users give as `rng`.
+
+    An integer is the seed itself.  A numpy Generator draws one; None draws one that differs each time.
+    """
+    import numpy as np
+
+    if rng is None or isinstance(rng, np.random.Generator):
+        return int((np.random.default_rng() if rng is None else rng).integers(MOST_SEED))
+    cure = "give one such as 1, a numpy Generator, or None for other numbers each time"
+    return check_number("rng", rng, integer=True, least=0, most=MOST_SEED, cure=cure)
 
 
 def explains_keywords(function: Callable[P, R]) -> Callable[P, R]:

@@ -14,11 +14,19 @@ from typing import Any, TypedDict
 
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import method_of
-from frictionlab.validation import abbreviate, check_field, check_flag, check_path, did_you_mean
+from frictionlab.validation import (
+    abbreviate,
+    check_field,
+    check_flag,
+    check_path,
+    explains_fields,
+    unknown_keyword,
+)
 
 from .steady_state.poincare_sections import Section, check_section_form
 
 
+@explains_fields
 @dataclass(frozen=True)
 class SteadyStateOptions:
     """How a steady state is found and classified.
@@ -84,6 +92,7 @@ class SteadyStateOptions:
         return {name: getattr(self, name) for name in names} | {"method": self.solver.describe()}
 
 
+@explains_fields
 @dataclass(frozen=True)
 class Execution:
     """How a set of independent computations is run: in which workers, with which file and progress bar.
@@ -187,7 +196,7 @@ def merge_keywords(
         owners |= {field.name: argument for field in fields(kind) if field.name not in unused.split()}
     for name in given:
         if name not in owners:
-            raise TypeError(f"{function} takes no {name!r}{did_you_mean(name, [*owners, *bundles])}")
+            raise unknown_keyword(function, name, [*owners, *bundles])
     changes = {a: {n: v for n, v in given.items() if owners[n] == a} for a in bundles}
     return [_changed(bundle, kind, changes[argument]) for argument, (kind, bundle) in bundles.items()]
 

@@ -40,6 +40,7 @@ from frictionlab.validation import (
     did_you_mean,
     did_you_mean_or_known,
     float_array,
+    is_sequence,
 )
 
 NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
@@ -191,7 +192,11 @@ def run_automaton(
     automaton: HybridAutomaton, t_end: Any, state: np.ndarray, method: Method, options: RunOptions
 ) -> Trajectory:
     """Run an automaton by a method, as :func:`solve` says, from a checked state and without a warning."""
-    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    span = is_sequence(t_end) and len(t_end) > 0
+    cure = (
+        f"a run begins at 0, write t_end={t_end[-1]:g}" if span else "give the length of the run in seconds"
+    )
+    t_end = check_number("t_end", t_end, above=0.0, cure=cure)
     times = _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:

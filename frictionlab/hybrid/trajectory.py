@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +51,13 @@ from frictionlab.presentation import (
 )
 from frictionlab.tape.automaton_data import storable_automaton
 from frictionlab.tape.packing import program_of, program_of_modes
-from frictionlab.validation import abbreviate, check_sequence, did_you_mean, float_array
+from frictionlab.validation import (
+    ATTRIBUTES_ELSEWHERE,
+    abbreviate,
+    check_sequence,
+    did_you_mean,
+    float_array,
+)
 
 PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
 
@@ -106,6 +113,7 @@ class Trajectory(Drawable):
     {'stick': 0.0345, 'slip+': 0.0155}
     """
 
+    instead_of_array = "write run.states, a row for each time, or run['x1']"
     drawn_by = "plot_displacements"
     _modes: Any  # in a pickled copy: with `_start`, what `problem` is made from again
     _start: Any
@@ -284,6 +292,8 @@ class Trajectory(Drawable):
         automaton = self.__dict__.get("automaton")
         if automaton is None or name not in automaton.outputs:
             known = [*dir(type(self)), *(automaton.outputs if automaton else ())]
+            if name in ATTRIBUTES_ELSEWHERE:
+                raise AttributeError(f"a Trajectory has no attribute {name!r}: {ATTRIBUTES_ELSEWHERE[name]}")
             raise AttributeError(f"a Trajectory has no attribute {name!r}{did_you_mean(name, known)}")
         return self.output(name)
 
@@ -427,6 +437,16 @@ class Trajectory(Drawable):
         if samples.t_eval is not None:
             arrays["t_eval"] = samples.t_eval
         return write_run_file(path, about, arrays)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the summary, and each mode with the time in it and the events that enter it."""
+        entered = self.events.target.tolist()
+        rows = "".join(
+            f"<tr><th>{escape(mode)}</th><td>{seconds:.5g}</td><td>{entered.count(mode)}</td></tr>"
+            for mode, seconds in self.time_in_mode.items()
+        )
+        head = "<tr><th>mode</th><th>time (s)</th><th>entered</th></tr>"
+        return f"<p>{escape(repr(self))}</p><table><thead>{head}</thead><tbody>{rows}</tbody></table>"
 
     def to_dataframe(self) -> Any:
         """The samples as a pandas DataFrame, indexed by time (needs the extra ``data``).

@@ -27,7 +27,7 @@ from os import PathLike
 from os.path import splitext
 from pathlib import Path
 from textwrap import fill
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -35,6 +35,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.image import imsave
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.file_writing import write_file
@@ -48,9 +49,11 @@ from frictionlab.validation import (
     check_pair,
     check_path,
     check_text,
+    did_you_mean,
 )
 
 Array = NDArray[np.float64]
+A = TypeVar("A", bound=Artist)
 ENVELOPE_BINS = 400  # about the width of a panel in pixels
 COMPRESSION = 3  # of PNG: zlib's default, 6, takes twice as long for files that are 2 percent smaller
 # Settings of matplotlib that change what is written, and what they are by default.
@@ -270,6 +273,40 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
     if handles:
         place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
         ax.legend(handles=handles, frameon=False, fontsize=font_size(9.0), **place)
+
+
+def restyle(artists: list[A], properties: Mapping[str, Any]) -> list[A]:
+    """The artists, with properties of matplotlib such as ``color`` and ``linewidth``, also in the legend.
+
+    Raises
+    ------
+    TypeError
+        For a property that none of them has; they are then taken out of the picture.
+    """
+    for name in properties:
+        if not any(hasattr(artist, f"set_{name}") for artist in artists or [Line2D]):
+            for artist in artists:
+                artist.remove()
+            known = [each[4:] for each in dir(Line2D) if each.startswith("set_")]
+            raise TypeError(
+                f"lines have no property {abbreviate(name)}{did_you_mean(name, known)}: give color, linewidth, "
+                "linestyle, marker, alpha or another of matplotlib's Line2D"
+            )
+    for artist in artists:
+        artist.set(**{name: value for name, value in properties.items() if hasattr(artist, f"set_{name}")})
+    if properties:
+        _restyle_legends(artists, properties)
+    return artists
+
+
+def _restyle_legends(artists: Sequence[Artist], properties: Mapping[str, Any]) -> None:
+    """Give the entries of lines in legends the properties of the lines, but for their data and labels."""
+    labels = {artist.get_label() for artist in artists}
+    legends = [ax.get_legend() for ax in {artist.axes for artist in artists if artist.axes is not None}]
+    for legend in filter(None, legends):
+        for handle, text in zip(legend.get_lines(), legend.get_texts()):
+            if text.get_text() in labels:
+                handle.set(**{name: properties[name] for name in properties if name != "label"})
 
 
 def add_missing_legend(figure: Any) -> None:

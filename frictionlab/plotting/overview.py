@@ -35,7 +35,14 @@ from frictionlab.plotting.appearance import (
     mode_colours,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, check_figure, legend_beside, new_figure, set_long_title
+from frictionlab.plotting.figure import (
+    axes_or_new,
+    check_figure,
+    legend_beside,
+    new_figure,
+    restyle,
+    set_long_title,
+)
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
@@ -67,7 +74,12 @@ SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 
 
 def plot_phase_plane(
-    run: Trajectory, ax: Axes | None = None, *, name: str | None = None, window: Window = PHASE_PLANE_WINDOW
+    run: Trajectory,
+    ax: Axes | None = None,
+    *,
+    name: str | None = None,
+    window: Window = PHASE_PLANE_WINDOW,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw a coordinate against its rate, coloured by mode.
 
@@ -80,6 +92,8 @@ def plot_phase_plane(
         The coordinate; None takes the first.
     window : float, (float, float) or None
         Seconds at the end, start and end time, or None for the whole run; by default some twenty periods.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -109,7 +123,7 @@ def plot_phase_plane(
             lines += ax.plot(x, rate, label=mode, **pen(colour, ax=ax))
     label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
     ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
-    return lines
+    return restyle(lines, line)
 
 
 def label_phase_plane(ax: Axes, name: str, title: str) -> None:
@@ -125,7 +139,12 @@ def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
 
 
 def plot_spectrum(
-    run: Trajectory, ax: Axes | None = None, *, name: str | None = None, f_max: float | None = None
+    run: Trajectory,
+    ax: Axes | None = None,
+    *,
+    name: str | None = None,
+    f_max: float | None = None,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the amplitude spectrum of a state over the second half of a run.
 
@@ -138,6 +157,8 @@ def plot_spectrum(
         The state; None takes the first.
     f_max : float or None
         Right end of the frequency axis, Hz; None takes about six times the model's own frequency.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -155,13 +176,13 @@ def plot_spectrum(
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
-        return []
+        return restyle([], line)
     lines = plot_amplitudes(spectrum, ax)
     ax.set_xlim(0, f_max)
-    return lines
+    return restyle(lines, line)
 
 
-def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None) -> list[Line2D]:
+def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None, **line: Any) -> list[Line2D]:
     """Draw an amplitude spectrum.
 
     Parameters
@@ -169,6 +190,8 @@ def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     spectrum : Spectrum
     ax : Axes or None
         None draws into a new figure.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -179,7 +202,7 @@ def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None) -> list[Line2D]:
     _logarithmic(ax, spectrum.amplitudes)
     _label_spectrum(ax, spectrum.name, spectrum.frequencies[-1])
     set_long_title(ax, _spectrum_title(spectrum))
-    return lines
+    return restyle(lines, line)
 
 
 def _label_spectrum(ax: Axes, name: str, f_max: float) -> None:
@@ -276,7 +299,7 @@ def _title(figure: Figure, run: Trajectory) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
 
 
-def plot_energies(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
+def plot_energies(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[Line2D]:
     """Draw every energy of an audit against time, and their sum, dashed.
 
     Parameters
@@ -284,6 +307,8 @@ def plot_energies(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     audit : EnergyAudit
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -297,12 +322,13 @@ def plot_energies(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     >>> [line.get_label() for line in plot_energies(audit)]
     ['kinetic', 'springs', 'preload', 'contact', 'sum']
     """
-    return _draw_contributions(
-        audit, ax, audit.energies, ENERGY_COLOURS, audit.total, "energy (J)", "Energies"
+    return restyle(
+        _draw_contributions(audit, ax, audit.energies, ENERGY_COLOURS, audit.total, "energy (J)", "Energies"),
+        line,
     )
 
 
-def plot_works(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
+def plot_works(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[Line2D]:
     """Draw the work of every contribution from 0 to t, and dashed their sum, the energy that the system
     gained.
 
@@ -311,6 +337,8 @@ def plot_works(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     audit : EnergyAudit
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -325,8 +353,17 @@ def plot_works(audit: EnergyAudit, ax: Axes | None = None) -> list[Line2D]:
     ['belt drive', 'friction', 'dampers', 'impacts', 'moving load', 'sum']
     """
     title = f"Work since the start; the balance misses {audit.error:.1g} of the energy turned over"
-    return _draw_contributions(
-        audit, ax, audit.works, WORK_COLOURS, audit.total - audit.total[0], "work from 0 to $t$ (J)", title
+    return restyle(
+        _draw_contributions(
+            audit,
+            ax,
+            audit.works,
+            WORK_COLOURS,
+            audit.total - audit.total[0],
+            "work from 0 to $t$ (J)",
+            title,
+        ),
+        line,
     )
 
 

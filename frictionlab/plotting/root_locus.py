@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
 from frictionlab.plotting.labels import (
     coordinate_axis_label,
     parameter_label,
@@ -147,9 +147,8 @@ def plot_frequencies(
     *,
     modes: Sequence[int] | None = None,
     label: str | None = None,
-    color: str | None = None,
-    linestyle: Any = None,
     legend: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the frequencies of the modes against the parameter, heavy where a mode grows.
 
@@ -162,10 +161,11 @@ def plot_frequencies(
         Columns of ``locus.values``; None draws all modes.
     label : str or None
         One label for all lines, for several loci in one panel; None labels them mode 0, mode 1, ...
-    color, linestyle : as matplotlib takes them, or None
-        For all lines; None gives each mode its own.
     legend : bool
         Whether to put a legend beside the panel.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linestyle, alpha ...; without a colour each mode
+        has its own.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def plot_frequencies(
     'frequency (Hz)'
     """
     ax = axes_or_new(ax)
-    lines = _draw_modes(locus, ax, locus.frequencies, modes, label, color, linestyle)
+    lines = _draw_modes(locus, ax, locus.frequencies, modes, label, line)
     return _label_locus_axes(locus, ax, lines, "frequency (Hz)", legend)
 
 
@@ -196,16 +196,15 @@ def plot_growth_rates(
     *,
     modes: Sequence[int] | None = None,
     label: str | None = None,
-    color: str | None = None,
-    linestyle: Any = None,
     legend: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the growth rates of the modes against the parameter, with the line of zero growth.
 
     Parameters, returned artists (1/s) and errors are those of :func:`plot_frequencies`.
     """
     ax = axes_or_new(ax)
-    lines = _draw_modes(locus, ax, locus.growth_rates, modes, label, color, linestyle)
+    lines = _draw_modes(locus, ax, locus.growth_rates, modes, label, line)
     ax.axhline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     return _label_locus_axes(locus, ax, lines, "growth rate (1/s)", legend)
 
@@ -227,22 +226,20 @@ def _draw_modes(
     values: Array,
     modes: Sequence[int] | None,
     label: str | None,
-    color: str | None,
-    linestyle: Any,
+    properties: Mapping[str, Any],
 ) -> list[Line2D]:
     chosen = select_modes(locus, modes)
     lines, heavy = [], []
     for i, mode in enumerate(chosen):
-        own = line_style(mode, "", ax)
-        style = {"color": color or own["color"], "linestyle": linestyle or own["linestyle"]}
+        style = line_style(mode, "", ax)
         name = f"mode {mode}" if label is None else (label if i == 0 else f"_{label}")
-        lines += ax.plot(locus.at, values[:, mode], label=name, linewidth=line_width(), **style)
+        lines += ax.plot(locus.at, values[:, mode], label=name, **style)
         growing = np.where(locus.growth_rates[:, mode] > 0, values[:, mode], np.nan)
         if np.isfinite(growing).any():
-            heavy += ax.plot(
-                locus.at, growing, label="_grows", linewidth=line_width(GROWING_LINE_WIDTH), **style
-            )
-    return lines + heavy
+            style |= {"linewidth": line_width(GROWING_LINE_WIDTH)}
+            heavy += ax.plot(locus.at, growing, label="_grows", **style)
+    thin = {name: value for name, value in properties.items() if name not in ("linewidth", "lw")}
+    return restyle(lines, properties) + restyle(heavy, thin)
 
 
 def _label_locus_axes(
@@ -268,7 +265,7 @@ def growing_legend_handle(ax: Axes | None = None) -> Line2D:
 def plot_root_locus(
     locus: RootLocus, ax: Axes | None = None, *, modes: Sequence[int] | None = None
 ) -> list[LineCollection]:
-    """Draw the eigenvalues in the complex plane, coloured along the parameter, from dots to crosses.
+    """Draw eigenvalues, frequency against growth rate, coloured along the parameter, from dots to crosses.
 
     Of a conjugate pair the one in the upper half-plane is drawn.  To the right of the imaginary axis a mode
     grows.
@@ -296,14 +293,14 @@ def plot_root_locus(
     ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     curves = [_draw_coloured_curve(locus, ax, mode) for mode in chosen]
     ax.autoscale_view()
-    ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
+    ax.set(xlabel="growth rate (1/s)", ylabel="frequency (Hz)")
     ax.figure.colorbar(curves[0], ax=ax, label=parameter_label(locus.model, locus.parameter))
     _mark_end_values(locus, ax, chosen)
     return curves
 
 
-def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None) -> list[Line2D]:
-    """Draw eigenvalues in the complex plane; to the right of the imaginary axis a mode grows.
+def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None, **line: Any) -> list[Line2D]:
+    """Draw eigenvalues: frequency against growth rate; to the right of the imaginary axis a mode grows.
 
     Of a conjugate pair the one in the upper half-plane is drawn.
 
@@ -312,6 +309,8 @@ def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None) -> list[L
     eigenvalues : Eigenvalues
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -324,10 +323,11 @@ def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None) -> list[L
     lines = []
     for chosen, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
         if chosen.any():
-            lines += ax.plot(upper.real[chosen], upper.imag[chosen], marker, color=ink(ax), label=label)
-    ax.set(xlabel="growth rate (1/s)", ylabel="angular frequency (rad/s)")
+            frequencies = upper.imag[chosen] / (2 * np.pi)
+            lines += ax.plot(upper.real[chosen], frequencies, marker, color=ink(ax), label=label)
+    ax.set(xlabel="growth rate (1/s)", ylabel="frequency (Hz)")
     legend_beside(ax, lines)
-    return lines
+    return restyle(lines, line)
 
 
 def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
@@ -338,13 +338,19 @@ def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
             parameter_value_text(locus.model, locus.parameter, float(locus.at[row])),
         )
         ax.plot(
-            ends.real, ends.imag, marker, color=ink(ax), markersize=marker_size(5.0), zorder=3, label=name
+            ends.real,
+            ends.imag / (2 * np.pi),
+            marker,
+            color=ink(ax),
+            markersize=marker_size(5.0),
+            zorder=3,
+            label=name,
         )
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
 
 
 def _draw_coloured_curve(locus: RootLocus, ax: Axes, mode: int) -> LineCollection:
-    points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag])
+    points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag / (2 * np.pi)])
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     known = np.isfinite(pieces).all(axis=(1, 2))
     curve = LineCollection(

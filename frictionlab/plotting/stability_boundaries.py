@@ -33,7 +33,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, wrap_label
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, wrap_label
 from frictionlab.plotting.labels import (
     distinguishing_labels,
     parameter_label,
@@ -58,7 +58,12 @@ POINTS = 201  # of each line
 
 
 def plot_critical(
-    curves: Any, ax: Axes | None = None, *, labels: Sequence[str] | None = None, legend: bool = True
+    curves: Any,
+    ax: Axes | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    legend: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw critical values of a parameter against another: below a line steady sliding is stable.
 
@@ -72,6 +77,8 @@ def plot_critical(
         A label for each curve; None takes what their models differ in.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one curve.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -104,7 +111,7 @@ def plot_critical(
     ax.margins(x=0)
     if legend and len(curves) > 1:
         legend_beside(ax)
-    return lines
+    return restyle(lines, line)
 
 
 def _curve_labels(curves: list[Any]) -> list[str]:
@@ -200,7 +207,9 @@ def _map_legend_handles(plane: StabilityMap, boundary: list[Line2D], ax: Axes) -
     return patches + list({str(line.get_label()): line for line in boundary}.values())
 
 
-def plot_hopf(point: HopfPoint, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_hopf(
+    point: HopfPoint, ax: Axes | None = None, *, name: str | None = None, **line: Any
+) -> list[Line2D]:
     """Draw the amplitude of the vibration born at a Hopf point against the parameter, and the equilibrium.
 
     Solid lines are stable, dashed ones are not.  The vibration is drawn up to where it first reaches stick or
@@ -214,6 +223,8 @@ def plot_hopf(point: HopfPoint, ax: Axes | None = None, *, name: str | None = No
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
         The coordinate; None takes the first.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -254,7 +265,7 @@ def plot_hopf(point: HopfPoint, ax: Axes | None = None, *, name: str | None = No
     ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
     ax.xaxis.labelpad += font_size(12.0) if crowding() > 1.0 else 0.0  # else it meets the offset
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
-    return lines
+    return restyle(lines, line)
 
 
 def _distance(point: HopfPoint) -> float:

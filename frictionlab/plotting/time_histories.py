@@ -28,7 +28,7 @@ from frictionlab.plotting.appearance import (
     mode_colours,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new
+from frictionlab.plotting.figure import axes_or_new, restyle
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
@@ -196,7 +196,12 @@ def label_time_axes(
 
 
 def plot_displacements(
-    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory,
+    ax: Axes | None = None,
+    *,
+    window: Window = DEFAULT_WINDOW,
+    shade: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
@@ -212,6 +217,8 @@ def plot_displacements(
         Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -231,7 +238,7 @@ def plot_displacements(
         axis, text = right if name in angles else ax, f"{state_label(name)} ({state_unit(name)})"
         lines += axis.plot(t, states[:, i], label=text, **line_style(i, name, ax))
     label_time_axes(run, ax, (start, stop), shade, "Displacements", coordinate_axis_label(names))
-    return lines
+    return restyle(lines, line)
 
 
 def _angle_axis(ax: Axes) -> Axes:
@@ -242,7 +249,12 @@ def _angle_axis(ax: Axes) -> Axes:
 
 
 def plot_rates(
-    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory,
+    ax: Axes | None = None,
+    *,
+    window: Window = DEFAULT_WINDOW,
+    shade: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the rates of all coordinates against time, with the modes shaded behind them.
 
@@ -255,6 +267,8 @@ def plot_rates(
         Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -272,7 +286,7 @@ def plot_rates(
     label_time_axes(
         run, ax, (start, stop), shade, "Rates", "rate" if any(map(is_angle, names)) else "velocity (m/s)"
     )
-    return lines
+    return restyle(lines, line)
 
 
 def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
@@ -292,7 +306,12 @@ def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
 
 
 def plot_contact_forces(
-    run: Trajectory, ax: Axes | None = None, *, window: Window = DEFAULT_WINDOW, shade: bool = True
+    run: Trajectory,
+    ax: Axes | None = None,
+    *,
+    window: Window = DEFAULT_WINDOW,
+    shade: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the contact forces against time, with the modes shaded behind them.
 
@@ -307,6 +326,8 @@ def plot_contact_forces(
         Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
     shade : bool
         Whether to shade the modes.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -332,4 +353,4 @@ def plot_contact_forces(
     for name, (text, colour) in outputs.items():
         lines += ax.plot(t, run.output(name, t), label=text, **pen(colour, ax=ax))
     label_time_axes(run, ax, (start, stop), shade, "Contact forces", "contact force (N)")
-    return lines
+    return restyle(lines, line)

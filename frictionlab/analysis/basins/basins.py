@@ -34,6 +34,7 @@ from frictionlab.validation import (
     check_number,
     check_pair,
     float_array,
+    seed_of,
 )
 
 
@@ -284,7 +285,7 @@ def basin_stability(
     model: ModelOrAutomaton,
     ranges: Mapping[str, tuple[float, float]],
     samples: int = 1000,
-    seed: int = 0,
+    rng: int | np.random.Generator | None = 0,
     x0: Any = "rest",
     *,
     options: SteadyStateOptions | None = None,
@@ -302,8 +303,9 @@ def basin_stability(
     ranges : mapping of str to (float, float)
         States, such as "x1" or "x1'", and the interval in which each is uniformly distributed.
     samples : int
-    seed : int
-        Of the random numbers.
+    rng : int, Generator or None
+        Seed of the random numbers, a generator that draws one, or None for others each time.  A file of
+        `resume` wants an integer.
     x0, options, execution, **keywords
         As :func:`basins`.
 
@@ -328,14 +330,14 @@ def basin_stability(
     samples = check_number(
         "samples", samples, integer=True, least=1, most=MAX_SAMPLES, cure="1000 give errors of 0.016 at most"
     )
-    seed = check_number("seed", seed, integer=True, least=0, cure="give another for other random numbers")
+    seed = seed_of(rng)
     check_mapping("ranges", ranges, "give states their smallest and largest values, as {'x1': (0, 1)}")
     if not ranges:
         raise ValueError("ranges must hold at least one state, got none: give its smallest and largest value")
     limits = {name: _range(model, name, limit) for name, limit in ranges.items()}
     points = random_initial_values(limits, samples, seed)
     starts = _initial_states(model, list(limits), points, x0)
-    about = {"ranges": limits, "samples": int(samples), "seed": int(seed)}
+    about = {"ranges": limits, "samples": int(samples), "seed": seed}
     return run_basin_tasks(model, starts, about, chosen, how, basin_stability_from_results)
 
 

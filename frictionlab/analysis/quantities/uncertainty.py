@@ -22,7 +22,7 @@ from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.stored_data import listed, none_or, real
-from frictionlab.validation import abbreviate, check_mapping, check_number
+from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 GROUPS = 8
 BLOCK = 2500  # points that one task computes together
-MOST = 1 << 30  # points, of which no more are distinct; seeds
+MOST = 1 << 30  # points, of which no more are distinct
 
 
 def check_distributions(model: Model, distributions: Any) -> dict[str, Any]:
@@ -189,7 +189,7 @@ def uncertainty(
     distributions: Mapping[str, Any],
     *,
     n: int = 1024,
-    seed: int = 0,
+    rng: int | np.random.Generator | None = 0,
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Uncertainty:
@@ -208,7 +208,9 @@ def uncertainty(
         Frozen distributions of ``scipy.stats``; the parameters are independent.
     n : int
         Number of points, a power of two, 16 at least.
-    seed : int
+    rng : int, Generator or None
+        Seed of the random numbers, a generator that draws one, or None for others each time.  A file of
+        `resume` wants an integer.
     execution : Execution or None
         Workers, executor, file and progress bar; see :func:`sweep`.
     **keywords
@@ -236,7 +238,7 @@ def uncertainty(
     >>> 0 < uncertainty.probability(above=0).value < 1
     True
     """
-    task = _check_task(model, quantity, distributions, n, seed, least=2 * GROUPS)
+    task = _check_task(model, quantity, distributions, n, rng, least=2 * GROUPS)
     n, seed = task.n, task.seed
     seeds = range(seed * GROUPS, (seed + 1) * GROUPS)
     points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
@@ -295,7 +297,7 @@ def sobol_indices(
     distributions: Mapping[str, Any],
     *,
     n: int = 1024,
-    seed: int = 0,
+    rng: int | np.random.Generator | None = 0,
     execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> SobolIndices:
@@ -308,7 +310,7 @@ def sobol_indices(
 
     Parameters
     ----------
-    model, quantity, distributions, seed, execution, **keywords
+    model, quantity, distributions, rng, execution, **keywords
         As for :func:`uncertainty`.
     n : int
         A power of two; the quantity is computed n (d + 2) times for d parameters.
@@ -332,7 +334,7 @@ def sobol_indices(
     >>> indices.parameters[indices.total_order.argmax()]
     'F'
     """
-    task = _check_task(model, quantity, distributions, n, seed, least=8)
+    task = _check_task(model, quantity, distributions, n, rng, least=8)
     (how,) = merge_keywords("sobol_indices", keywords, execution=(Execution, execution))
     d = len(task.distributions)
     both = sobol_points(2 * d, task.n, task.seed)
@@ -346,7 +348,7 @@ def sobol_indices(
             f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
             "narrow the distributions, or ask for another quantity"
         )
-    first, total, first_errors, total_errors = _indices(numbers.reshape(d + 2, n), seed)
+    first, total, first_errors, total_errors = _indices(numbers.reshape(d + 2, n), task.seed)
     names = tuple(task.distributions)
     return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
 
@@ -377,15 +379,14 @@ class _Task(NamedTuple):
     seed: int
 
 
-def _check_task(model: Model, quantity: Any, distributions: Any, n: Any, seed: Any, least: int) -> _Task:
+def _check_task(model: Model, quantity: Any, distributions: Any, n: Any, rng: Any, least: int) -> _Task:
     require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
     check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
     n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")
-    seed = check_number("seed", seed, integer=True, least=0, most=MOST, cure="give another for other points")
     if n & (n - 1):
         raise ValueError(f"n must be a power of two, got {n}: give {1 << (n.bit_length() - 1)} or its double")
     label = quantity.label if isinstance(quantity, Quantity) else own_name(quantity)
-    return _Task(model, quantity, check_distributions(model, distributions), label, n, seed)
+    return _Task(model, quantity, check_distributions(model, distributions), label, n, seed_of(rng))
 
 
 def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:

@@ -74,10 +74,11 @@ class Sweep(Drawable):
         index = pd.MultiIndex.from_product(list(axes.values()), names=list(axes))
         index = index if len(axes) > 1 else index.get_level_values(0)
         table = pd.DataFrame([_row(result) for result in self.results.ravel()], index=index)
-        table.attrs["units"] = {
-            name: unit for name in self.over if (unit := parameter_unit(self.model, name))
-        }
+        table.attrs["units"] = self._units()
         return table
+
+    def _units(self) -> dict[str, str]:
+        return {name: unit for name in self.over if (unit := parameter_unit(self.model, name))}
 
     def to_xarray(self) -> Any:
         """The table of :meth:`to_dataframe` as an xarray Dataset, a dimension for each parameter (needs the
@@ -86,7 +87,10 @@ class Sweep(Drawable):
         The values of each parameter have to differ from each other.
         """
         import_optional("xarray", "to_xarray")
-        return self.to_dataframe().to_xarray()
+        table = self.to_dataframe().to_xarray()
+        for name, unit in self._units().items():
+            table[name].attrs["units"] = unit
+        return table
 
     def labels(self) -> list[str]:
         """A label for each initial state: its name, or its index."""

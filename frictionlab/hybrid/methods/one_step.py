@@ -33,7 +33,7 @@ from frictionlab.hybrid.methods.runge_kutta import (
     new_scheme,
     record_step,
 )
-from frictionlab.validation import check_field, check_number, check_sequence
+from frictionlab.validation import check_field, check_number, check_sequence, explains_fields
 
 Rates = Callable[[np.ndarray], np.ndarray]
 
@@ -159,6 +159,7 @@ class OneStepMethod(Method):
         return length, *self._try_step(run, length)
 
 
+@explains_fields
 @dataclass(frozen=True)
 class RK4(OneStepMethod):
     """The algorithm of the paper's Fig. 19: classical Runge-Kutta on a fixed time grid.

@@ -14,7 +14,7 @@ from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.validation import check_choice, check_field
+from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
@@ -22,6 +22,7 @@ CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the 
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
 
+@explains_fields
 @dataclass(frozen=True)
 class Scipy(Method):
     """One of scipy's integrators, stopped at every event.

@@ -37,7 +37,7 @@ from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.tape.functions import AFFINE
 from frictionlab.tape.program import Numbers, Program
-from frictionlab.validation import check_choice, check_field
+from frictionlab.validation import check_choice, check_field, explains_fields
 
 CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
@@ -184,6 +184,7 @@ def order_of_tolerance(tol: float) -> int:
     return max(4, math.ceil(1 - Decimal("0.7") * Decimal(tol).ln()))
 
 
+@explains_fields
 @dataclass(frozen=True)
 class Taylor(Method):
     """Taylor series of high order, with every event found to rounding error.

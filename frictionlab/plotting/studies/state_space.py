@@ -36,7 +36,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.presentation import state_unit
@@ -60,7 +60,11 @@ HATCH = "////"
 
 
 def plot_steady_state(
-    steady: SteadyState, ax: Axes | None = None, *, name: str | None = None
+    steady: SteadyState,
+    ax: Axes | None = None,
+    *,
+    name: str | None = None,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw what a motion settled to, in a phase plane: some periods of it, or a cross at an equilibrium.
 
@@ -71,6 +75,8 @@ def plot_steady_state(
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
         The coordinate; None takes the first.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -92,10 +98,12 @@ def plot_steady_state(
     label_phase_plane(ax, shown, f"Steady state: {steady.kind}")
     if alone:
         legend_beside(ax)
-    return lines
+    return restyle(lines, line)
 
 
-def plot_orbit(orbit: PeriodicOrbit, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_orbit(
+    orbit: PeriodicOrbit, ax: Axes | None = None, *, name: str | None = None, **line: Any
+) -> list[Line2D]:
     """Draw a periodic orbit in a phase plane, coloured by mode.
 
     Parameters
@@ -105,6 +113,8 @@ def plot_orbit(orbit: PeriodicOrbit, ax: Axes | None = None, *, name: str | None
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
         The coordinate; None takes the first.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -117,10 +127,10 @@ def plot_orbit(orbit: PeriodicOrbit, ax: Axes | None = None, *, name: str | None
     ax.set_title(f"{kind} orbit of period {orbit.period:.6g} s")
     if alone:
         legend_beside(ax)
-    return lines
+    return restyle(lines, line)
 
 
-def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **line: Any) -> list[Line2D]:
     """Draw where the runs of an ensemble ended, in a phase plane.
 
     Parameters
@@ -130,6 +140,8 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> 
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
         The coordinate; None takes the first.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -143,7 +155,7 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None) -> 
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
     label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
-    return lines
+    return restyle(lines, line)
 
 
 def plot_lyapunov(lyapunov: Any, ax: Axes | None = None) -> ErrorbarContainer:

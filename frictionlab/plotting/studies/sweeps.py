@@ -33,7 +33,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
 from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.presentation import state_unit
 from frictionlab.validation import abbreviate
@@ -67,7 +67,12 @@ SPECIAL_POINT_STYLES = {
 
 
 def plot_bifurcation(
-    result: Bifurcation, ax: Axes | None = None, *, name: str | None = None, legend: bool = True
+    result: Bifurcation,
+    ax: Axes | None = None,
+    *,
+    name: str | None = None,
+    legend: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw a state at the points of the section against the parameter, and the equilibria.
 
@@ -80,6 +85,8 @@ def plot_bifurcation(
         The state, e.g. "x1" or "x1'"; None takes the first.
     legend : bool
         Whether to put a legend beside the panel.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -109,7 +116,7 @@ def plot_bifurcation(
     )
     if legend:
         legend_beside(ax)
-    return lines
+    return restyle(lines, line)
 
 
 def _point_style(style: dict[str, Any], ax: Axes) -> dict[str, Any]:
@@ -118,7 +125,12 @@ def _point_style(style: dict[str, Any], ax: Axes) -> dict[str, Any]:
 
 
 def plot_intensity(
-    results: Any, ax: Axes | None = None, *, labels: Sequence[str] | None = None, legend: bool = True
+    results: Any,
+    ax: Axes | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    legend: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the intensity L_s of the motion, Eq. (20), against the parameter.
 
@@ -135,6 +147,8 @@ def plot_intensity(
         A label for each result; None takes its initial state.
     legend : bool
         Whether to put a legend beside the panel, where there is more than one line.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -164,7 +178,7 @@ def plot_intensity(
     ax.set(xlabel=_swept_parameter_label(results[0]), ylabel=r"intensity $L_{\mathrm{s}}$ (m$^{2}$)")
     if legend and len(lines) > 1:
         legend_beside(ax)
-    return lines
+    return restyle(lines, line)
 
 
 def _set_intensity_scale(ax: Axes, results: list[Any]) -> None:
@@ -206,7 +220,9 @@ def _check_one_parameter(results: list[Any], labels: list[str]) -> None:
         raise ValueError(f"there must be a label for each of {len(results)} results, got {len(labels)}")
 
 
-def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None = None) -> list[Line2D]:
+def plot_orbit_branch(
+    branch: Any, ax: Axes | None = None, *, name: str | None = None, **line: Any
+) -> list[Line2D]:
     """Draw the largest value of a state along each orbit, or the period, against the parameter.
 
     Parameters
@@ -216,6 +232,8 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
         The state, e.g. "x1"; None draws the period.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -253,7 +271,7 @@ def plot_orbit_branch(branch: Any, ax: Axes | None = None, *, name: str | None =
     text = "period (s)" if name is None else f"largest {state_label(name)} ({state_unit(name)})"
     ax.set(xlabel=parameter_label(branch.orbits[0].model, branch.parameter), ylabel=text)
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
-    return lines
+    return restyle(lines, line)
 
 
 def _check_state_name(branch: Any, name: str | None) -> None:
@@ -278,7 +296,9 @@ def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
     return intervals
 
 
-def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, label: str | None = None) -> list[Artist]:
+def plot_sweep(
+    sweep: Sweep, ax: Axes | None = None, *, label: str | None = None, **line: Any
+) -> list[Artist]:
     """Draw the numbers that a sweep gave: curves over one parameter, or colours over two.
 
     Parameters
@@ -290,6 +310,8 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, label: str | None = None
         None draws into a new figure.
     label : str or None
         What the numbers are, with their unit; None takes the name of the function.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
 
     Returns
     -------
@@ -321,11 +343,11 @@ def plot_sweep(sweep: Sweep, ax: Axes | None = None, *, label: str | None = None
     ax = axes_or_new(ax)
     ax.set_xlabel(parameter_label(sweep.model, names[0]))
     if len(names) == 1:
-        return _draw_curves(sweep.over[names[0]], values, starts, text, ax)
+        return restyle(_draw_curves(sweep.over[names[0]], values, starts, text, ax), line)
     ax.set_ylabel(parameter_label(sweep.model, names[1]))
     mesh = ax.pcolormesh(*sweep.over.values(), values[..., 0].T, shading="nearest", rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, label=text)
-    return [mesh]
+    return restyle([mesh], line)
 
 
 def _numbers(sweep: Sweep) -> np.ndarray:

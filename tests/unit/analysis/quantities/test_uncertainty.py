@@ -130,7 +130,7 @@ def test_onsets_of_mode_coupling_have_the_distribution_of_their_closed_form():
 def test_the_error_of_a_probability_covers_a_run_ten_times_as_large():
     ranges = {"F": stats.uniform(150.0, 100.0), "mu_k": stats.norm(1.5, 0.1)}
     few = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=256, **QUIET).probability(above=0.0)
-    many = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=4096, seed=7, **QUIET).probability(above=0.0)
+    many = fl.uncertainty(SLIDER, fl.GrowthRate(), ranges, n=4096, rng=7, **QUIET).probability(above=0.0)
     assert 0.3 < many.value < 0.6
     assert abs(few.value - many.value) < 4 * np.hypot(few.error, many.error)
     assert many.error < few.error
