@@ -145,7 +145,9 @@ from .stability import Boundary as Boundary
 from .stability import CriticalCurve as CriticalCurve
 from .stability import Eigenvalues as Eigenvalues
 from .stability import Equilibrium as Equilibrium
+from .stability import FrequencyResponse as FrequencyResponse
 from .stability import HopfPoint as HopfPoint
+from .stability import LinearSystem as LinearSystem
 from .stability import RootLocus as RootLocus
 from .stability import StabilityChange as StabilityChange
 from .stability import StabilityMap as StabilityMap
@@ -155,6 +157,7 @@ from .stability import eigenvalues as eigenvalues
 from .stability import equilibria as equilibria
 from .stability import equilibrium as equilibrium
 from .stability import hopf as hopf
+from .stability import linearize as linearize
 from .stability import root_locus as root_locus
 from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map

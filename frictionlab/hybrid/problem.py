@@ -317,12 +317,14 @@ def evaluate_output(
     values, numbers = np.empty(len(states)), automaton.values.values()
     for i in np.unique(modes):
         chosen = modes == i
-        formulas = _output_formulas(automaton, mode_names[int(i)], name)
+        formulas = output_formulas(automaton, mode_names[int(i)], name)
         values[chosen] = formulas.along_run(*states[chosen].T, *numbers)[0]
     return values
 
 
-def _output_formulas(automaton: HybridAutomaton, mode: str, name: str) -> Formulas:
+def output_formulas(automaton: HybridAutomaton, mode: str, name: str) -> Formulas:
+    """An output in a mode as a formula of the states, then the parameters."""
+
     def derive() -> Formulas:
         return _derived_output(automaton.mode(mode), name, automaton.states, tuple(automaton.parameters))
 

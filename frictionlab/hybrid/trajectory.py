@@ -439,7 +439,7 @@ class Trajectory(Drawable):
         return write_run_file(path, about, arrays)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the summary, and each mode with the time in it and the events that enter it."""
+        """What a notebook shows: the summary; of each mode the time in it and how often it was entered."""
         entered = self.events.target.tolist()
         rows = "".join(
             f"<tr><th>{escape(mode)}</th><td>{seconds:.5g}</td><td>{entered.count(mode)}</td></tr>"

@@ -17,6 +17,7 @@ from .overview import plot_works as plot_works
 from .root_locus import plot_eigenvalues as plot_eigenvalues
 from .root_locus import plot_equilibrium as plot_equilibrium
 from .root_locus import plot_frequencies as plot_frequencies
+from .root_locus import plot_frequency_response as plot_frequency_response
 from .root_locus import plot_growth_rates as plot_growth_rates
 from .root_locus import plot_root_locus as plot_root_locus
 from .stability_boundaries import plot_critical as plot_critical

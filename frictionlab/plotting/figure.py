@@ -289,8 +289,8 @@ def restyle(artists: list[A], properties: Mapping[str, Any]) -> list[A]:
                 artist.remove()
             known = [each[4:] for each in dir(Line2D) if each.startswith("set_")]
             raise TypeError(
-                f"lines have no property {abbreviate(name)}{did_you_mean(name, known)}: give color, linewidth, "
-                "linestyle, marker, alpha or another of matplotlib's Line2D"
+                f"lines have no property {abbreviate(name)}{did_you_mean(name, known)}: give color, "
+                "linewidth, linestyle, marker, alpha or another of matplotlib's Line2D"
             )
     for artist in artists:
         artist.set(**{name: value for name, value in properties.items() if hasattr(artist, f"set_{name}")})

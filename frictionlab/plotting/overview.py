@@ -61,7 +61,7 @@ from frictionlab.plotting.time_histories import (
     window_text,
 )
 from frictionlab.presentation import state_unit
-from frictionlab.validation import check_choice
+from frictionlab.validation import check_choice, explains_keywords
 
 if TYPE_CHECKING:
     from frictionlab.analysis.energy_audit import EnergyAudit
@@ -227,6 +227,7 @@ def _spectrum_title(spectrum: Spectrum) -> str:
     return f"Spectrum of {state_label(spectrum.name)}, {part}\n{resolution}, {strongest}"
 
 
+@explains_keywords
 def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = DEFAULT_WINDOW) -> Figure:
     """Draw a run: displacements and contact forces against time, phase plane and spectrum of a coordinate.
 

@@ -1,5 +1,5 @@
-"""An equilibrium, as the model's mechanism displaced to it or as bars; and its eigenvalues against a
-parameter, the root locus: frequencies and growth rates, or the complex plane.
+"""An equilibrium, as the model's mechanism displaced to it or as bars; its eigenvalues against a parameter,
+the root locus, or in the plane of growth rate and frequency; and frequency responses.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
+from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, restyle
 from frictionlab.plotting.labels import (
     coordinate_axis_label,
     parameter_label,
@@ -44,6 +44,7 @@ from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
     from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
+    from frictionlab.stability.eigenproblems.linear_system import FrequencyResponse
     from frictionlab.stability.eigenproblems.root_locus import RootLocus
     from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 
@@ -164,8 +165,7 @@ def plot_frequencies(
     legend : bool
         Whether to put a legend beside the panel.
     **line
-        Properties of matplotlib's Line2D for all lines: color, linestyle, alpha ...; without a colour each mode
-        has its own.
+        Properties of matplotlib's Line2D for all lines: color, linestyle, alpha ...
 
     Returns
     -------
@@ -360,3 +360,69 @@ def _draw_coloured_curve(locus: RootLocus, ax: Axes, mode: int) -> LineCollectio
     curve.set_clim(float(locus.at.min()), float(locus.at.max()))
     ax.add_collection(curve)
     return curve
+
+
+def plot_frequency_response(
+    response: FrequencyResponse,
+    ax: Axes | None = None,
+    *,
+    output: str | None = None,
+    input: str | None = None,
+    **line: Any,
+) -> list[Axes]:
+    """Draw gain and phase of a frequency response.
+
+    Parameters
+    ----------
+    response : FrequencyResponse
+    ax : Axes or None
+        Here only the gain is drawn; None makes a new figure with the gain above the phase.
+    output, input : str or None
+        Names; None draws all outputs, for the first input.
+    **line
+        Properties of matplotlib's Line2D for all lines: color, linewidth, alpha ...
+
+    Returns
+    -------
+    list of Axes
+
+    Raises
+    ------
+    ValueError
+        For a name that the system does not have.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> response = fl.linearize(fl.SliderOnBelt()).frequency_response([5.0, 10.0, 15.0])
+    >>> [axes.get_ylabel() for axes in plot_frequency_response(response, output="y1", input="y1")]
+    ['gain of $y_1$ (m/N)', 'phase (degrees)']
+    """
+    system = response.system
+    source = system.inputs[0] if input is None else input
+    shown = system.outputs if output is None else (output,)
+    curves = {name: response.response(name, source) for name in shown}
+    gain, *below = _gain_and_phase_axes() if ax is None else [axes_or_new(ax)]
+    for i, (name, values) in enumerate(curves.items()):
+        style = line_style(i, name, gain)
+        restyle(gain.plot(response.frequencies, np.abs(values), label=state_label(name), **style), line)
+        for phase in below:
+            angles = np.degrees(np.unwrap(np.angle(values)))
+            restyle(phase.plot(response.frequencies, angles, **style), line)
+    units = ", ".join(dict.fromkeys(filter(None, (system.gain_unit(name, source) for name in shown))))
+    what = f"gain of {state_label(shown[0])}" if len(shown) == 1 else "gain"
+    gain.set(yscale="log", ylabel=f"{what} ({units})" if units else what)
+    kind = "a force along " if source in system.states else ""
+    gain.set_title(f"Response to {kind}{state_label(source)}")
+    for phase in below:
+        phase.set_ylabel("phase (degrees)")
+    [gain, *below][-1].set_xlabel("frequency (Hz)")
+    gain.margins(x=0)
+    if len(shown) > 1:
+        legend_beside(gain)
+    return [gain, *below]
+
+
+def _gain_and_phase_axes() -> list[Axes]:
+    upper, lower = new_figure(7.0, 5.0).subplots(2, 1, sharex=True)
+    return [upper, lower]

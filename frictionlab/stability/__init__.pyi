@@ -14,6 +14,9 @@ from .boundaries.stability_map import stability_map as stability_map
 from .eigenproblems.eigenvalues import Eigenvalues as Eigenvalues
 from .eigenproblems.eigenvalues import eigenvalues as eigenvalues
 from .eigenproblems.eigenvalues import jacobian as jacobian
+from .eigenproblems.linear_system import FrequencyResponse as FrequencyResponse
+from .eigenproblems.linear_system import LinearSystem as LinearSystem
+from .eigenproblems.linear_system import linearize as linearize
 from .eigenproblems.root_locus import RootLocus as RootLocus
 from .eigenproblems.root_locus import root_locus as root_locus
 from .equilibrium_points.equilibria import Equilibrium as Equilibrium

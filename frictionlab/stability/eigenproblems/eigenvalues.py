@@ -52,6 +52,11 @@ class Eigenvalues(Drawable):
         return self.values.real
 
     @property
+    def damping_ratios(self) -> Array:
+        """-Re/|lambda|, (m,): shares of critical damping, negative where a mode grows; 0 for lambda = 0."""
+        return damping_ratios(self.values)
+
+    @property
     def stable(self) -> bool:
         """Whether every growth rate is negative."""
         return bool((self.growth_rates < 0).all())
@@ -76,10 +81,12 @@ class Eigenvalues(Drawable):
     def to_dataframe(self) -> Any:
         """One row for each eigenvalue, as a pandas DataFrame (needs the extra ``data``).
 
-        Columns: growth rate, frequency, and the share of each coordinate, as "participation of x1".
+        Columns: growth rate, frequency, damping ratio, and the share of each coordinate, as "participation of
+        x1".
         """
         shares = zip(self.equilibrium.names, self.participation)
         columns = {"growth_rate": self.growth_rates, "frequency": self.frequencies}
+        columns |= {"damping_ratio": self.damping_ratios}
         columns |= {f"participation of {name}": share for name, share in shares}
         return dataframe(columns, {"eigenvalue": np.arange(len(self.values))}, UNITS)
 
@@ -141,6 +148,13 @@ def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
     return Eigenvalues(values[order], problem.with_following(vectors[:, order]), point)
+
+
+def damping_ratios(values: ComplexArray) -> Array:
+    """-Re/|lambda| of eigenvalues (m,), 0 where they are 0."""
+    sizes: Any = np.abs(values)
+    shares: Any = -values.real / np.where(sizes > 0.0, sizes, 1.0)
+    return shares
 
 
 def jacobian(model: ModelOrAutomaton, state: Array) -> Array:

@@ -1,0 +1,319 @@
+"""`fl.linearize`: the system linearised about steady sliding with inputs and outputs, x' = A x + B u and
+y = C x + D u, and its frequency responses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.problem import output_formulas
+from frictionlab.models.composition import parameter_unit
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+from frictionlab.models.mechanical.mechanics import mechanics_at
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.presentation import (
+    Drawable,
+    count,
+    dataset,
+    is_angle,
+    output_unit,
+    shorten,
+    span,
+    state_unit,
+)
+from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, damping_ratios, jacobian
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
+from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
+from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
+from frictionlab.validation import (
+    abbreviate,
+    check_sequence,
+    did_you_mean_or_known,
+    float_array,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSystem:
+    """x' = A x + B u and y = C x + D u, for small departures from an equilibrium.
+
+    ``A, B, C, D = system`` gives the matrices, so ``control.ss(*system)`` of python-control takes them, and
+    ``scipy.signal.StateSpace(*system)``.
+
+    Parameters
+    ----------
+    A : array (m, m)
+        The state matrix, whose eigenvalues are those of :func:`eigenvalues`.
+    B : array (m, inputs)
+    C : array (outputs, m)
+    D : array (outputs, inputs)
+    states, inputs, outputs : tuple of str
+        Their names.
+    equilibrium : Equilibrium
+        Where the system was linearised.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    equilibrium: Equilibrium
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter((self.A, self.B, self.C, self.D))
+
+    def __repr__(self) -> str:
+        sizes = (
+            count(len(self.states), "state"),
+            f"from {shorten(self.inputs)}",
+            f"to {shorten(self.outputs)}",
+        )
+        return f"LinearSystem({', '.join(sizes)})"
+
+    @property
+    def eigenvalues(self) -> ComplexArray:
+        """The poles, 1/s, (m,)."""
+        values: ComplexArray = np.linalg.eigvals(self.A).astype(complex)
+        return values
+
+    def gain_unit(self, output: str, input: str) -> str:
+        """SI unit of the response of an output to an input; "" where it is not known."""
+        model, known = self.equilibrium.model, self.equilibrium.model.coordinates
+        above = state_unit(output) if output in self.states and known else output_unit(output)
+        if input in self.states:
+            below = "N m" if is_angle(input) else "N"
+        else:
+            below = parameter_unit(model, input) if isinstance(model, Model) else ""
+        below = f"({below})" if " " in below or "/" in below else below
+        return f"{above}/{below}" if above and below else ""
+
+    @property
+    def damping_ratios(self) -> Array:
+        """-Re/|lambda| of the poles, (m,)."""
+        return damping_ratios(self.eigenvalues)
+
+    def frequency_response(self, frequencies: Any) -> FrequencyResponse:
+        """The response to inputs that oscillate: C (i omega - A)^-1 B + D.
+
+        Parameters
+        ----------
+        frequencies : array_like (N,)
+            Hz.
+
+        Returns
+        -------
+        FrequencyResponse
+
+        Raises
+        ------
+        ValueError
+            For what is no list of finite numbers, or the frequency of an undamped mode, of which there is no
+            response.
+
+        Examples
+        --------
+        >>> import frictionlab as fl
+        >>> response = fl.linearize(fl.ModeCoupling()).frequency_response([0.0, 0.1])
+        >>> response.values.shape
+        (2, 2, 2)
+        """
+        cure = "give frequencies in Hz, such as np.linspace(0, 40, 400)"
+        at = float_array("frequencies", frequencies, cure, finite=True).ravel()
+        unit = np.eye(len(self.A))
+        shifted: Any = 2j * np.pi * at[:, None, None] * unit - self.A
+        try:
+            moved: Any = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(at), *self.B.shape)))
+        except np.linalg.LinAlgError:
+            raise ValueError(
+                "frequencies must be others than those of undamped modes, where there is no response: "
+                f"add damping, or leave them out of {abbreviate(frequencies)}"
+            ) from None
+        return FrequencyResponse(at, self.C @ moved + self.D, self)
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse(Drawable):
+    """Complex amplitudes of outputs for inputs of amplitude 1.
+
+    Parameters
+    ----------
+    frequencies : array (N,)
+        Hz.
+    values : complex array (N, outputs, inputs)
+        Their units are those of the outputs, over those of the inputs.
+    system : LinearSystem
+    """
+
+    drawn_by = "plot_frequency_response"
+    several_axes = True
+    instead_of_array = "write response.values"
+
+    frequencies: Array
+    values: ComplexArray
+    system: LinearSystem
+
+    def __repr__(self) -> str:
+        at = f"at {count(len(self.frequencies), 'value')} of the frequency, {span(self.frequencies)} Hz"
+        return (
+            f"FrequencyResponse({at}, from {shorten(self.system.inputs)} to {shorten(self.system.outputs)})"
+        )
+
+    def response(self, output: str, input: str) -> ComplexArray:
+        """The response (N,) of one output to one input, by their names."""
+        i = _place("output", output, self.system.outputs)
+        return self.values[:, i, _place("input", input, self.system.inputs)]
+
+    def to_xarray(self) -> Any:
+        """Gain and phase (rad) as an xarray Dataset (needs the extra ``data``), with the dimensions
+        "frequency", "output" and "input"."""
+        dimensions = ("frequency", "output", "input")
+        variables = {
+            "gain": (dimensions, np.abs(self.values)),
+            "phase": (dimensions, np.angle(self.values)),
+        }
+        names = {"output": list(self.system.outputs), "input": list(self.system.inputs)}
+        coordinates = {"frequency": self.frequencies, **names}
+        return dataset(variables, coordinates, {"frequency": "Hz", "phase": "rad"})
+
+
+def linearize(
+    model: ModelOrAutomaton,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> LinearSystem:
+    """The system linearised about its equilibrium of steady sliding, with inputs and outputs.
+
+    Parameters
+    ----------
+    model : Model or HybridAutomaton
+    inputs : sequence of str or None
+        Coordinates, along which forces (N) or moments act; parameters, by which changes are meant.  None
+        takes all coordinates, and all parameters of an automaton that comes from no mechanical model.
+    outputs : sequence of str or None
+        States, such as "x1" or "x1'", and outputs of the model, such as "normal_force".  None takes all
+        coordinates, or all states where there are none.
+
+    Returns
+    -------
+    LinearSystem
+
+    Raises
+    ------
+    TypeError
+        If `model` is neither a model nor an automaton.
+    ValueError
+        For an unknown name, and where :func:`eigenvalues` raises one.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> system = fl.linearize(fl.ModeCoupling(), outputs=["x", "normal_force"])
+    >>> A, B, C, D = system
+    >>> system
+    LinearSystem(4 states, from x, y, to x, normal_force)
+    """
+    automaton, point = automaton_of(model), equilibrium(model)
+    problem, mode = equilibrium_problem(model), _mode_of_equilibrium(model)
+    coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
+    states = tuple(automaton.state_names)
+    given = _names("inputs", inputs, coordinates or problem.parameter_names)
+    shown = _names("outputs", outputs, states[: automaton.coordinates] or states)
+    for name in given:
+        _place("inputs", name, [*coordinates, *problem.parameter_names])
+    for name in shown:
+        _place("outputs", name, [*states, *automaton.outputs])
+    acting = np.zeros((len(states), len(given)))
+    by_parameter = problem.flow.by_parameter.at(point.state, problem.values)
+    compliance = _compliance(model, point.state, mode) if {*given} & {*coordinates} else np.zeros((0, 0))
+    for k, name in enumerate(given):
+        if name in coordinates:
+            n = len(coordinates)
+            acting[n : 2 * n, k] = compliance[:, coordinates.index(name)]
+        else:
+            acting[:, k] = by_parameter[:, problem.parameter_names.index(name)]
+    seen, direct = np.zeros((len(shown), len(states))), np.zeros((len(shown), len(given)))
+    for row, name in enumerate(shown):
+        slopes = _slopes_of_output(automaton, mode.name, name, point.state)
+        seen[row] = [slopes.get(state, 0.0) for state in states]
+        direct[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
+    matrix = jacobian(model, point.state)
+    return LinearSystem(matrix, acting, seen, direct, states, given, shown, point)
+
+
+def _slopes_of_output(automaton: HybridAutomaton, mode: str, name: str, state: Array) -> dict[str, float]:
+    """Derivatives of a state or an output by the states and the parameters, by their names."""
+    if name in automaton.state_names:
+        return {name: 1.0}
+    places, entries = output_formulas(automaton, mode, name).jacobian()
+    known = [*automaton.state_names, *automaton.values]
+    numbers = entries.numbers(*state, *automaton.values.values())
+    return {known[column]: number for (_, column), number in zip(places, numbers.tolist(), strict=True)}
+
+
+class _Mode(NamedTuple):
+    """The mode of an equilibrium, and whether it has constraints."""
+
+    name: str
+    holds: bool
+
+
+def _mode_of_equilibrium(model: ModelOrAutomaton) -> _Mode:
+    if by_penetration(model):
+        equations = sliding_equations(model)
+        forwards = bool(equations.belt_speed(*equations.values(model)) > 0)
+        return _Mode(
+            "slip" if "slip" in automaton_of(model).names else "slip+" if forwards else "slip-", False
+        )
+    mode, *_ = first_mode_equilibria(automaton_of(model), isinstance(model, Model))
+    return _Mode(mode.name, mode.holds)
+
+
+def _compliance(model: Any, state: Array, mode: _Mode) -> Array:
+    """Accelerations (n, n) by forces along the coordinates."""
+    if mode.holds:
+        raise ValueError(
+            f"inputs must be parameters where the equilibrium is in a mode with constraints, got forces in "
+            f"{mode.name!r}: name parameters"
+        )
+    inverse: Any = np.linalg.inv(mass_matrix(model, state))
+    return inverse
+
+
+def _names(what: str, given: Any, usual: Sequence[str]) -> tuple[str, ...]:
+    if given is None:
+        return tuple(usual)
+    return check_sequence(what, [given] if isinstance(given, str) else given, 'write ["x1"]')
+
+
+def _place(what: str, name: Any, known: Sequence[str]) -> int:
+    if not isinstance(name, str) or name not in known:
+        raise ValueError(f"{what} must be known, got {abbreviate(name)}{did_you_mean_or_known(name, known)}")
+    return list(known).index(name)
+
+
+def mass_matrix(model: MechanicalModel, state: Array) -> Array:
+    """M (n, n) at a state, from the kinetic energy: T is a polynomial of degree 2 in the velocities."""
+    n = len(model.coordinates)
+
+    def energy(v: Array) -> float:
+        return float(mechanics_at(model, state[:n], v, 0.0, state[2 * n :]).kinetic)
+
+    unit, mass = np.eye(n), np.zeros((n, n))
+    still = energy(np.zeros(n))
+    for i, j in combinations_with_replacement(range(n), 2):
+        other = -unit[i] if i == j else unit[j]
+        mixed = energy(unit[i]) + energy(other) - still
+        mass[i, j] = mass[j, i] = mixed - still if i == j else energy(unit[i] + other) - mixed
+    return mass
