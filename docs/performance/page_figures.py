@@ -59,6 +59,7 @@ FAMILY_STYLES = {
     "scipy LSODA": (GREEN, "D"),
     "scipy Radau": (SKY, "d"),
     "heyoka": (ORANGE, "X"),
+    "heyoka, fast_math": (ORANGE, "P"),
     "CVODE Adams": (PURPLE, "<"),
     "CVODE BDF": (YELLOW, ">"),
     "PathSim RKDP87": (BLACK, "P"),

@@ -29,7 +29,16 @@ SINGLE_RUN_ABOVE = 3.0  # s: a run longer than this is timed once
 # s: shorter runs are repeated for so long at each turn, as the first ones find cold caches
 TURN_SECONDS = 0.1
 SHORT_TURNS = 3  # times as many turns for these, as other work on the machine slows down a turn or two
-PEERS = ("heyoka", "diffrax Dopri8", "CVODE Adams", "scipy DOP853", "scipy LSODA", "PathSim RKDP87", "RK4")
+PEERS = (
+    "heyoka",
+    "heyoka, fast_math",
+    "diffrax Dopri8",
+    "CVODE Adams",
+    "scipy DOP853",
+    "scipy LSODA",
+    "PathSim RKDP87",
+    "RK4",
+)
 OURS = "frictionlab"
 
 

@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, new_figure, restyle
+from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, restyle
 from frictionlab.plotting.labels import (
     coordinate_axis_label,
     parameter_label,
@@ -44,7 +44,7 @@ from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
     from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
-    from frictionlab.stability.eigenproblems.linear_system import FrequencyResponse
+    from frictionlab.stability.eigenproblems.linear_system import FrequencyResponse, LinearSystem
     from frictionlab.stability.eigenproblems.root_locus import RootLocus
     from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 
@@ -405,15 +405,15 @@ def plot_frequency_response(
     gain, *below = _gain_and_phase_axes() if ax is None else [axes_or_new(ax)]
     for i, (name, values) in enumerate(curves.items()):
         style = line_style(i, name, gain)
-        restyle(gain.plot(response.frequencies, np.abs(values), label=state_label(name), **style), line)
+        restyle(gain.plot(response.frequencies, np.abs(values), label=_label(system, name), **style), line)
         for phase in below:
             angles = np.degrees(np.unwrap(np.angle(values)))
             restyle(phase.plot(response.frequencies, angles, **style), line)
     units = ", ".join(dict.fromkeys(filter(None, (system.gain_unit(name, source) for name in shown))))
-    what = f"gain of {state_label(shown[0])}" if len(shown) == 1 else "gain"
+    what = f"gain of {_label(system, shown[0])}" if len(shown) == 1 else "gain"
     gain.set(yscale="log", ylabel=f"{what} ({units})" if units else what)
     kind = "a force along " if source in system.states else ""
-    gain.set_title(f"Response to {kind}{state_label(source)}")
+    gain.set_title(f"Response to {kind}{_label(system, source)}")
     for phase in below:
         phase.set_ylabel("phase (degrees)")
     [gain, *below][-1].set_xlabel("frequency (Hz)")
@@ -423,6 +423,11 @@ def plot_frequency_response(
     return [gain, *below]
 
 
+def _label(system: LinearSystem, name: str) -> str:
+    """A state as a symbol, an output in words."""
+    return state_label(name) if name in system.states else name.replace("_", " ")
+
+
 def _gain_and_phase_axes() -> list[Axes]:
-    upper, lower = new_figure(7.0, 5.0).subplots(2, 1, sharex=True)
+    upper, lower = new_figure(7.0, 5.0).subplots(2, 1, sharex=True, subplot_kw={"axes_class": RunAxes})
     return [upper, lower]

@@ -204,13 +204,22 @@ def doors() -> dict[str, Door]:
             fl.continue_orbit,
             {"orbit": None, "parameter": "v", "bounds": (0.19, 0.21), "max_points": 5, **QUIET},
         ),
-        "sweep": Door(fl.sweep, {"model": BELT, "function": _study, "over": {"v": [0.3]}, **one}),
+        "sweep": Door(
+            fl.sweep, {"model": BELT, "function": _study, "over": {"v": [0.3]}, "shard": (0, 1), **one}
+        ),
         "ablation": Door(fl.ablation, {"model": SLIDER, "studies": _study, "switches": ["cubic"], **one}),
         "sensitivity": Door(fl.sensitivity, {**near, "quantity": quantity}),
         "optimum": Door(fl.optimum, {**near, "quantity": quantity, "bounds": {"F": (150.0, 200.0)}}),
         "uncertainty": Door(
             fl.uncertainty,
-            {**near, "quantity": quantity, "distributions": {"F": uniform(150.0, 50.0)}, "n": 16, **one},
+            {
+                **near,
+                "quantity": quantity,
+                "distributions": {"F": uniform(150.0, 50.0)},
+                "n": 16,
+                "rng": 0,
+                **one,
+            },
         ),
         "sobol_indices": Door(
             fl.sobol_indices,
@@ -219,6 +228,10 @@ def doors() -> dict[str, Door]:
         "equilibrium": Door(fl.equilibrium, near),
         "equilibria": Door(fl.equilibria, near),
         "eigenvalues": Door(fl.eigenvalues, near),
+        "linearize": Door(fl.linearize, {**near, "inputs": ["x1"], "outputs": ["y1"]}),
+        "LinearSystem.frequency_response": Door(
+            fl.linearize(SLIDER).frequency_response, {"frequencies": [5.0, 10.0]}
+        ),
         "root_locus": Door(fl.root_locus, {**near, "parameter": "mu_k", "values": [0.5, 1.0]}),
         "stability_changes": Door(fl.stability_changes, {**near, **pair}),
         "critical_value": Door(fl.critical_value, {**near, **pair}),

@@ -106,6 +106,8 @@ BUILDERS = {
     "ablation of bifurcations": lambda: fl.ablation(STICK_SLIP, short_bifurcation, **QUIET),
     "locus": lambda: fl.root_locus(SLIDER, "mu_k", [0.5, 1.0, 1.5, 2.0]),
     "eigenvalues": lambda: fl.eigenvalues(SLIDER.replace(mu_k=2.0)),
+    "linear system": lambda: fl.linearize(SLIDER),
+    "frequency response": lambda: result("linear system").frequency_response([5.0, 10.0, 15.0, 20.0]),
     "stability change": lambda: fl.stability_changes(SLIDER, "mu_k", (0, 3))[0],
     "curve": lambda: fl.critical_curve(SLIDER, "mu_k", (0, 3), over=("F", [200.0, 400.0])),
     "map": lambda: fl.stability_map(COUPLED, ("k3", [0.8, 1.3, 2.0]), ("mu_k", [0.1, 1.0])),

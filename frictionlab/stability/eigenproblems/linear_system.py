@@ -40,10 +40,12 @@ from frictionlab.validation import (
 )
 
 Array = NDArray[np.float64]
+DRAWN_RANGE = 0.001, 1.3  # of frequencies in a picture, in units of the largest eigenvalue's
+DRAWN_POINTS = 2000
 
 
 @dataclass(frozen=True, eq=False)
-class LinearSystem:
+class LinearSystem(Drawable):
     """x' = A x + B u and y = C x + D u, for small departures from an equilibrium.
 
     ``A, B, C, D = system`` gives the matrices, so ``control.ss(*system)`` of python-control takes them, and
@@ -61,6 +63,9 @@ class LinearSystem:
     equilibrium : Equilibrium
         Where the system was linearised.
     """
+
+    drawn_by = "plot_frequency_response"
+    instead_of_array = "write A, B, C, D = system"
 
     A: Array
     B: Array
@@ -103,6 +108,12 @@ class LinearSystem:
     def damping_ratios(self) -> Array:
         """-Re/|lambda| of the poles, (m,)."""
         return damping_ratios(self.eigenvalues)
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw the response over a range in which all resonances lie; as :meth:`FrequencyResponse.plot`."""
+        highest = float(np.abs(self.eigenvalues).max()) / (2 * np.pi) or 1.0
+        at = highest * np.linspace(*DRAWN_RANGE, DRAWN_POINTS)
+        return self.frequency_response(at).plot(ax, **options)
 
     def frequency_response(self, frequencies: Any) -> FrequencyResponse:
         """The response to inputs that oscillate: C (i omega - A)^-1 B + D.

@@ -99,6 +99,7 @@ def test_a_response_is_taken_by_names_and_is_drawn():
     assert response.response("y1", "x2") == pytest.approx(response.values[:, 1, 2])
     pytest.importorskip("xarray", reason="the extra data is not installed")
     assert float(response.to_xarray().gain.sel(output="y1", input="x2")[3]) == abs(response.values[3, 1, 2])
+    assert response.system.plot().get_ylabel() == "gain (m/N, rad/N)"
     upper, lower = response.plot().figure.axes
     assert (upper.get_ylabel(), lower.get_xlabel()) == ("gain (m/N, rad/N)", "frequency (Hz)")
     alone = response.plot(upper, output="phi", input="phi", color="red")
