@@ -54,7 +54,8 @@ class LinearSystem(Drawable):
     Parameters
     ----------
     A : array (m, m)
-        The state matrix, whose eigenvalues are those of :func:`eigenvalues`.
+        The state matrix, whose eigenvalues are those of :func:`eigenvalues`, and zeros where cyclic
+        coordinates turn: steady rotation does not care where it began.
     B : array (m, inputs)
     C : array (outputs, m)
     D : array (outputs, inputs)
@@ -260,6 +261,9 @@ def linearize(
         seen[row] = [slopes.get(state, 0.0) for state in states]
         direct[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
     matrix = jacobian(model, point.state)
+    for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
+        place = states.index(name)
+        matrix[place], acting[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
     return LinearSystem(matrix, acting, seen, direct, states, given, shown, point)
 
 
@@ -317,9 +321,11 @@ def _place(what: str, name: Any, known: Sequence[str]) -> int:
 def mass_matrix(model: MechanicalModel, state: Array) -> Array:
     """M (n, n) at a state, from the kinetic energy: T is a polynomial of degree 2 in the velocities."""
     n = len(model.coordinates)
+    of_states = dict(zip(automaton_of(model).state_names, state))
+    further = [of_states[name] for name in model.states]
 
     def energy(v: Array) -> float:
-        return float(mechanics_at(model, state[:n], v, 0.0, state[2 * n :]).kinetic)
+        return float(mechanics_at(model, state[:n], v, 0.0, further).kinetic)
 
     unit, mass = np.eye(n), np.zeros((n, n))
     still = energy(np.zeros(n))

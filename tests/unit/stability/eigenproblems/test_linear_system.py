@@ -87,6 +87,37 @@ def test_what_depends_on_a_parameter_at_once_is_in_d():
     assert system.D.tolist() == [[1.0], [0.0]]
 
 
+@fl.model
+class Rotor(fl.MechanicalModel):
+    """A shaft that a constant moment turns against a damper."""
+
+    J: float = 2.0
+    c: float = 0.5
+    T: float = 3.0
+    coordinates = ("theta",)
+    cyclic = ("theta",)
+
+    def mechanics(self, q, v):
+        kinetic, drag = self.J * v.theta**2 / 2, self.c * v.theta**2 / 2
+        return fl.Mechanics(kinetic=kinetic, dissipation=drag, loads={"theta": self.T})
+
+
+def test_what_turns_for_ever_responds_about_its_steady_rotation():
+    system = fl.linearize(Rotor(), ["T", "theta"], ["theta", "theta'"])
+    assert system.A.tolist() == [[0.0, 1.0], [0.0, -0.25]]
+    speed = 1.0 / (2.0 * 2j * np.pi * 0.1 + 0.5)
+    gain = system.frequency_response([0.1]).values[0]
+    assert gain == pytest.approx(np.array([[speed / (2j * np.pi * 0.1)] * 2, [speed] * 2]))
+
+
+def test_states_of_a_friction_law_are_states_of_the_system():
+    model = fl.MassOnBelt(friction=fl.LuGre())
+    system = fl.linearize(model)
+    assert system.states == ("x", "x'", *model.automaton().state_names[2:])
+    assert np.sort_complex(system.eigenvalues) == pytest.approx(np.sort_complex(fl.eigenvalues(model).values))
+    assert system.B[1, 0] == pytest.approx(1.0 / model.m)
+
+
 def test_an_automaton_has_its_parameters_as_inputs():
     automaton = SLIDER.automaton()
     system = fl.linearize(automaton, ["F"], ["y1"])
