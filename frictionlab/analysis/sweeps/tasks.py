@@ -127,21 +127,12 @@ class Chunk(NamedTuple):
 
 
 def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Chunk:
-    """Call a function on tasks, one after another, in a worker.
-
-    A task that fails ends the chunk.  If it is the first, its error is raised; if not, it comes again as the
-    first of another chunk, so that the results before it arrive.
-    """
+    """Call a function on tasks, one after another, in a worker."""
     ignore_interrupts_in_worker()
     results: list[Any] = []
     begun = monotonic()
     for task in tasks:
-        try:
-            results.append(function(*task))
-        except Exception:
-            if not results:
-                raise
-            break
+        results.append(function(*task))
         if monotonic() - begun > LONGEST_CHUNK_TIME:
             break
     return Chunk(results, monotonic() - begun)
@@ -207,6 +198,10 @@ class _Run:
         )
         if isinstance(error, (BrokenExecutor, CancelledError)):
             self.lost = self.lost or error
+            return
+        if error is not None and len(chunk) > 1:  # which of them failed, or cannot be sent, shows one by one
+            self._chunk_time, self._size = 0.0, 1
+            self._left.extendleft(reversed(chunk))
             return
         if error is not None:
             self.failed[chunk[0]] = error

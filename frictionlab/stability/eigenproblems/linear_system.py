@@ -32,6 +32,7 @@ from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, dampin
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.validation import (
     abbreviate,
     check_sequence,
@@ -246,15 +247,7 @@ def linearize(
         _place("inputs", name, [*coordinates, *problem.parameter_names])
     for name in shown:
         _place("outputs", name, [*states, *automaton.outputs])
-    acting = np.zeros((len(states), len(given)))
-    by_parameter = problem.flow.by_parameter.at(point.state, problem.values)
-    compliance = _compliance(model, point.state, mode) if {*given} & {*coordinates} else np.zeros((0, 0))
-    for k, name in enumerate(given):
-        if name in coordinates:
-            n = len(coordinates)
-            acting[n : 2 * n, k] = compliance[:, coordinates.index(name)]
-        else:
-            acting[:, k] = by_parameter[:, problem.parameter_names.index(name)]
+    acting = _input_matrix(model, problem, mode, point.state, given)
     seen, direct = np.zeros((len(shown), len(states))), np.zeros((len(shown), len(given)))
     for row, name in enumerate(shown):
         slopes = _slopes_of_output(automaton, mode.name, name, point.state)
@@ -265,6 +258,22 @@ def linearize(
         place = states.index(name)
         matrix[place], acting[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
     return LinearSystem(matrix, acting, seen, direct, states, given, shown, point)
+
+
+def _input_matrix(
+    model: ModelOrAutomaton, problem: EquilibriumProblem, mode: _Mode, state: Array, inputs: Sequence[str]
+) -> Array:
+    """B (m, inputs): accelerations by forces along coordinates, and rates by parameters."""
+    matrix = np.zeros((len(state), len(inputs)))
+    by_parameter = problem.flow.by_parameter.at(state, problem.values)
+    coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
+    accelerations = slice(len(coordinates), 2 * len(coordinates))
+    for k, name in enumerate(inputs):
+        if name in coordinates:
+            matrix[accelerations, k] = _compliance(model, state, mode)[:, coordinates.index(name)]
+        else:
+            matrix[:, k] = by_parameter[:, problem.parameter_names.index(name)]
+    return matrix
 
 
 def _slopes_of_output(automaton: HybridAutomaton, mode: str, name: str, state: Array) -> dict[str, float]:

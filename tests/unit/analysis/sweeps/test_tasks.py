@@ -1,5 +1,6 @@
 """Many tasks: in chunks, in shards, in executors that are lost."""
 
+import pickle
 import subprocess
 import sys
 import threading
@@ -87,6 +88,29 @@ def test_a_task_that_fails_within_a_chunk_loses_none_before_it():
             execution=Execution(executor=pool, progress=False),
         )
     assert 7_777 not in kept
+    assert set(range(7_000)) <= set(kept)
+
+
+class SendingPool(CountingPool):
+    """Threads that send results as processes do."""
+
+    def submit(self, function, /, *arguments, **keywords):
+        return super().submit(lambda: pickle.loads(pickle.dumps(function(*arguments, **keywords))))
+
+
+def test_a_result_that_cannot_be_sent_is_named():
+    def result(i):
+        return (lambda: i) if i == 7_777 else i
+
+    kept = {}
+    with SendingPool() as pool, pytest.raises(TaskFailure, match="task 7777 failed with"):
+        run_tasks(
+            result,
+            [(i,) for i in range(20_000)],
+            keep=kept.__setitem__,
+            name="task {}".format,
+            execution=Execution(executor=pool, progress=False),
+        )
     assert set(range(7_000)) <= set(kept)
 
 
