@@ -28,6 +28,7 @@ from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.plotting.appearance import colours_of_modes
 from frictionlab.stability import equilibrium
+from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Program
@@ -79,7 +80,9 @@ def structure_data(model: Model) -> dict[str, Any]:
         "arrays": run_arrays(program, method),
         "outputs": _outputs(modes, automaton, parameters),
         "sliding": [
-            _sliding(mode, i, automaton, parameters) for i, mode in enumerate(modes) if _may_rest(mode)
+            _sliding(mode, i, automaton, parameters)
+            for i, mode in enumerate(modes)
+            if is_free(automaton, mode)
         ],
         "rules": rule_data(model, parameters),
         "near": _known_equilibrium(model, automaton),
@@ -145,17 +148,16 @@ def _outputs(modes: tuple[Mode, ...], automaton: HybridAutomaton, parameters: An
     return {"names": shared, "functions": functions}
 
 
-def _may_rest(mode: Mode) -> bool:
-    return not mode.constraints and not mode.limit
-
-
 def _sliding(mode: Mode, number: int, automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:
-    """Flow, its Jacobian and the event functions of a mode, from which the page finds equilibria."""
-    arguments, flow = (automaton.states, parameters), list(mode.flow)
+    """Flow, its Jacobian and the event functions of a mode, from which the page finds equilibria; and the
+    places of states that follow from the others, as the angle in steady rotation."""
+    steady = steady_rates(automaton, mode)
+    arguments, flow = (automaton.states, parameters), list(steady.rates)
     lengths = [len(flow), len(parameters)]
     formulas = formulas_of([*automaton.states, *parameters], [*flow, 0])
     return {
         "mode": number,
+        "following": list(steady.following),
         "flow": javascript_function(arguments, flow),
         "jacobian": javascript_of_formulas(_whole_jacobian(formulas, len(flow)), lengths),
         "guards": javascript_function(arguments, [event.function for event in mode.events]),

@@ -55,7 +55,8 @@ function contactHolds(structure, mode, z, values) { // in slip the normal force 
 
 function eigenvaluesAt({ z, sliding }, values) {
   const flat = sliding.jacobian(z, values), n = z.length;
-  return eigenvaluesOf(Array.from({ length: n }, (_, i) => flat.slice(i * n, i * n + n)));
+  const kept = Array.from({ length: n }, (_, i) => i).filter((i) => !sliding.following.includes(i));
+  return eigenvaluesOf(kept.map((i) => kept.map((j) => flat[i * n + j])));
 }
 
 function eigenvaluesOf(matrix) { // [[real, imaginary], ...], after EISPACK's balanc, elmhes and hqr

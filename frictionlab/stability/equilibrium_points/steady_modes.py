@@ -20,7 +20,7 @@ from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.newton import find_zeros
-from frictionlab.stability.equilibrium_points.steady_rotation import constrained_states, steady_rates
+from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
@@ -178,7 +178,7 @@ def _first_mode_equilibria(key: SearchKey) -> ModeEquilibria:
 
 def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Iterator[SteadyMode]:
     names = derivations.value(
-        "steady modes", lambda: [m.name for m in automaton.modes if _is_free(automaton, m)]
+        "steady modes", lambda: [m.name for m in automaton.modes if is_free(automaton, m)]
     )
     modes = (_cached_mode(ModeKey(derivations, name, automaton)) for name in names)
     return (mode for mode in modes if _can_last_at_rest(automaton, mode)) if automaton.on_demand else modes
@@ -243,12 +243,7 @@ def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
         return automaton.modes.select(
             lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
         )
-    return (mode for mode in automaton.modes if not sliding or _is_free(automaton, mode))
-
-
-def _is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
-    """Whether a mode has no constraints but for those that give a state of a friction law."""
-    return not mode.limit and all(place is not None for place, _ in constrained_states(automaton, mode))
+    return (mode for mode in automaton.modes if not sliding or is_free(automaton, mode))
 
 
 def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:

@@ -44,6 +44,11 @@ def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
     return SteadyRates(tuple(rates), tuple(sorted({*carriers, *constrained})))
 
 
+def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether a mode has no constraints but for those that give a state of a friction law."""
+    return not mode.limit and all(place is not None for place, _ in constrained_states(automaton, mode))
+
+
 def constrained_states(automaton: HybridAutomaton, mode: Mode) -> Iterator[tuple[int | None, Any]]:
     """For each constraint the place of the further state that it gives, and a rate that is zero there.
 

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.unit.pages.test_javascript import run_in_node
+import frictionlab as fl
+from frictionlab.pages.page_data import structure_data
+from tests.unit.pages.test_javascript import FUNCTIONS, run_in_node
 
 SCRIPTS = Path(__file__).parents[3] / "frictionlab" / "pages" / "scripts"
 
@@ -44,3 +46,43 @@ def test_the_spectrum_has_the_amplitude_of_a_sine():
     assert np.argmax(found) == 32
     assert found[32] == pytest.approx(3.0, rel=1e-12)
     assert max(found[:30] + found[35:]) < 1e-12
+
+
+@fl.model
+class Wheel(fl.MechanicalModel):
+    """A wheel that a motor turns against a brake with friction of a law of its own."""
+
+    friction: fl.FrictionLaw = fl.Jenkins(mu_k=0.3, k_t=40.0)
+    coordinates = ("theta", "psi")
+    cyclic = ("theta", "psi")
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            v.theta**2 / 2 + 2.0 * v.psi**2 / 2,
+            30.0 * (q.theta - q.psi) ** 2 / 2,
+            0.5 * v.theta**2 / 2,
+            loads={"theta": 4.0},
+            contacts=(fl.Friction(-v.psi, 2.0, self.friction),),
+        )
+
+
+@pytest.mark.parametrize("friction", [fl.Jenkins(mu_k=0.3, k_t=40.0), fl.Dahl(mu_k=0.3, sigma_0=50.0)])
+def test_a_page_knows_steady_rotation_and_states_of_laws(friction):
+    model = Wheel(friction=friction)
+    data, known = structure_data(model), fl.eigenvalues(model)
+    rows = ", ".join(
+        f"{{mode: {row['mode']}, following: {row['following']}, flow: {row['flow']}, "
+        f"jacobian: {row['jacobian']}, guards: {row['guards']}}}"
+        for row in data["sliding"]
+    )
+    code = FUNCTIONS.read_text() + (SCRIPTS / "linear_algebra.js").read_text()
+    values = json.dumps([model.parameters[name] for name in data["parameters"]])
+    script = (
+        f"{code} const structure = {{sliding: [{rows}], outputs: {{names: []}}}};"
+        f"const found = equilibriumOf(structure, {values}, [{json.dumps(data['near'])}]);"
+        f"console.log(JSON.stringify([found.z, eigenvaluesAt(found, {values})]));"
+    )
+    state, found = run_in_node(script)
+    assert np.allclose(state, known.equilibrium.state, rtol=1e-12)
+    found = np.array([complex(*pair) for pair in found])
+    assert np.allclose(np.sort_complex(found), np.sort_complex(known.values), rtol=1e-9, atol=1e-9)
