@@ -33,7 +33,7 @@ from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import symbol, symbolic_copy
 from frictionlab.tape.packing import program_of
-from frictionlab.validation import abbreviate, check_number
+from frictionlab.validation import abbreviate, check_t_end
 
 __all__ = ["check_law", "check_model"]
 
@@ -251,7 +251,7 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
         With the rule that the model breaks, and what there is instead.
     """
     require_model(model)
-    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    t_end = check_t_end(t_end)
     check_parameters(model, parameter_metadata(type(model), model.components))
     check_round_trip(model)
     _check_equations(model)

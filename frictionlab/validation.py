@@ -98,6 +98,14 @@ def check_number(
     return int(value) if integer else value
 
 
+def check_t_end(value: Any, cure: str = "give the length of the run in seconds") -> Any:
+    """The end of a run, s; where a span of times is given, as scipy takes it, the message names its end."""
+    last = plain_number(value[-1]) if is_sequence(value) and len(value) else None
+    if _is_number(last):
+        cure = f"a run begins at 0, write t_end={last:g}"
+    return check_number("t_end", value, above=0.0, cure=cure)
+
+
 def _is_number(value: Any) -> bool:
     if not isinstance(value, Real) or isinstance(value, bool):
         return False

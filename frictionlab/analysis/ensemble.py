@@ -24,7 +24,7 @@ from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.tape.arguments import check_automaton
 from frictionlab.tape.packing import program_of
-from frictionlab.validation import abbreviate, check_flag, check_number, explains_keywords, is_sequence
+from frictionlab.validation import abbreviate, check_flag, check_t_end, explains_keywords, is_sequence
 
 __all__ = ["BatchResult", "ensemble"]
 
@@ -87,7 +87,7 @@ def ensemble(
         raise ValueError(
             f"method must be 'taylor' or a Taylor, got {abbreviate(method)}: use fl.sweep for others"
         )
-    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the runs in seconds")
+    t_end = check_t_end(t_end, "give the length of the runs in seconds")
     if not is_sequence(models):
         raise TypeError(
             f"models must be a sequence of models, got {abbreviate(models)}: write [model], or [model] * 100"

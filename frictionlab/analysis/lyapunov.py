@@ -14,7 +14,7 @@ from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.validation import check_flag, check_number, explains_keywords
+from frictionlab.validation import check_flag, check_number, check_t_end, explains_keywords
 
 from .motion_scales import Array, state_scales
 
@@ -108,7 +108,7 @@ def lyapunov(
     """
     check_flag("progress", progress)
     transient = check_number("transient", transient, least=0.0, cure="give the seconds to throw away")
-    t_end = check_number("t_end", t_end, above=0.0, cure="give the seconds to average over")
+    t_end = check_t_end(t_end, "give the seconds to average over")
     blocks = check_number("blocks", blocks, integer=True, least=2, most=MAX_BLOCKS, cure="20 parts are usual")
     automaton = automaton_of(model)
     state = initial_state_of(model, x0, automaton)

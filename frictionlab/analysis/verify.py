@@ -27,7 +27,7 @@ from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable
-from frictionlab.validation import check_flag, check_number, explains_keywords
+from frictionlab.validation import check_flag, check_t_end, explains_keywords
 
 # share of the initial motion by which the neighbouring run's start is changed, to show how far the motion is
 # predictable
@@ -145,7 +145,7 @@ def verify(
     """
     check_flag("progress", progress)
     chosen = method_of(method)
-    t_end = check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    t_end = check_t_end(t_end)
     start = initial_state_of(model, x0)
     motion = RunSetup(model, start, float(t_end), progress)
     run = motion.run(chosen)

@@ -37,10 +37,10 @@ from frictionlab.validation import (
     check_keywords,
     check_mapping,
     check_number,
+    check_t_end,
     did_you_mean,
     did_you_mean_or_known,
     float_array,
-    is_sequence,
 )
 
 NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
@@ -192,11 +192,7 @@ def run_automaton(
     automaton: HybridAutomaton, t_end: Any, state: np.ndarray, method: Method, options: RunOptions
 ) -> Trajectory:
     """Run an automaton by a method, as :func:`solve` says, from a checked state and without a warning."""
-    span = is_sequence(t_end) and len(t_end) > 0
-    cure = (
-        f"a run begins at 0, write t_end={t_end[-1]:g}" if span else "give the length of the run in seconds"
-    )
-    t_end = check_number("t_end", t_end, above=0.0, cure=cure)
+    t_end = check_t_end(t_end)
     times = _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:

@@ -332,6 +332,10 @@ def model(cls: type[M]) -> type[M]:
         raise TypeError(
             f"fl.model is for classes of models, got {abbreviate(cls)}: write class Mine(fl.MechanicalModel)"
         )
+    if "__dataclass_params__" in vars(cls):
+        raise TypeError(
+            f"fl.model is written once above a class, got {cls.__name__}, which is a model: leave it"
+        )
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
     where = sys._getframe(1)
     own = roles_of(cls, {**where.f_globals, **where.f_locals})

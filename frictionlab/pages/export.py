@@ -33,7 +33,7 @@ from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.tape.formulas import ELEMENTARY
 from frictionlab.tape.functions import FUNCTIONS
-from frictionlab.validation import check_number, check_path, check_text
+from frictionlab.validation import check_path, check_t_end, check_text
 
 BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
@@ -124,7 +124,7 @@ def export_page(
     names = switch_names(model, switches)
     if t_end is None:
         t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
-    check_number("t_end", t_end, above=0.0, cure="give the length of the run in seconds")
+    check_t_end(t_end)
     scene = {
         "title": title or type(model).__name__,
         "version": __version__,

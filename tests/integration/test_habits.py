@@ -43,6 +43,12 @@ def test_a_span_of_time_is_told_its_end(span):
         fl.simulate(MODEL, span)
 
 
+@pytest.mark.parametrize("wrong", [[None], ["a"], [[0.0, 1.0], [1.0, 2.0]], [10**400], ()])
+def test_what_is_no_span_of_time_is_refused_too(wrong):
+    with pytest.raises(ValueError, match="t_end must be a finite number.*: give the length of the run"):
+        fl.simulate(MODEL, wrong)
+
+
 @pytest.mark.parametrize("method", [fl.Taylor, fl.RK4])
 def test_methods_and_bundles_of_settings_explain_keywords_too(method):
     with pytest.raises(TypeError, match=f"{method.__name__} takes no 'rtol': tolerances"):

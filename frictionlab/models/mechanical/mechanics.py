@@ -11,7 +11,7 @@ from frictionlab.automaton.mode import check_elements
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known
+from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known, is_sequence
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -233,7 +233,10 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     import numpy as np
     from sympy import Add
 
-    x = check_sequence("x", x, "give the coordinates, or the velocities, in the order of the rows")
+    cure = "give the coordinates, or the velocities, in the order of the rows"
+    x = check_sequence("x", x, cure)
+    if wrong := [one for one in x if isinstance(one, str) or is_sequence(one)]:
+        raise TypeError(f"x must hold expressions such as q.x, got {abbreviate(wrong[0])}: {cure}")
     entries = _numbers_of_matrix(matrix, x)
     _check_symmetry(entries)
     rows = entries.tolist()

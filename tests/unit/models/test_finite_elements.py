@@ -125,6 +125,9 @@ def test_a_quadratic_form_takes_sparse_matrices_and_names_what_does_not_fit():
     )
     with pytest.raises(ValueError, match="one row and one column for each of the 2"):
         quadratic_form(np.eye(3), x)
+    for wrong in (("x", "y"), ([1.0, 2.0], x[1])):
+        with pytest.raises(TypeError, match=r"x must hold expressions such as q.x, got .*order of the rows"):
+            quadratic_form(matrix, wrong)
 
 
 MATRIX = np.array([[2.0, -1.0], [-1.0, 3.0]])
