@@ -45,7 +45,7 @@ def test_a_span_of_time_is_told_its_end(span):
 
 @pytest.mark.parametrize("wrong", [[None], ["a"], [[0.0, 1.0], [1.0, 2.0]], [10**400], ()])
 def test_what_is_no_span_of_time_is_refused_too(wrong):
-    with pytest.raises(ValueError, match="t_end must be a finite number.*: give the length of the run"):
+    with pytest.raises(ValueError, match=r"t_end must be a finite number.*: give the length of the run"):
         fl.simulate(MODEL, wrong)
 
 
