@@ -52,14 +52,20 @@ class StickSlip(Interface):
 
 @dataclass(frozen=True, repr=False)
 class SlidingSeparation(Interface):
-    """Unilateral contact without stick: the friction force keeps the sign of the belt's speed."""
+    """Unilateral contact without stick: the friction force keeps the sign of the belt's speed.
+
+    That of a dynamic law, whose states give it its sign, is as with :class:`StickSlipSeparation`.
+    """
 
     modes: ClassVar[tuple[str, ...]] = ("slip", "separation")
 
 
 @dataclass(frozen=True, repr=False)
 class SlidingOnly(Interface):
-    """One smooth regime: bilateral contact, the friction force keeps the sign of the belt's speed."""
+    """One smooth regime: bilateral contact, the friction force keeps the sign of the belt's speed.
+
+    That of a dynamic law, whose states give it its sign, is as with :class:`StickSlip`.
+    """
 
     modes: ClassVar[tuple[str, ...]] = ("slip",)
 

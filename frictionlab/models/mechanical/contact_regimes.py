@@ -56,8 +56,8 @@ class RegimeEnd(NamedTuple):
 
     `jump` is None, "project" (onto the constraint), "impact", "cross" (v_r changes its sign, and nothing
     jumps), "unload" (the states of a friction law return to zero), "yield" (one comes to its limit) or "hold"
-    (it leaves that).  What is `common` ends the regimes of
-    all contacts that rub along one direction, at once.
+    (it leaves that).  What is `common` ends the regimes of all contacts that rub along one direction, at
+    once.
     """
 
     name: str
@@ -165,12 +165,12 @@ def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> Con
 
 def _slip_at_limit(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
     """The slider of an elastic-plastic law slips: the state is at its limit, and follows it."""
-    sign: Any = {"slip+": 1, "slip-": -1, "slip": system.sliding_sign(contact)}[name]
+    sign = 1 if name == "slip+" else -1
     (state,), limit, pressing = system.law_states(contact), sign * limit_of_state(contact), contact.pressing
     force, (elastic,) = values_of_law(contact.law, pressing, contact.relative_velocity, (limit,))
     rate = system.rate(limit)
     sticks = RegimeEnd("v_r", sign * (elastic - rate), _known(contact, ("stick",)), "hold")
-    ends = (*((sticks,) if name != "slip" else ()), *_leaving(contact, system))
+    ends = (sticks, *_leaving(contact, system))
     return ContactRegime(
         name, force, None, (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,)
     )
@@ -190,20 +190,12 @@ def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip whose friction force keeps its sign, that of the belt's speed."""
-    if limit_of_state(contact) is not None:
-        return _slip_at_limit(contact, system, "slip")
     sign, belt = system.sliding_sign(contact), system.at_rest(contact.relative_velocity)
-    rates: tuple[Any, ...] = ()
-    if contact.law.states:
-        force, rates = values_of_contact(contact, system.law_states(contact), sign)
-    else:
-        force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
+    force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
     # A belt whose speed depends on time or place may turn round; then the force has no sign.
     turns = (RegimeEnd("belt", sign * belt, ()),) if system.varies(belt) else ()
     leaving = _leaving(contact, system)
-    return ContactRegime(
-        "slip", force, None, (), lambda *_: (*turns, *leaving), pressing=contact.pressing, rates=rates
-    )
+    return ContactRegime("slip", force, None, (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
 
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:

@@ -38,17 +38,9 @@ def values_of_law(
     return LawValues(force, _in_order(law, "rates", given))
 
 
-def values_of_contact(contact: Friction, states: Sequence[Any], sign: Any) -> LawValues:
-    """Force and rates of a contact's law where v_r has this sign, 1, -1, or sign(v) of a belt's speed v."""
-    arguments = contact.law, contact.pressing, contact.relative_velocity, states
-    forwards, backwards = (values_on_one_side(*arguments, side) for side in (1, -1))
-    if sign in (1, -1):
-        return forwards if sign == 1 else backwards
-    share = (1 + sign) / 2
-    return LawValues(
-        share * forwards.force + (1 - share) * backwards.force,
-        tuple(share * a + (1 - share) * b for a, b in zip(forwards.rates, backwards.rates, strict=True)),
-    )
+def values_of_contact(contact: Friction, states: Sequence[Any], sign: int) -> LawValues:
+    """Force and rates of a contact's law where v_r has this sign."""
+    return values_on_one_side(contact.law, contact.pressing, contact.relative_velocity, states, sign)
 
 
 def values_on_one_side(

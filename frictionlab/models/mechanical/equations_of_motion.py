@@ -5,7 +5,7 @@ r comes from energies, dampers and loads, F are the forces of the contacts, W th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, wraps
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -394,9 +394,8 @@ def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) 
     names = own.modes
     if not allowed.sticks and own.sticks:
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
-    smooth = isinstance(contact, Friction) and contact.law.states and limit_of_state(contact) is None
-    if smooth:  # v_r just passes through zero
-        names = tuple(name for name in names if name != "stick")
+    if isinstance(contact, Friction) and contact.law.states:
+        names = _names_with_states(contact, names)
     names = tuple(name for name in names if name != "separation" or allowed.separates)
     if isinstance(contact, Stop) or "separation" not in names:
         return names
@@ -404,6 +403,17 @@ def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) 
         varies = sympy.sympify(contact.pressing, strict=True).free_symbols.intersection(states)
         return names if varies else tuple(name for name in names if name != "separation")
     return names if is_law(contact, states) else (*names, "relaxation")
+
+
+def _names_with_states(contact: Friction, names: Iterable[str]) -> tuple[str, ...]:
+    """The regimes with a dynamic law, in which v_r has either sign also where slip keeps its direction.
+
+    Such a law holds for both signs and turns its force by itself, so that it slips both ways; v_r passes
+    through zero without stick.  An elastic-plastic law also needs its "stick", from which it comes to slip.
+    """
+    elastic = limit_of_state(contact) is not None
+    found = dict.fromkeys(one for name in names for one in (RUBBING if name == "slip" else (name,)))
+    return tuple(name for name in found if elastic or name != "stick")
 
 
 def is_law(contact: Friction, states: Sequence[Any]) -> bool:

@@ -70,7 +70,8 @@ class MechanicalModel(Model):
     def without(self, *names: str) -> Self:
         """The model without some of its :attr:`nonlinearities`.
 
-        Without "nonsmooth" contacts slide in the direction of their belts.
+        Without "nonsmooth" contacts slide in the direction of their belts; those with dynamic friction laws
+        keep both directions, as such a law has a force for each.
 
         Raises
         ------

@@ -156,10 +156,23 @@ def test_other_models_take_such_a_law_by_replace():
     one, other = fl.equilibrium(bristles), fl.equilibrium(coulomb)
     assert np.allclose(one.q, other.q, rtol=1e-9)
     assert one.friction_force == pytest.approx(other.friction_force, rel=1e-9)
-    assert bristles.without("nonsmooth").automaton().names == ("slip",)
+    assert bristles.without("nonsmooth").automaton().names == ("slip+", "slip-")
     assert fl.eigenvalues(bristles.without("nonsmooth")).values == pytest.approx(
         fl.eigenvalues(bristles).values, rel=1e-12
     )
+
+
+@pytest.mark.parametrize("interface", [fl.SlidingOnly(), fl.SlidingSeparation()])
+@pytest.mark.parametrize("law", [fl.LuGre(), fl.Jenkins()])
+def test_a_law_with_states_turns_its_force_also_where_slip_keeps_its_direction(law, interface):
+    """The motion is that with stick and slip; bristles stay within mu_s/sigma_0."""
+    sliding, x0 = fl.MassOnBelt(friction=law, v=0.2, interface=interface), {"x": -0.5, "x'": 0.5}
+    run = fl.simulate(sliding, 3.0, x0=x0, progress=False)
+    other = fl.simulate(sliding.replace(interface=fl.StickSlip()), 3.0, x0=x0, progress=False)
+    assert np.array_equal(run.final_state, other.final_state)
+    assert {"slip+", "slip-"} <= {*run.mode.tolist()}
+    if isinstance(law, fl.LuGre):
+        assert np.abs(run["z"]).max() < law.mu_s / law.sigma_0
 
 
 @dataclass(frozen=True)
