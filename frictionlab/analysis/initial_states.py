@@ -10,6 +10,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.law_states_at_start import with_law_states
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
@@ -21,13 +22,15 @@ def initial_state_of(
 ) -> np.ndarray:
     """The initial state (n,) of a run of a model or an automaton; raises for a bad `x0`.
 
-    States of a model that a mapping leaves out are as at rest; those that an array leaves out are zero.  Give
-    the model's automaton where it is at hand, to save its assembly.
+    States of a model that a mapping leaves out are as at rest; those that an array leaves out are zero.
+    States of friction laws are zero where their contacts are lost, unless the law says otherwise.  Give the
+    model's automaton where it is at hand, to save its assembly.
     """
     automaton = automaton_of(model) if automaton is None else automaton
     start = state_from_x0(automaton, _completed(model, x0, automaton))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
+        return with_law_states(model, start)
     return start
 
 

@@ -222,6 +222,14 @@ def test_bristles_spring_back_where_the_contact_is_lost_unless_the_law_says_othe
     )
 
 
+def test_a_run_that_begins_in_flight_has_no_deflection_unless_the_law_says_otherwise():
+    x0 = {"y": -0.05, "z": 0.01}
+    assert not fl.simulate(Lifted(), 0.01, x0=x0, progress=False)["z"].any()
+    assert fl.simulate(Lifted(), 0.01, x0={"y": 0.05, "z": 0.01}, progress=False)["z"][0] == 0.01
+    kept = Lifted(friction=Returning(mu_k=0.3, sigma_0=100.0))
+    assert fl.simulate(kept, 0.01, x0=x0, progress=False)["z"][0] == 0.01
+
+
 @dataclass(frozen=True)
 class Worn(fl.FrictionLaw):
     """A law of one's own with two states: bristles, and a film that sliding wears off."""

@@ -109,6 +109,16 @@ def test_its_equations_and_its_check():
     assert "F_T(t) = mu_k*F_N(t)" in str(Driven().equations("slip+"))
 
 
+def test_a_run_begins_with_a_deflection_within_the_limit():
+    limit = MU * N / K_T
+    run = fl.simulate(Driven(), 0.1, x0={"z": limit}, progress=False)
+    assert run.status.ok
+    with pytest.raises(
+        ValueError, match=r"must have z within the limit of its friction law, 0\.0266667 here"
+    ):
+        fl.simulate(Driven(), 0.1, x0={"z": 1.0}, progress=False)
+
+
 def test_a_normal_force_with_a_damper_is_refused():
     @fl.model
     class Damped(fl.MechanicalModel):

@@ -1,0 +1,101 @@
+"""The states of dynamic friction laws where a run begins.
+
+They are zero where the contact is lost and the law returns them to zero; that of an elastic-plastic law is
+within its limit.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.components.component import StructureKey
+from frictionlab.lazy_names import sympy
+from frictionlab.models.kept_structures import derivations_of
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+
+from .mechanics import Friction
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
+Array = NDArray[np.float64]
+LIMIT_RTOL = 1e-6  # share of its limit by which a state that follows it may differ from it by rounding
+
+
+def with_law_states(model: MechanicalModel, start: Array) -> Array:
+    """An initial state with zeros for the states of contacts that are lost, where these return to zero.
+
+    Raises
+    ------
+    ValueError
+        Where the state of an elastic-plastic law is beyond its limit.
+    """
+    known, formulas = _of_structure(model.structure_key)
+    if not known or not any(start[place] for about in known for place in about["places"]):
+        return start
+    values = model.parameters
+    names = model.structure_key.parameters
+    numbers = formulas.numbers(*map(float, start), *(values[name] for name in names)).tolist()
+    start = start.copy()
+    for about, touching, limit in zip(known, numbers[::2], numbers[1::2], strict=True):
+        if about["lost"] and touching < 0:
+            start[about["places"]] = 0.0
+        elif about["limited"]:
+            _check_limit(model, about["names"][0], float(start[about["places"][0]]), limit)
+    return start
+
+
+def _check_limit(model: MechanicalModel, name: str, value: float, limit: float) -> None:
+    if abs(value) > (1 + LIMIT_RTOL) * max(limit, 0.0):
+        raise ValueError(
+            f"x0 of {type(model).__name__} must have {name} within the limit of its friction law, {limit:g} "
+            f"here, got {value:g}: the contact slips at the limit; give a smaller {name}"
+        )
+
+
+@cache
+def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
+    """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
+    that is negative where it is lost, and the limit of its state, for each."""
+    derivations = derivations_of(key, key.parameters)
+    known = derivations.value("states of laws", lambda: [about for about, _ in _contacts(key)])
+
+    def derive() -> Formulas:
+        from frictionlab.models.symbols import parameter_symbols
+
+        from .equations_of_motion import system_of
+
+        inputs = [*system_of(key).states, *parameter_symbols(key)]
+        return formulas_of(inputs, [one for _, some in _contacts(key) for one in some])
+
+    return known, kept_formulas(derivations, "states of laws", derive)
+
+
+def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, Any]]]:
+    from .dynamic_laws import limit_of_state, returns_to_zero
+    from .equations_of_motion import system_of
+
+    system, found = system_of(key), []
+    order = [str(one) for one in system.states]
+    for contact in system.mechanics.contacts:
+        states = system.law_states(contact)
+        if not isinstance(contact, Friction) or not states:
+            continue
+        limit, names = limit_of_state(contact), [str(one) for one in states]
+        about = {
+            "names": names,
+            "places": [order.index(name) for name in names],
+            "lost": "separation" in contact.modes and returns_to_zero(contact, states),
+            "limited": limit is not None,
+        }
+        touching = contact.penetration
+        if touching is None:
+            touching = contact.pressing
+        elif "relaxation" in contact.modes:
+            touching = sympy.Min(touching, contact.pressing)
+        found.append((about, (touching, sympy.S.Zero if limit is None else limit)))
+    return found
