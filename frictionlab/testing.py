@@ -28,7 +28,7 @@ from frictionlab.components.component import Component, Parameter, parameters_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.mechanical.dynamic_laws import values_of_law
+from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbols import symbol, symbolic_copy
@@ -155,13 +155,17 @@ def _check_dynamic_friction(law: Any) -> None:
     velocities = np.concatenate([-SPEEDS[1:], SPEEDS[1:]])
     grid = np.meshgrid(FORCES, velocities, *[LAW_STATES] * len(law.states))
     arguments = [values.ravel() for values in grid]
+    states = tuple(map(symbol, law.states))
+    copy = symbolic_copy(law.structure_key)
+    values_of_law(copy, symbol("normal_force"), symbol("velocity"), states)
+    elastic = copy.state_limit(symbol("normal_force")) is not None
+    if elastic:
+        check_elastic(copy, states)
     _consistent_values(law, "force", *arguments)
-    if law.state_limit(1.0) is not None:
+    if elastic:
         limit = _consistent_values(law, "state_limit", FORCES)
         if not (limit > 0.0).all():
             fail(law, "state_limit(normal_force) must be above 0 where the bodies press on each other", limit)
-    states = tuple(map(symbol, law.states))
-    values_of_law(symbolic_copy(law.structure_key), symbol("normal_force"), symbol("velocity"), states)
     for name in law.states:
         _consistent_values(law, "rates", *arguments, of=name)
     normal, _, *some = arguments

@@ -97,7 +97,7 @@ class LuGre(FrictionLaw):
     --------
     >>> import frictionlab as fl
     >>> model = fl.MassOnBelt(friction=fl.LuGre())
-    >>> fl.simulate(model, 0.1, x0={"z": 1e-5})["z"][0]
+    >>> float(fl.simulate(model, 0.1, x0={"z": 1e-5})["z"][0])
     1e-05
     """
 

@@ -10,8 +10,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from frictionlab.validation import abbreviate, check_sequence
+
 from .component import Component, parameter
 from .functions import exp
+
+# Outputs and states of models, whose names a law's states cannot have.
+NAMES_OF_RUNS = {
+    "penetration",
+    "gap",
+    "normal_force",
+    "friction_force",
+    "relative_velocity",
+    "distance",
+    "reaction",
+    "phase",
+}
 
 
 @dataclass(frozen=True, repr=False)
@@ -25,6 +39,24 @@ class FrictionLaw(Component):
     """
 
     states: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_states()
+
+    def _check_states(self) -> None:
+        """Raise ValueError unless `states` are names that nothing else of a run has."""
+        what, cure = f"states of {type(self).__name__}", 'write states = ("z",) in the class'
+        names = check_sequence(what, self.states, cure)
+        for name in names:
+            if not isinstance(name, str) or not name.isidentifier() or names.count(name) > 1:
+                raise ValueError(
+                    f"{what} must be different names of letters, digits and _, got {abbreviate(name)}: {cure}"
+                )
+            if name in NAMES_OF_RUNS:
+                raise ValueError(
+                    f"{what} must not have the name {name!r}, which models give to something else: {cure}"
+                )
 
     def kinetic(self, normal_force: Any, speed: Any) -> Any:
         """Friction force (N) along the relative velocity, whose magnitude is `speed` (m/s)."""

@@ -22,6 +22,7 @@ from frictionlab.components.component import Component, StructureKey, parameters
 from frictionlab.lazy_names import sympy
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
+from frictionlab.validation import abbreviate
 
 from .kept_structures import derivations_of
 
@@ -143,28 +144,43 @@ def explain_errors(copy: Component) -> None:
     """Make the methods of a law's symbolic copy raise errors that name law and method."""
     for name in LAW_METHODS if isinstance(copy, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
         if hasattr(copy, name):
-            object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__))
+            object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__, name))
 
 
-def _with_explanation(method: Callable[..., Any], law: str) -> Callable[..., Any]:
+def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callable[..., Any]:
     @wraps(method)
     def explained(*arguments: Any) -> Any:
         try:
             value = method(*arguments)
         except TypeError as error:
             raise TypeError(
-                f"{law}.{method.__name__} must be a formula that takes symbols too, and fails with them "
+                f"{law}.{name} must be a formula that takes symbols too, and fails with them "
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
                 "max, math or numpy; what changes at a value is a mode of its own"
             ) from error
-        if value is None and method.__name__ not in MAY_BE_NONE:
+        if value is None and name not in MAY_BE_NONE:
             raise TypeError(
-                f"{law}.{method.__name__} must return a force, an impulse or rates, got None: "
-                "write return in front"
+                f"{law}.{name} must return a force, an impulse or rates, got None: write return in front"
             )
+        parts = (value,)
+        if name.startswith("rates"):  # what is no mapping is refused with the names of the states
+            parts = value.values() if isinstance(value, Mapping) else ()
+        for one in parts:
+            if one is not None and not _is_formula(one):
+                raise TypeError(
+                    f"{law}.{name} must return a formula, got {abbreviate(one)}: write it with the arguments "
+                    "and the parameters, without quotes and arrays"
+                )
         return value
 
     return explained
+
+
+def _is_formula(given: Any) -> bool:
+    try:
+        return isinstance(sympy.sympify(given, strict=True), sympy.Expr)
+    except (sympy.SympifyError, TypeError, ValueError):
+        return False
 
 
 def state_symbols(coordinates: tuple[str, ...]) -> tuple[Any, ...]:

@@ -67,6 +67,23 @@ def limit_of_state(contact: Friction) -> Any:
     return None if limit is None else sympy.sympify(limit, strict=True)
 
 
+def check_elastic(law: FrictionLaw, states: Sequence[Any]) -> None:
+    """Raise ValueError where an elastic-plastic law has |v_r|: no event ends its stick where v_r = 0."""
+    velocity = sympy.Symbol("relative_velocity", real=True)
+    force = sympy.Dummy("normal_force", positive=True)
+    values = values_of_law(law, force, velocity, states)
+    if any(
+        velocity in part.free_symbols
+        for one in (values.force, *values.rates)
+        for part in one.atoms(sympy.Abs)
+    ):
+        raise ValueError(
+            f"{type(law).__name__} must not have abs(relative_velocity) in force and rates, as it has a "
+            "state_limit, within which v_r may have either sign: write relative_velocity itself, or leave "
+            "out state_limit"
+        )
+
+
 def returns_to_zero(contact: Friction, states: Sequence[Any]) -> bool:
     """Whether a law's states, if it has any, are zero as soon as the contact is lost."""
     return bool(states) and contact.law.rates_in_separation(*states) is None

@@ -19,7 +19,7 @@ from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE
-from .dynamic_laws import limit_of_state, rates_in_separation, values_of_law
+from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
 
@@ -209,6 +209,8 @@ class _Check:
                 f"on velocities, got {abbreviate(limit)}: give a normal force without a damper, and several "
                 "contacts for several elements"
             )
+        if limit is not None:
+            check_elastic(contact.law, states)
         for sign in (1, -1):
             values = values_of_law(contact.law, force, sign * sliding, states)
             for given in (values.force, *values.rates, *rates_in_separation(contact, states)):

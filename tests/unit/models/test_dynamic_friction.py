@@ -334,5 +334,65 @@ def test_errors_name_the_cure(law, error, message):
         fl.simulate(Block(friction=law), 1.0, progress=False)
 
 
+def own_law(states=("z",), **methods):
+    """A law like Dahl's, with other states or methods."""
+
+    def force(self, normal_force, relative_velocity, *z):
+        return 100.0 * z[0] * normal_force
+
+    def rates(self, normal_force, relative_velocity, *z):
+        return {
+            name: relative_velocity - 300.0 * abs(relative_velocity) * one for name, one in zip(states, z)
+        }
+
+    return dataclass(frozen=True)(
+        type("Own", (fl.FrictionLaw,), {"states": states, "force": force, "rates": rates} | methods)
+    )
+
+
+@pytest.mark.parametrize(
+    ("states", "message"),
+    [
+        ((1,), "must be different names of letters, digits and _, got 1"),
+        (("my z",), "must be different names of letters, digits and _, got 'my z'"),
+        (("",), "must be different names of letters, digits and _, got ''"),
+        (("z", "z"), "must be different names of letters, digits and _, got 'z'"),
+        (("normal_force",), "must not have the name 'normal_force'"),
+        (("phase",), "must not have the name 'phase'"),
+        ("z", "must be a sequence such as a list, got 'z'"),
+    ],
+)
+def test_states_have_names_of_their_own(states, message):
+    with pytest.raises(ValueError, match=rf"states of Own {message}.*: write states = \(\"z\",\)"):
+        own_law(states)()
+
+
+def limit(self, normal_force):
+    return 3e-3 * normal_force
+
+
+@pytest.mark.parametrize(
+    ("methods", "message"),
+    [
+        ({"rates": lambda self, n, v, z: np.array([v * z])}, r"Own\.rates must give the rate of each of its"),
+        ({"rates": lambda self, n, v, z: {"z": np.array([v])}}, r"Own\.rates must return a formula, got \["),
+        ({"rates": lambda self, n, v, z: {"z": "v"}}, r"Own\.rates must return a formula, got 'v'"),
+        ({"force": lambda self, n, v, z: "z"}, r"Own\.force must return a formula, got 'z'"),
+        ({"state_limit": lambda self, n: "0.3"}, r"Own\.state_limit must return a formula, got '0\.3'"),
+        (
+            {"rates_in_separation": lambda self, z: [0.0]},
+            r"Own\.rates_in_separation must give the rate of each",
+        ),
+        ({"state_limit": limit}, r"Own must not have abs\(relative_velocity\) in force and rates"),
+    ],
+)
+def test_methods_return_formulas(methods, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        fl.simulate(Lifted(friction=own_law(**methods)()), 1.0, progress=False)
+    if "rates_in_separation" not in methods:
+        with pytest.raises((TypeError, ValueError), match=message):
+            fl.testing.check_law(own_law(**methods)())
+
+
 def test_a_derived_class_renames_the_state():
     assert fl.simulate(Block(friction=Renamed()), 0.1, progress=False)["bristle"][-1] > 0.0
