@@ -202,6 +202,8 @@ class RateAndState(FrictionLaw):
     falls with the speed where b > a.
 
     A light mass at a low speed is a stiff system, as friction damps it by a F_N/v_r: runs take short steps.
+    At v_r = 0 the slope of mu over v_r grows like exp(mu_0/a): with mu_0/a of 60, as by default, a run cannot
+    pass v_r = 0 slowly, and ends at a cap of its steps or events.
 
     Parameters
     ----------
@@ -268,7 +270,7 @@ class RateAndStateSlip(RateAndState):
 
     The force is that of :class:`RateAndState`; psi' = -|v_r|/D_c (psi + log(|v_r|/v_0)), that is
     theta' = -(|v_r| theta/D_c) log(|v_r| theta/D_c).  This has no Taylor series at v_r = 0: a run ends where
-    the bodies come to rest on each other.
+    v_r comes to zero.
 
     Parameters
     ----------
