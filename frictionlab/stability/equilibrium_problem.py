@@ -12,6 +12,7 @@ m eps |A|.  Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 7
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -32,6 +33,8 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
 # Growth rates below this share of the largest eigenvalue count as zero, as without damping.
 NEUTRAL_RTOL = 1e-10
+# Share of the largest eigenvalue: of a slower mode, growth by more than 1e-3 of its size counts as zero.
+SLOW_RTOL = 1e3 * NEUTRAL_RTOL
 EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
 BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
@@ -87,6 +90,30 @@ def growth_rates(spectra: ComplexArray) -> Array:
     """Growth rates; those that are zero up to rounding are set a little below zero."""
     bound = NEUTRAL_RTOL * np.abs(spectra).max(axis=-1, keepdims=True, initial=SMALLEST_EIGENVALUE)
     return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
+
+
+def warn_of_slow_modes(problem: EquilibriumProblem) -> None:
+    """Warn where a mode is so slow beside the fastest that the growth rates which count as zero matter to it.
+
+    Of a light mass that friction damps strongly, as rate and state at a low speed, the eigenvalues are nine
+    decades apart.
+    """
+    _, matrices = problem.linearised({})
+    if not np.isfinite(matrices).all():
+        return
+    sizes: Any = np.abs(eigenvalues_of_matrices(matrices)[0])
+    slow = sizes[sizes < SLOW_RTOL * sizes.max()]
+    singular = np.linalg.svd(balanced(matrices[0]), compute_uv=False)
+    # Where the matrix is singular, eigenvalues near zero are rounding: a body that nothing holds.
+    if slow.size and singular[-1] > len(singular) * BACKWARD_ERROR * singular[0]:
+        least, largest = NEUTRAL_RTOL * sizes.max(), sizes.max()
+        warnings.warn(
+            f"growth rates below {least:.2g} 1/s count as zero, as the largest eigenvalue is {largest:.2g} 1/s, "
+            f"and a mode has {slow.max():.2g} 1/s: where it begins to grow is uncertain; make what is fast "
+            "slower, as by a larger mass",
+            RuntimeWarning,
+            stacklevel=3,
+        )
 
 
 def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:

@@ -23,6 +23,7 @@ from frictionlab.stability.equilibrium_problem import (
     check_parameter,
     growth_rates,
     unstable_pairs,
+    warn_of_slow_modes,
 )
 from frictionlab.validation import abbreviate, check_pair, float_array
 
@@ -121,6 +122,7 @@ def stability_changes(
     ['flutter at 1.51378']
     """
     problem = equilibrium_problem(model, equilibrium)
+    warn_of_slow_modes(problem)
     low, high = check_bounds(problem.model, parameter, bounds)
     return changes_on_lines(problem, parameter, (low, high), {})[0]
 
@@ -159,6 +161,7 @@ def critical_value(
     1.51378354
     """
     problem = equilibrium_problem(model, equilibrium)
+    warn_of_slow_modes(problem)
     limits = check_bounds(problem.model, parameter, bounds)
     changes = changes_on_lines(problem, parameter, limits, {})[0]
     value = first_loss(changes)
@@ -249,6 +252,7 @@ def curve_and_gaps(
 ) -> tuple[CriticalCurve, str]:
     """The curve of :func:`critical_curve`, and what to say of values without a critical one."""
     problem = equilibrium_problem(model)
+    warn_of_slow_modes(problem)
     low, high = check_bounds(problem.model, parameter, bounds)
     cure = 'give for example ("F", [100, 200])'
     name, numbers = check_pair("over", over, "a parameter and its values", cure)

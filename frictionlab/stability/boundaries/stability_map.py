@@ -28,6 +28,7 @@ from frictionlab.stability.equilibrium_problem import (
     check_axis,
     growth_rates,
     unstable_pairs,
+    warn_of_slow_modes,
 )
 from frictionlab.validation import abbreviate, check_flag, explains_keywords
 
@@ -136,6 +137,7 @@ def stability_map(
     """
     check_flag("progress", progress)
     problem = equilibrium_problem(model)
+    warn_of_slow_modes(problem)
     xs, ys = (check_axis(problem, which, given) for which, given in (("x", x), ("y", y)))
     if x[0] == y[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")

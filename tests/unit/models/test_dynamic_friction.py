@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -136,6 +137,16 @@ def test_a_spring_slider_is_stable_above_the_critical_stiffness(law):
     assert point.state == pytest.approx(
         [N / 5e6 * (0.6 + (a - b) * math.log(v / 1e-6)), 0, math.log(1e-6 / v)]
     )
+
+
+def test_a_mode_that_is_too_slow_beside_the_fastest_is_told():
+    """Of 1e-3 kg at 1e-6 m/s eigenvalues are nine decades apart, and where growth begins is uncertain."""
+    light = Fault(m=1e-3, v=1.1e-6, friction=fl.RateAndState(a=0.01, b=0.015))
+    with pytest.warns(RuntimeWarning, match="growth rates below .* count as zero, .* by a larger mass"):
+        fl.stability_changes(light, "k", bounds=(500.0, 25000.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fl.stability_changes(light.replace(m=10.0), "k", bounds=(500.0, 25000.0))
 
 
 def test_contacts_of_one_law_have_states_of_their_own():
