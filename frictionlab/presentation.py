@@ -199,8 +199,17 @@ class Drawable:
     instead_of_array: ClassVar[str] = ""  # what to write where numpy is asked to make an array of it
     several_axes: ClassVar[bool] = False  # whether that function may make several axes, and returns them
 
-    def __array__(self, *_: Any, **__: Any) -> Any:
-        """Refuse to be taken for an array, of which numpy would make one with no shape."""
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        """Refuse to be taken for numbers, of which numpy would make an object with no shape.
+
+        An element of an array of objects it may be.
+        """
+        import numpy as np
+
+        if dtype is not None and np.dtype(dtype).hasobject:
+            element = np.empty((), dtype=object)
+            element[()] = self
+            return element
         name = type(self).__name__
         tables = [f"write {table}()" for table in ("to_array", "to_dataframe") if hasattr(self, table)]
         cure = self.instead_of_array or next(iter(tables), f"see the attributes of {name}")

@@ -77,6 +77,7 @@ class HybridAutomaton:
             cure="count the coordinates, which come first in states",
         )
         check_names_among("cyclic", self.cyclic, self.state_names[: self.coordinates])
+        object.__setattr__(self, "cyclic", tuple(self.cyclic))
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from frictionlab.validation import abbreviate, check_sequence
 
@@ -66,27 +66,24 @@ class FrictionLaw(Component):
         """Largest friction force (N) in stick."""
         raise NotImplementedError(f"{type(self).__name__} must define static_limit(normal_force)")
 
-    if TYPE_CHECKING:  # a law with the state z has force(normal_force, relative_velocity, z)
-        force: ClassVar[Any]
-        rates: ClassVar[Any]
-        rates_in_separation: ClassVar[Any]
-    else:
+    # A law with the state z has force(normal_force, relative_velocity, z) and rates of the same arguments;
+    # its rates_in_separation has z alone.  Type checkers let it narrow down what takes any arguments.
 
-        def force(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Any:
-            """Friction force (N) of a dynamic law, positive along v_r (m/s), which has either sign."""
-            raise NotImplementedError(f"{type(self).__name__} must define {self._signature('force')}")
+    def force(self, *arguments: Any, **named: Any) -> Any:
+        """Friction force (N) of a dynamic law, positive along v_r (m/s), which has either sign."""
+        raise NotImplementedError(f"{type(self).__name__} must define {self._signature('force')}")
 
-        def rates(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Mapping[str, Any]:
-            """The rates of a dynamic law's states, by their names."""
-            raise NotImplementedError(f"{type(self).__name__} must define {self._signature('rates')}")
+    def rates(self, *arguments: Any, **named: Any) -> Mapping[str, Any]:
+        """The rates of a dynamic law's states, by their names."""
+        raise NotImplementedError(f"{type(self).__name__} must define {self._signature('rates')}")
 
-        def rates_in_separation(self, *states: Any) -> Mapping[str, Any] | None:
-            """The rates of the states while the bodies are apart, by their names.
+    def rates_in_separation(self, *arguments: Any, **named: Any) -> Mapping[str, Any] | None:
+        """The rates of the states while the bodies are apart, by their names.
 
-            None, as by default, where all states return to zero at once when the contact is lost, as
-            bristles without mass do.
-            """
-            return None
+        None, as by default, where all states return to zero at once when the contact is lost, as
+        bristles without mass do.
+        """
+        return None
 
     def state_limit(self, normal_force: Any) -> Any:
         """Largest magnitude of the state of an elastic-plastic law, at which the contact slips; else None."""

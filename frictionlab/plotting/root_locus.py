@@ -396,7 +396,7 @@ def plot_frequency_response(
     >>> import frictionlab as fl
     >>> response = fl.linearize(fl.SliderOnBelt()).frequency_response([5.0, 10.0, 15.0])
     >>> [axes.get_ylabel() for axes in plot_frequency_response(response, output="y1", input="y1")]
-    ['gain of $y_1$ (m/N)', 'phase (degrees)']
+    ['gain of $y_{1}$ (m/N)', 'phase (degrees)']
     """
     system = response.system
     source = system.inputs[0] if input is None else input

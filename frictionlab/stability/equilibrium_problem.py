@@ -99,6 +99,7 @@ def warn_of_slow_modes(problem: EquilibriumProblem) -> None:
     decades apart.
     """
     _, matrices = problem.linearised({})
+    matrices = problem.without_following(matrices)
     if not np.isfinite(matrices).all():
         return
     sizes: Any = np.abs(eigenvalues_of_matrices(matrices)[0])
@@ -108,9 +109,9 @@ def warn_of_slow_modes(problem: EquilibriumProblem) -> None:
     if slow.size and singular[-1] > len(singular) * BACKWARD_ERROR * singular[0]:
         least, largest = NEUTRAL_RTOL * sizes.max(), sizes.max()
         warnings.warn(
-            f"growth rates below {least:.2g} 1/s count as zero, as the largest eigenvalue is {largest:.2g} 1/s, "
-            f"and a mode has {slow.max():.2g} 1/s: where it begins to grow is uncertain; make what is fast "
-            "slower, as by a larger mass",
+            f"growth rates below {least:.2g} 1/s count as zero, as the largest eigenvalue is {largest:.2g} "
+            f"1/s, and a mode has {slow.max():.2g} 1/s: where it begins to grow is uncertain; make what is "
+            "fast slower, as by a larger mass",
             RuntimeWarning,
             stacklevel=3,
         )

@@ -72,10 +72,11 @@ def test_a_result_is_no_array(run):
     for convert in (np.asarray, np.array, np.max, lambda r: np.array(r, dtype=float)):
         with pytest.raises(TypeError, match=r"array of Trajectory: write run.states, .* or run\['x1'\]"):
             convert(run)
-    with pytest.raises(TypeError, match="array of Eigenvalues: write to_dataframe"):
+    with pytest.raises(TypeError, match=r"array of Eigenvalues: write \.values"):
         np.asarray(fl.eigenvalues(MODEL))
     with pytest.raises(TypeError, match="array of Sweep: write to_array"):
         np.asarray(fl.sweep(MODEL, lambda m: m.F, {"F": [1.0]}, **QUIET))
+    assert np.array([run, run], dtype=object).tolist() == [run, run]
     runs = fl.sweep(MODEL, lambda m: fl.simulate(m, 0.01, **QUIET), {"mu_k": [0.5, 1.0]}, **QUIET)
     assert all(isinstance(one, fl.Trajectory) for one in runs.results)
 

@@ -227,6 +227,8 @@ class GridTasks(Sequence[tuple[Any, ...]]):
         return prod(self._shape)
 
     def __getitem__(self, i: Any) -> Any:
+        if not 0 <= i < len(self):
+            raise IndexError(i)
         *places, start = self._places(i)
         return tuple(axis[k] for axis, k in zip(self._axes, places)), *self._starts[start]
 

@@ -11,6 +11,7 @@ third one interrupts the computation at once.
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 import threading
 from collections import deque
@@ -97,19 +98,19 @@ def run_tasks(
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
                 run = _Run(function, tasks, keep, left, pool, workers, chunk_time, bar)
-                while not (run.failed or run.lost or interrupts.count) and run.submit():
+                while not (run.errors or run.executor_error or interrupts.count) and run.submit():
                     run.collect(POLL_TIME)
                 run.cancel()
                 _finish_tasks(run, interrupts)
         except KeyboardInterrupt:
             return False
-    if run.lost is not None and not interrupts.count:
-        what = f"{type(run.lost).__name__}: {run.lost}"
+    if run.executor_error is not None and not interrupts.count:
+        what = f"{type(run.executor_error).__name__}: {run.executor_error}"
         raise TaskFailure(
-            f"the executor was lost after {run.done} of {count} tasks ({what}): call again with a new one"
-        ) from run.lost
-    if run.failed and not interrupts.count:
-        index, error = min(run.failed.items())
+            f"the executor was lost after {run.count} of {count} tasks ({what}): call again with a new one"
+        ) from run.executor_error
+    if run.errors and not interrupts.count:
+        index, error = min(run.errors.items())
         raise failure(name(index), error) from error
     return not interrupts.count
 
@@ -127,15 +128,32 @@ class Chunk(NamedTuple):
 
 
 def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -> Chunk:
-    """Call a function on tasks, one after another, in a worker."""
+    """Call a function on tasks, one after another, in a worker.
+
+    An error that could not be read where it arrives would end a pool of processes, and one that says that an
+    executor was lost would be taken for that: both come as a RuntimeError with their text.
+    """
     ignore_interrupts_in_worker()
     results: list[Any] = []
     begun = monotonic()
     for task in tasks:
-        results.append(function(*task))
+        try:
+            results.append(function(*task))
+        except Exception as error:
+            if isinstance(error, (BrokenExecutor, CancelledError)) or not _can_be_sent(error):
+                raise RuntimeError(f"{type(error).__name__}: {error}") from None
+            raise
         if monotonic() - begun > LONGEST_CHUNK_TIME:
             break
     return Chunk(results, monotonic() - begun)
+
+
+def _can_be_sent(error: Exception) -> bool:
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # whatever its class does when it is made again
+        return False
+    return True
 
 
 class _Run:
@@ -152,33 +170,34 @@ class _Run:
         chunk_time: float,
         bar: Any,
     ) -> None:
-        self.failed: dict[int, BaseException] = {}
-        self.lost: BaseException | None = None  # what the executor said where it was lost
-        self.done = 0
-        self.running: dict[Future[Chunk], list[int]] = {}
+        self.errors: dict[int, BaseException] = {}
+        self.executor_error: BaseException | None = None  # what the executor said where it was lost
+        self.count = 0  # of tasks that are done
+        self.chunks: dict[Future[Chunk], list[int]] = {}
         self._function, self._tasks, self._keep, self._left = function, tasks, keep, left
         self._pool, self._workers, self._chunk_time, self._bar = pool, workers, chunk_time, bar
         self._arrived: SimpleQueue[Future[Chunk]] = SimpleQueue()
         self._size, self._waiting = 1, False
+        self._alone = 0  # tasks of a chunk that failed, to be done one by one
 
     def submit(self) -> bool:
         """Hand chunks to the executor until it has enough; returns whether any are running."""
         workers = self._workers()
-        while self._left and len(self.running) < CHUNKS_PER_WORKER * max(workers, 1):
+        while self._left and len(self.chunks) < CHUNKS_PER_WORKER * max(workers, 1):
             even = -(-len(self._left) // (CHUNKS_PER_WORKER * max(workers, 1)))
             chunk = [self._left.popleft() for _ in range(min(self._size, even, len(self._left)))]
             try:
                 future = self._pool.submit(call_chunk, self._function, [self._tasks[i] for i in chunk])
             except (RuntimeError, OSError, CancelledError) as error:  # a broken or closed executor
                 self._left.extendleft(reversed(chunk))
-                self.lost = self.lost or error
+                self.executor_error = self.executor_error or error
                 return False
-            self.running[future] = chunk
+            self.chunks[future] = chunk
             future.add_done_callback(self._arrived.put)
         if (workers == 0) != self._waiting:
             self._waiting = workers == 0
             self._bar.set_postfix_str(NO_WORKER if self._waiting else "")
-        return bool(self.running)
+        return bool(self.chunks)
 
     def collect(self, patience: float) -> None:
         """Keep the results that have arrived, waiting for so many seconds at most if there are none."""
@@ -188,7 +207,7 @@ class _Run:
                 self._take(self._arrived.get_nowait())
 
     def _take(self, future: Future[Chunk]) -> None:
-        chunk = self.running.pop(future, None)
+        chunk = self.chunks.pop(future, None)
         if chunk is None:
             return
         error = (
@@ -197,40 +216,41 @@ class _Run:
             else future.exception()
         )
         if isinstance(error, (BrokenExecutor, CancelledError)):
-            self.lost = self.lost or error
+            self.executor_error = self.executor_error or error
             return
         if error is not None and len(chunk) > 1:  # which of them failed, or cannot be sent, shows one by one
-            self._chunk_time, self._size = 0.0, 1
+            self._alone, self._size = len(chunk), 1
             self._left.extendleft(reversed(chunk))
             return
         if error is not None:
-            self.failed[chunk[0]] = error
+            self.errors[chunk[0]] = error
             return
         results, seconds = future.result()
         for index, result in zip(chunk, results):
             self._keep(index, result)
         self._left.extendleft(reversed(chunk[len(results) :]))
-        self.done += len(results)
+        self.count += len(results)
         self._bar.update(len(results))
-        if self._chunk_time:
+        self._alone -= len(results)
+        if self._chunk_time and self._alone <= 0:
             longest = int(self._chunk_time * len(results) / max(seconds, 1e-9))
             self._size = max(1, min(longest, MAX_CHUNK_SIZE))
 
     def cancel(self) -> None:
         """Take back the chunks that have not begun."""
-        for future in [f for f in self.running if f.cancel()]:
-            del self.running[future]
+        for future in [f for f in self.chunks if f.cancel()]:
+            del self.chunks[future]
 
 
 def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
     """Collect the results of tasks that have begun; after ctrl-C, tell the user of the wait."""
     since, told = monotonic(), False
-    if run.lost is not None:  # what is still running may never end
+    if run.executor_error is not None:  # what is still running may never end
         run.collect(0.0)
         return
-    while run.running and interrupts.count < LEAVING_PRESS:
+    while run.chunks and interrupts.count < LEAVING_PRESS:
         if interrupts.count and not told and monotonic() - since > SILENT_TIME:
-            count = len(run.running)
+            count = len(run.chunks)
             tasks = "the task that has" if count == 1 else f"the {count} tasks that have"
             tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
             told = True

@@ -36,6 +36,7 @@ class Eigenvalues(Drawable):
     """
 
     drawn_by = "plot_eigenvalues"
+    instead_of_array = "write .values"
 
     values: ComplexArray
     vectors: ComplexArray

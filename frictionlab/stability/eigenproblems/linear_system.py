@@ -32,6 +32,7 @@ from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, dampin
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
+from frictionlab.stability.equilibrium_points.steady_rotation import is_free
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.validation import (
     abbreviate,
@@ -56,7 +57,8 @@ class LinearSystem(Drawable):
     ----------
     A : array (m, m)
         The state matrix, whose eigenvalues are those of :func:`eigenvalues`, and zeros where cyclic
-        coordinates turn: steady rotation does not care where it began.
+        coordinates turn: steady rotation does not care where it began.  A state that follows from others,
+        such as the deflection of a Jenkins element that slips, is none of the system's.
     B : array (m, inputs)
     C : array (outputs, m)
     D : array (outputs, inputs)
@@ -247,17 +249,26 @@ def linearize(
         _place("inputs", name, [*coordinates, *problem.parameter_names])
     for name in shown:
         _place("outputs", name, [*states, *automaton.outputs])
-    acting = _input_matrix(model, problem, mode, point.state, given)
-    seen, direct = np.zeros((len(shown), len(states))), np.zeros((len(shown), len(given)))
+    A: Any = jacobian(model, point.state)
+    B = _input_matrix(model, problem, mode, point.state, given)
+    C: Any = np.zeros((len(shown), len(states)))
+    D: Any = np.zeros((len(shown), len(given)))
     for row, name in enumerate(shown):
         slopes = _slopes_of_output(automaton, mode.name, name, point.state)
-        seen[row] = [slopes.get(state, 0.0) for state in states]
-        direct[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
-    matrix = jacobian(model, point.state)
+        C[row] = [slopes.get(state, 0.0) for state in states]
+        D[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
     for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
         place = states.index(name)
-        matrix[place], acting[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
-    return LinearSystem(matrix, acting, seen, direct, states, given, shown, point)
+        A[place], B[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
+    for place in mode.given_by_others:  # its row says z' = (what it is) - z, and no other rate depends on it
+        C, D = (
+            C + np.outer(C[:, place], A[place] + np.eye(len(states))[place]),
+            D + np.outer(C[:, place], B[place]),
+        )
+        C[:, place] = 0.0
+    kept = [place for place in range(len(states)) if place not in mode.given_by_others]
+    names = tuple(states[place] for place in kept)
+    return LinearSystem(A[np.ix_(kept, kept)], B[kept], C[:, kept], D, names, given, shown, point)
 
 
 def _input_matrix(
@@ -287,29 +298,41 @@ def _slopes_of_output(automaton: HybridAutomaton, mode: str, name: str, state: A
 
 
 class _Mode(NamedTuple):
-    """The mode of an equilibrium, and whether it has constraints."""
+    """The mode of an equilibrium.
+
+    Parameters
+    ----------
+    name : str
+    holds : bool
+        Whether it has constraints of velocities, such as stick.
+    given_by_others : sequence of int
+        The places of states that follow from others, such as a deflection at its limit.
+    """
 
     name: str
-    holds: bool
+    holds: bool = False
+    given_by_others: Sequence[int] = ()
 
 
 def _mode_of_equilibrium(model: ModelOrAutomaton) -> _Mode:
+    automaton = automaton_of(model)
     if by_penetration(model):
+        if "slip" in automaton.names:
+            return _Mode("slip")
         equations = sliding_equations(model)
-        forwards = bool(equations.belt_speed(*equations.values(model)) > 0)
-        return _Mode(
-            "slip" if "slip" in automaton_of(model).names else "slip+" if forwards else "slip-", False
-        )
-    mode, *_ = first_mode_equilibria(automaton_of(model), isinstance(model, Model))
-    return _Mode(mode.name, mode.holds)
+        return _Mode("slip+" if equations.belt_speed(*equations.values(model)) > 0 else "slip-")
+    mode, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
+    cyclic = {automaton.state_names.index(name) for name in automaton.cyclic}
+    given = [place for place in mode.following if place not in cyclic]
+    return _Mode(mode.name, mode.holds and not is_free(automaton, mode.derive()), given)
 
 
 def _compliance(model: Any, state: Array, mode: _Mode) -> Array:
     """Accelerations (n, n) by forces along the coordinates."""
     if mode.holds:
         raise ValueError(
-            f"inputs must be parameters where the equilibrium is in a mode with constraints, got forces in "
-            f"{mode.name!r}: name parameters"
+            "inputs must be parameters where the equilibrium is in a mode with constraints of velocities, "
+            f"got forces in {mode.name!r}: name parameters"
         )
     inverse: Any = np.linalg.inv(mass_matrix(model, state))
     return inverse

@@ -31,7 +31,7 @@ def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
     """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any."""
     rates = list(mode.flow)
     names, n = automaton.state_names, automaton.coordinates
-    places = [names.index(name) for name in automaton.cyclic]
+    places = sorted(names.index(name) for name in automaton.cyclic)
     carriers = _carriers(automaton, mode, places) if places else {}
     for place in places:
         moving = (ratios.get(place, 0) * automaton.states[n + one] for one, ratios in carriers.items())

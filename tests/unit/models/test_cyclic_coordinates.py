@@ -214,3 +214,26 @@ def test_a_name_that_is_no_coordinate_is_refused():
 
     with pytest.raises(ValueError, match="cyclic must have names of coordinates, each once, got 'ph'"):
         Wrong()
+
+
+@pytest.mark.parametrize("cyclic", [("a", "b"), ("b", "a"), ["b", "a"]])
+def test_the_order_in_which_coordinates_are_called_cyclic_does_not_matter(cyclic):
+    """Gears of ratio 3: a' = 3 b', and the accelerations are zero."""
+
+    @fl.model
+    class Gears(fl.MechanicalModel):
+        Omega: float = 4.0
+        coordinates = ("a", "b")
+
+        def mechanics(self, q, v):
+            drag = 0.1 * (v.a - self.Omega) ** 2 + 0.05 * v.b**2 + 0.2 * (v.a - 3 * v.b) ** 2
+            return fl.Mechanics(
+                kinetic=(v.a**2 + v.b**2) / 2, potential=20 * (q.a - 3 * q.b) ** 2, dissipation=drag
+            )
+
+    Gears.cyclic = cyclic
+    state = fl.equilibrium(Gears()).state
+    speed = 2 * 0.1 * 3 * 4.0 / (2 * 0.1 * 9 + 2 * 0.05)  # of b, where the moments on both together vanish
+    assert state[2:] == pytest.approx([3 * speed, speed])
+    run = fl.simulate(Gears(), 400.0, progress=False)
+    assert run.v[-1] == pytest.approx(state[2:])

@@ -114,6 +114,38 @@ def test_a_result_that_cannot_be_sent_is_named():
     assert set(range(7_000)) <= set(kept)
 
 
+class TwoArguments(Exception):
+    """An error that cannot be made again from its text."""
+
+    def __init__(self, text, number):
+        super().__init__(text)
+
+
+@pytest.mark.parametrize("error", [TwoArguments("oops", 1), BrokenExecutor("oops")])
+def test_an_error_that_cannot_be_sent_and_one_that_tells_of_an_executor_are_those_of_tasks(error):
+    def fails(i):
+        if i == 5:
+            raise error
+        return i
+
+    with SendingPool() as pool, pytest.raises(TaskFailure, match=r"task 5 failed with .*oops"):
+        run(fails, 10, pool)
+
+
+def test_after_a_failure_that_does_not_come_again_chunks_grow_again():
+    calls = []
+
+    def fails_once(i):
+        calls.append(i)
+        if i == 7_777 and calls.count(i) == 1:
+            raise MemoryError
+        return i
+
+    with CountingPool() as pool:
+        assert run(fails_once, 40_000, pool) == (True, {i: i for i in range(40_000)})
+    assert pool.submitted < 12_000
+
+
 def test_a_chunk_that_takes_long_is_handed_back(monkeypatch):
     monkeypatch.setattr(module, "LONGEST_CHUNK_TIME", 0.01)
 

@@ -110,6 +110,17 @@ def test_what_turns_for_ever_responds_about_its_steady_rotation():
     assert gain == pytest.approx(np.array([[speed / (2j * np.pi * 0.1)] * 2, [speed] * 2]))
 
 
+def test_a_deflection_at_its_limit_follows_from_the_normal_force():
+    """A Jenkins element that slips is Coulomb friction: k_t z = F_T at every frequency."""
+    elastic = fl.ModeCoupling(friction=fl.Jenkins(mu_k=0.2, k_t=50.0))
+    system = fl.linearize(elastic, outputs=["x", "y", "z", "friction_force"])
+    assert "z" not in system.states
+    values = system.frequency_response([0.0, 0.1, 0.3]).values
+    assert 50.0 * values[:, 2] == pytest.approx(values[:, 3], rel=1e-12)
+    coulomb = fl.linearize(fl.ModeCoupling(mu_k=0.2)).frequency_response([0.0, 0.1, 0.3]).values
+    assert values[:, :2] == pytest.approx(coulomb, rel=1e-10)
+
+
 def test_states_of_a_friction_law_are_states_of_the_system():
     model = fl.MassOnBelt(friction=fl.LuGre())
     system = fl.linearize(model)
