@@ -15,6 +15,8 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[3]
 RECIPES = "own-law.md", "own-model.md"
 CALLS = """\
+import numpy as np
+
 import frictionlab as fl
 
 model = fl.SliderOnBelt(mu_k=1.4, F=200.0, contact=fl.LinearContact(k2=5e3), e=0.5)
@@ -39,6 +41,14 @@ run = fl.simulate(model.replace(mu_k=2.0), 20.0, progress=False)
 fl.simulate(model, 20.0, progres=False)  # wrong
 fl.simulat(model, 20.0)  # wrong
 float(run.final_state[0])
+swept = fl.sweep(model, fl.eigenvalues, {"F": [100.0]}, shard=(0, 8), workers=2)
+fl.sweep(model, fl.eigenvalues, {"F": [100.0]}, shards=(0, 8))  # wrong
+fl.uncertainty(model, fl.GrowthRate(), {}, rng=np.random.default_rng(1))
+fl.uncertainty(model, fl.GrowthRate(), {}, seed=1)  # wrong
+A, B, C, D = fl.linearize(model, inputs=["y1"], outputs=["normal_force"])
+fl.linearize(model, input=["y1"])  # wrong
+fl.MassOnBelt(friction=fl.LuGre(sigma_0=1e3))
+run.plot(color="red", linewidth=2.0)
 """
 
 
