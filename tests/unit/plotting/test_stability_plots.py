@@ -75,11 +75,12 @@ def test_the_root_locus_runs_along_the_eigenvalues(locus):
     curves = plotting.plot_root_locus(locus, modes=[0, 1])
     for mode, curve in enumerate(curves):
         starts = np.array([piece[0] for piece in curve.get_segments()])
-        assert np.array_equal(starts[:, 0] + 1j * starts[:, 1], locus.values[:-1, mode])
+        assert np.array_equal(starts[:, 0], locus.growth_rates[:-1, mode])
+        assert np.array_equal(starts[:, 1], locus.frequencies[:-1, mode])
         assert curve.get_clim() == (0.0, 3.0)
         assert np.array_equal(curve.get_array(), 0.5 * (locus.at[1:] + locus.at[:-1]))
     ax = curves[0].axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("growth rate (1/s)", "angular frequency (rad/s)")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("growth rate (1/s)", "frequency (Hz)")
     assert any(np.array_equal(line.get_xdata(), [0.0, 0.0]) for line in ax.lines)
     bar = next(other for other in ax.figure.axes if other is not ax)
     assert bar.get_ylabel() == AXIS
