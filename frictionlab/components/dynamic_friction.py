@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from .component import parameter
-from .friction import FrictionLaw
+from .friction import FrictionLaw, check_coefficients
 from .functions import arcsinh, exp, log
 
 
@@ -128,10 +128,7 @@ class LuGre(FrictionLaw):
 
     def check(self) -> None:
         """Refuse static friction below kinetic friction."""
-        if self.mu_s < self.mu_k:
-            raise ValueError(
-                f"mu_s must be at least mu_k ({self.mu_k}), got {self.mu_s}: raise mu_s or lower mu_k"
-            )
+        check_coefficients(self.mu_k, self.mu_s)
 
     def force(self, normal_force: Any, relative_velocity: Any, z: Any) -> Any:
         """Friction force (N) at a deflection z (m)."""

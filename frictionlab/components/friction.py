@@ -93,6 +93,12 @@ class FrictionLaw(Component):
         return f"{method}(normal_force, relative_velocity, {', '.join(self.states) or '<states>'})"
 
 
+def check_coefficients(mu_k: float, mu_s: float) -> None:
+    """Refuse static friction below kinetic friction."""
+    if mu_s < mu_k:
+        raise ValueError(f"mu_s must be at least mu_k ({mu_k}), got {mu_s}: raise mu_s or lower mu_k")
+
+
 @dataclass(frozen=True, repr=False)
 class Coulomb(FrictionLaw):
     """Coulomb's law, Eqs. (3) and (8): |F_T| = mu_k F_N sliding, |F_T| <= mu_s F_N sticking.
@@ -122,10 +128,7 @@ class Coulomb(FrictionLaw):
 
     def check(self) -> None:
         """Refuse static friction below kinetic friction."""
-        if self.mu_s < self.mu_k:
-            raise ValueError(
-                f"mu_s must be at least mu_k ({self.mu_k}), got {self.mu_s}: raise mu_s or lower mu_k"
-            )
+        check_coefficients(self.mu_k, self.mu_s)
 
     def kinetic(self, normal_force: Any, speed: Any) -> Any:
         """mu_k F_N (N), whatever the speed (m/s): the magnitude in Eq. (3)."""

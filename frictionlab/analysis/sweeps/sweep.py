@@ -229,19 +229,12 @@ class GridTasks(Sequence[tuple[Any, ...]]):
     def __getitem__(self, i: Any) -> Any:
         if not 0 <= i < len(self):
             raise IndexError(i)
-        *places, start = self._places(i)
+        *places, start = np.unravel_index(i, self._shape)
         return tuple(axis[k] for axis, k in zip(self._axes, places)), *self._starts[start]
 
     def name(self, i: int) -> str:
         """The values of a point in words."""
         return point_name(dict(zip(self._names, self[i][0])))
-
-    def _places(self, i: int) -> list[int]:
-        places = []
-        for length in reversed(self._shape):
-            i, place = divmod(i, length)
-            places.append(place)
-        return places[::-1]
 
 
 @dataclass(frozen=True)

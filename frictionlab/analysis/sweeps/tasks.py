@@ -131,7 +131,8 @@ def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -
     """Call a function on tasks, one after another, in a worker.
 
     An error that could not be read where it arrives would end a pool of processes, and one that says that an
-    executor was lost would be taken for that: both come as a RuntimeError with their text.
+    executor was lost would be taken for that.  So both come as a RuntimeError with their text, the first only
+    from a process of a pool.
     """
     ignore_interrupts_in_worker()
     results: list[Any] = []
@@ -140,7 +141,8 @@ def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -
         try:
             results.append(function(*task))
         except Exception as error:
-            if isinstance(error, (BrokenExecutor, CancelledError)) or not _can_be_sent(error):
+            lost = isinstance(error, (BrokenExecutor, CancelledError))
+            if lost or (parent_process() is not None and not _can_be_sent(error)):
                 raise RuntimeError(f"{type(error).__name__}: {error}") from None
             raise
         if monotonic() - begun > LONGEST_CHUNK_TIME:

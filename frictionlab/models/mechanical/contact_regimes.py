@@ -315,10 +315,10 @@ def yielding_reset(system: LagrangeSystem, contact: Friction, function: Any) -> 
     return Reset({state: at}, {state - at: 1})
 
 
-def holding_reset(system: LagrangeSystem, contact: Friction, slipped: str) -> Reset:
+def holding_reset(system: LagrangeSystem, contact: Friction, regime_left: str) -> Reset:
     """After a regime of slip the slider sticks: its state is still at the limit, and moves as this does."""
     (state,), limit = system.law_states(contact), limit_of_state(contact)
-    return Reset(vanishing={limit - state if slipped == "slip+" else limit + state: 2})
+    return Reset(vanishing={limit - state if regime_left == "slip+" else limit + state: 2})
 
 
 def unloading_reset(system: LagrangeSystem, contact: Friction) -> Reset:

@@ -79,7 +79,7 @@ def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, Any]]]
     from .dynamic_laws import limit_of_state, returns_to_zero
     from .equations_of_motion import system_of
 
-    system, found = system_of(key), []
+    system, contacts = system_of(key), []
     order = [str(one) for one in system.states]
     for contact in system.mechanics.contacts:
         states = system.law_states(contact)
@@ -97,5 +97,5 @@ def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, Any]]]
             touching = contact.pressing
         elif "relaxation" in contact.modes:
             touching = sympy.Min(touching, contact.pressing)
-        found.append((about, (touching, sympy.S.Zero if limit is None else limit)))
-    return found
+        contacts.append((about, (touching, sympy.S.Zero if limit is None else limit)))
+    return contacts

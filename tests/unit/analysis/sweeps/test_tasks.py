@@ -5,7 +5,8 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from types import SimpleNamespace
 
 import numpy as np
@@ -121,15 +122,47 @@ class TwoArguments(Exception):
         super().__init__(text)
 
 
-@pytest.mark.parametrize("error", [TwoArguments("oops", 1), BrokenExecutor("oops")])
-def test_an_error_that_cannot_be_sent_and_one_that_tells_of_an_executor_are_those_of_tasks(error):
-    def fails(i):
-        if i == 5:
-            raise error
-        return i
+def two_arguments(i):
+    """Of the module, so that other processes find it."""
+    if i == 5:
+        raise TwoArguments("oops", 1)
+    return i
 
-    with SendingPool() as pool, pytest.raises(TaskFailure, match=r"task 5 failed with .*oops"):
-        run(fails, 10, pool)
+
+@pytest.mark.slow
+def test_an_error_that_cannot_be_sent_is_that_of_its_task_and_ends_no_pool_of_processes():
+    kept = {}
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        with pytest.raises(TaskFailure, match="task 5 failed with RuntimeError: TwoArguments: oops"):
+            run_tasks(
+                two_arguments,
+                [(i,) for i in range(10)],
+                keep=kept.__setitem__,
+                name="task {}".format,
+                execution=Execution(executor=pool, progress=False),
+            )
+        assert pool.submit(abs, -1).result() == 1
+    assert set(range(5)) <= set(kept)
+
+
+def test_an_error_that_tells_of_an_executor_is_that_of_its_task():
+    def fails(i):
+        raise BrokenExecutor("oops")
+
+    with (
+        CountingPool() as pool,
+        pytest.raises(TaskFailure, match=r"task 0 failed with .*BrokenExecutor: oops"),
+    ):
+        run(fails, 1, pool)
+
+
+def test_threads_keep_an_error_as_it_is():
+    def fails(i):
+        raise TwoArguments("oops", 1)
+
+    with pytest.raises(TaskFailure, match="task 0 failed with TwoArguments: oops") as info:
+        run(fails, 1, None)
+    assert isinstance(info.value.__cause__, TwoArguments)
 
 
 def test_after_a_failure_that_does_not_come_again_chunks_grow_again():
