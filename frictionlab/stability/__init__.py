@@ -6,7 +6,9 @@ parameters.
 ``flow``
     `Flow`: the rates of one mode with their exact derivatives by states and parameters.
 ``equilibrium_problem``
-    `EquilibriumProblem`, and the linear algebra on stacks of matrices that all analyses use.
+    `EquilibriumProblem`, on which all analyses work.
+``state_matrices``
+    Eigenvalues, vectors and growth rates of state matrices, and what of them is rounding.
 ``equilibrium_points``
     All equilibria of a model or an automaton; from one of them an `EquilibriumProblem`.
 ``eigenproblems``

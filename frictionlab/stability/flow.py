@@ -14,18 +14,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.stability.state_matrices import solve_regular
 from frictionlab.tape.formulas import Formulas
 from frictionlab.tape.intervals import Interval
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-# Of the largest singular value: below it the equilibrium is no function of the parameters.
-SINGULAR_RTOL = 1e-13
 
 
 class Entries(NamedTuple):
@@ -171,13 +171,8 @@ def _stacked(parts: Sequence[Any], shape: tuple[int, ...]) -> Array:
     return values
 
 
-def _slopes_of_product(flow: Flow) -> Entries:
-    """The derivatives of A r by all states and parameters; the components of r are further inputs."""
-    places, formulas = flow.rates.along(range(flow.size)).jacobian(range(flow.rates.tape.inputs))
-    return Entries((flow.size, flow.rates.tape.inputs), places, formulas)
-
-
-class EquilibriumDerivatives(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class EquilibriumDerivatives:
     """An equilibrium with the derivatives of its flow by the state and by all parameters.
 
     Parameters
@@ -186,17 +181,21 @@ class EquilibriumDerivatives(NamedTuple):
     x : array (m,)
     values : sequence of float
         The parameters.
-    matrix : array (m, m)
-        The Jacobian A.
-    by_parameter : array (m, P)
-        f_p.
     """
 
     flow: Flow
     x: Array
     values: Sequence[float]
-    matrix: Array
-    by_parameter: Array
+
+    @cached_property
+    def matrix(self) -> Array:
+        """The Jacobian A (m, m)."""
+        return self.flow.jacobian(self.x, self.values)
+
+    @cached_property
+    def by_parameter(self) -> Array:
+        """f_p (m, P)."""
+        return self.flow.by_parameter.at(self.x, self.values)
 
     def state(self) -> Array:
         """dx/dp (m, P).
@@ -208,11 +207,19 @@ class EquilibriumDerivatives(NamedTuple):
         """
         return -solve_regular(self.matrix, self.by_parameter)
 
+    def along(self, functions: Formulas, *directions: Any) -> NDArray[Any]:
+        """The derivative of functions (k,) along each of some directions (m,), real or complex; without any
+        their values."""
+        for _ in directions:
+            functions = functions.along(range(self.flow.size))
+        return np.array(functions.arrays(*self.x, *self.values, *chain.from_iterable(directions)))
+
     def slopes_of_product(self, right: Any) -> ComplexArray:
         """The derivatives (m, m + P) of A r by the state and the parameters, with r (m,) held."""
-        known = _slopes_of_product(self.flow)
-        slopes: Any = np.zeros(known.shape, dtype=complex)
-        for place, entry in known.bounds(self.x, [*self.values, *right]).items():
+        rates, count = self.flow.rates, self.flow.rates.tape.inputs
+        places, formulas = rates.along(range(self.flow.size)).jacobian(range(count))
+        slopes: Any = np.zeros((self.flow.size, count), dtype=complex)
+        for place, entry in zip(places, formulas.arrays(*self.x, *self.values, *right), strict=True):
             slopes[place] = entry
         return slopes
 
@@ -221,55 +228,3 @@ class EquilibriumDerivatives(NamedTuple):
         slopes, m = left @ self.slopes_of_product(right), len(self.x)
         force, total = slopes[:m], slopes[m:]
         return total - solve_regular(self.matrix.T, force) @ self.by_parameter if force.any() else total
-
-
-def equilibrium_derivatives(flow: Flow, x: Array, values: Sequence[float]) -> EquilibriumDerivatives:
-    """The derivatives at an equilibrium (m,)."""
-    by_parameter = flow.by_parameter.at(x, values)
-    return EquilibriumDerivatives(flow, x, values, flow.jacobian(x, values), by_parameter)
-
-
-def solve_regular(matrix: Any, right: Any) -> Any:
-    """The solution of a linear system with a state matrix.
-
-    Raises
-    ------
-    ValueError
-        Where the matrix is singular, to rounding.
-    """
-    # Rows and columns are scaled by their size, as state matrices have stiffnesses beside ones.
-    rows = 1.0 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)
-    columns = 1.0 / np.maximum(np.abs(rows[:, None] * matrix).max(axis=0), np.finfo(float).tiny)
-    scaled = rows[:, None] * matrix * columns
-    sizes = np.linalg.svd(scaled, compute_uv=False)
-    if sizes[-1] < SINGULAR_RTOL * sizes[0]:
-        raise ValueError(
-            "the equilibrium must depend smoothly on the parameters to have derivatives, got one where the "
-            "state matrix is singular: take another value"
-        )
-    return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
-        scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
-    )
-
-
-class NullVectors(NamedTuple):
-    """Left and right vectors (m,) of an eigenvalue, of length 1 after scaling; `product` is l r."""
-
-    left: Any
-    right: Any
-    product: complex
-
-
-def null_vectors(matrix: Array, value: complex) -> NullVectors:
-    """The vectors of the eigenvalue nearest to a value, also where two coalesce and l r = 0.
-
-    They are the last singular vectors of A - lambda 1, in units that give velocities the size of coordinates.
-    """
-    n, odd = divmod(len(matrix), 2)
-    size = float(np.sqrt(np.linalg.norm(matrix, 2))) or 1.0
-    units = np.ones(len(matrix)) if odd else np.repeat([1.0, size], n)
-    scaled = matrix * units / units[:, None]
-    shifted = scaled - value * np.eye(len(matrix))
-    u, _, vh = np.linalg.svd(shifted)
-    left, right = u[:, -1].conj(), vh[-1].conj()
-    return NullVectors(left / units, right * units, complex(left @ right))

@@ -25,7 +25,8 @@ from frictionlab.stability.boundaries.stability_changes import (
     unstable_from_the_start,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.flow import EquilibriumDerivatives, null_vectors
+from frictionlab.stability.flow import EquilibriumDerivatives
+from frictionlab.stability.state_matrices import eigenpair
 
 if TYPE_CHECKING:
     from frictionlab.models.model import ModelOrAutomaton
@@ -149,15 +150,15 @@ def _flutter_slopes(at: EquilibriumDerivatives, place: int, critical: complex) -
     l dA r = 0 keeps them double.  By a parameter that would move them apart to both sides of the axis, as
     damping does, there is no derivative.
     """
-    vectors = null_vectors(at.matrix, critical)
-    slopes = at.bilinear(vectors.left, vectors.right)
-    if abs(vectors.product) < DEFECTIVE_PRODUCT:
+    pair = eigenpair(at.matrix, critical)
+    slopes = at.bilinear(pair.left, pair.right)
+    if abs(pair.product) < DEFECTIVE_PRODUCT:
         ratio = -slopes / slopes[place]
         sizes = np.abs(np.array(at.values, dtype=float))
         # A slope that is zero to rounding, compared with the critical value, counts as real.
         nothing = (np.abs(ratio) * sizes <= REAL_RTOL * sizes[place]) & (sizes > 0)
         real = (np.abs(ratio.imag) <= REAL_RTOL * np.abs(ratio)) | nothing
         return np.where(real, ratio.real, np.nan), np.full(len(slopes), np.nan)
-    rates = slopes / vectors.product
+    rates = slopes / pair.product
     value = -rates.real / rates[place].real
     return value, (rates.imag + rates[place].imag * value) / (2 * np.pi)

@@ -16,7 +16,7 @@ import numpy as np
 
 from frictionlab.analysis.quantities.quantities import Array, Gradient, WithinBounds, gradient_of
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.stability.flow import equilibrium_derivatives
+from frictionlab.stability.flow import EquilibriumDerivatives
 
 if TYPE_CHECKING:
     from frictionlab.models.model import ModelOrAutomaton
@@ -99,7 +99,7 @@ def fold_point(
 
 
 def _with_slopes(problem: EquilibriumProblem, x: Array, numbers: list[float], place: int) -> FoldPoint:
-    at = equilibrium_derivatives(problem.flow, x, numbers)
+    at = EquilibriumDerivatives(problem.flow, x, numbers)
     left = np.linalg.svd(at.matrix)[0][:, -1]
     forces = left @ at.by_parameter
     slopes = -forces / forces[place]
@@ -153,10 +153,11 @@ def _newton(
     row, numbers, size = right.copy(), list(numbers), np.abs(x).max()
     for _ in range(MAX_STEPS):
         with np.errstate(all="ignore"):  # from a poor start steps may leave all floats
-            at = equilibrium_derivatives(flow, x, numbers)
+            at = EquilibriumDerivatives(flow, x, numbers)
             slopes = at.slopes_of_product(right).real
-            rates = flow.rhs(x, numbers)
-        if not (np.isfinite(at.matrix).all() and np.isfinite(slopes).all() and np.isfinite(rates).all()):
+            rates, finite = flow.rhs(x, numbers), np.isfinite(at.matrix).all()
+            finite &= np.isfinite(at.by_parameter).all()
+        if not (finite and np.isfinite(slopes).all() and np.isfinite(rates).all()):
             return None
         curved, mixed = slopes[:, :m], slopes[:, m + place]
         system = np.zeros((2 * m + 1, 2 * m + 1))

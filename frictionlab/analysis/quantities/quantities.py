@@ -18,11 +18,8 @@ from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, dataframe, state_unit, text_table
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem, check_bounds
-from frictionlab.stability.flow import (
-    EquilibriumDerivatives,
-    equilibrium_derivatives,
-    null_vectors,
-)
+from frictionlab.stability.flow import EquilibriumDerivatives
+from frictionlab.stability.state_matrices import eigenpair
 from frictionlab.validation import abbreviate, check_choice, check_field, check_key, check_limits, check_text
 
 if TYPE_CHECKING:
@@ -224,7 +221,7 @@ def gradient_of(problem: EquilibriumProblem, value: float, slopes: Any) -> Gradi
 
 def derivatives_at(problem: EquilibriumProblem, **changes: float) -> EquilibriumDerivatives:
     """The derivatives at the equilibrium that :func:`equilibrium_at` gives."""
-    return equilibrium_derivatives(problem.flow, *equilibrium_at(problem, **changes))
+    return EquilibriumDerivatives(problem.flow, *equilibrium_at(problem, **changes))
 
 
 def equilibrium_at(problem: EquilibriumProblem, **changes: float) -> tuple[Array, tuple[float, ...]]:
@@ -266,13 +263,13 @@ def _of_mode(spectra: ComplexArray, mode: int | None) -> ComplexArray:
 def _eigenvalue_gradient(problem: EquilibriumProblem, mode: int | None) -> tuple[complex, ComplexArray]:
     at = derivatives_at(problem)
     value = complex(_of_mode(problem.spectra({}), mode)[0])
-    vectors = null_vectors(at.matrix, value)
-    if abs(vectors.product) < DEFECTIVE_PRODUCT:
+    pair = eigenpair(at.matrix, value)
+    if abs(pair.product) < DEFECTIVE_PRODUCT:
         raise ValueError(
             f"the eigenvalue must be simple to have derivatives, got two that coalesce at {value:.6g} 1/s: "
             "change a parameter a little"
         )
-    return value, at.bilinear(vectors.left, vectors.right) / vectors.product
+    return value, at.bilinear(pair.left, pair.right) / pair.product
 
 
 @dataclass(frozen=True, eq=False)

@@ -220,8 +220,8 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     Raises
     ------
     ValueError
-        If `x` is no sequence, or the matrix does not have one row and one column for each of `x`, is not
-        symmetric, or holds what is no finite real number.
+        If `x` is no sequence, or holds an integer beyond floats; or the matrix does not have one row and one
+        column for each of `x`, is not symmetric, or holds what is no finite real number.
 
     Examples
     --------
@@ -237,10 +237,12 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     x = check_sequence("x", x, cure)
     if wrong := [one for one in x if isinstance(one, str) or is_sequence(one)]:
         raise TypeError(f"x must hold expressions such as q.x, got {abbreviate(wrong[0])}: {cure}")
+    if wrong := [one for one in x if isinstance(one, int) and abs(one) > np.finfo(float).max]:
+        raise ValueError(f"x must hold numbers within floats, got {abbreviate(wrong[0])}: {cure}")
     entries = _numbers_of_matrix(matrix, x)
     _check_symmetry(entries)
     rows = entries.tolist()
-    terms = [rows[i][i] * one**2 for i, one in enumerate(x) if rows[i][i]]
+    terms = [rows[i][i] * (one * one) for i, one in enumerate(x) if rows[i][i]]
     for i, j in np.argwhere(np.tril((entries != 0) | (entries.T != 0), -1)):
         terms += [both * x[i] * x[j]] if (both := rows[i][j] + rows[j][i]) else []
     return Add(*terms)  # all at once: sum() would sort the terms again for each new one

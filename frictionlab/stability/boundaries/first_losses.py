@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, growth_rates
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.state_matrices import growth_rates, growth_scales
 
 from .sign_changes import resolved_sign_changes
 from .stability_changes import StabilityKind, changes_on_lines, first_loss_change
@@ -115,10 +116,9 @@ def _critical(spectra: Any, lines: Indices, roots: Array, side: float) -> Any:
     """The eigenvalue on the imaginary axis at each root; NaN if none passes the axis there, or one jumps."""
     at: Any = spectra(lines, roots)
     before, after = (spectra(lines, roots + shift) for shift in (-side, side))
-    largest = np.abs(at).max(axis=1)
     pair = (growth_rates(before) > 0).sum(axis=1), (growth_rates(after) > 0).sum(axis=1)
     passes = (pair[0] == 0) & (pair[1] == 2) & (at[:, 0].imag != 0.0)
-    smooth = np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * largest
+    smooth = np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * growth_scales(at)[:, 0]
     return np.where(passes & smooth, at[:, 0], complex(np.nan))
 
 

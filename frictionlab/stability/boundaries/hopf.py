@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,100 +23,52 @@ from frictionlab.stability.equilibrium_points.equilibria import (
 )
 from frictionlab.stability.equilibrium_points.sliding import by_penetration
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
-from frictionlab.stability.flow import Flow
+from frictionlab.stability.flow import EquilibriumDerivatives
+from frictionlab.stability.state_matrices import (
+    Eigenpair,
+    eigenpair,
+    eigenvalues_of_matrices,
+    growth_scales,
+)
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import float_array
 
 from .stability_changes import StabilityChange, StabilityKind, changes_on_lines
 
-Vector = NDArray[Any]
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 ZERO_RTOL = 1e-9  # what is below this share of its terms, or of the largest eigenvalue, counts as zero
 # Eigenvalues nearer to each other than this share count as one: rounding separates a double one so far.
 DOUBLE_EIGENVALUE_RTOL = 1e-6
+SAME_VALUE_RTOL = 1e-9  # share of the value or the range: two points so close belong to symmetric equilibria
 
 
-class ExpansionPoint(NamedTuple):
-    """The point at which a flow is differentiated: a state (m,), and the values of the parameters."""
-
-    flow: Flow
-    state: NDArray[np.float64]
-    values: Sequence[float]
-
-
-def directional_derivative(at: ExpansionPoint, *directions: Vector) -> Vector:
-    """The derivative of x' along each of the directions (m,), complex or real: B(u, v) or C(u, v, w)."""
-    return function_derivative(at, at.flow.rates, *directions)
-
-
-def parameter_derivative(at: ExpansionPoint, parameter: str, *directions: Vector) -> Vector:
-    """The derivative of x' by a parameter and along each of the directions (m,)."""
-    place = at.flow.size + at.flow.parameters.index(parameter)
-    slopes = at.flow.rates.along([place])
-    return function_derivative(at._replace(values=(*at.values, 1.0)), slopes, *directions)
-
-
-def function_derivative(at: ExpansionPoint, functions: Formulas, *directions: Vector) -> Vector:
-    """As :func:`directional_derivative` for functions (k,) of the state; their values without directions."""
-    for _ in directions:
-        functions = functions.along(range(at.flow.size))
-    return np.array(functions.arrays(*at.state, *at.values, *chain.from_iterable(directions)))
-
-
-class CriticalPair(NamedTuple):
-    """An eigenvalue i omega (rad/s), its right vector q of length 1, its left vector p with p q = 1."""
-
-    omega: float
-    right: ComplexArray
-    left: ComplexArray
-
-
-def critical_pair(matrix: Array, frequency: float) -> CriticalPair | None:
+def critical_pair(matrix: Array, frequency: float) -> Eigenpair | None:
     """The pair of that frequency (Hz); None if it is double, or another mode neither grows nor decays."""
-    pairs: Any = np.linalg.eig(matrix.astype(complex))
-    values, vectors = pairs.eigenvalues, pairs.eigenvectors
+    values = eigenvalues_of_matrices(matrix[None])[0]
     k = int(np.argmin(np.abs(values - 2j * np.pi * frequency)))
-    critical, right = values[k], vectors[:, k]
-    others: Any = np.delete(values, [k, int(np.argmin(np.abs(values - critical.conjugate())))])
-    neutral = np.abs(others.real).min(initial=np.inf) < ZERO_RTOL * np.abs(values).max()
-    if neutral or np.abs(others - critical).min(initial=np.inf) < DOUBLE_EIGENVALUE_RTOL * abs(critical):
+    partner = int(np.argmin(np.abs(values - values[k].conjugate())))
+    others: Any = np.delete(np.arange(len(values)), [k, partner])
+    neutral = np.abs(values[others].real) < ZERO_RTOL * growth_scales(values)[others]
+    distance = np.abs(values[others] - values[k]).min(initial=np.inf)
+    if neutral.any() or distance < DOUBLE_EIGENVALUE_RTOL * abs(values[k]):
         return None
-    return CriticalPair(float(critical.imag), right, _left_vector(matrix, critical, right))
+    return eigenpair(matrix, complex(values[k])).normalised
 
 
-def _left_vector(matrix: Array, value: complex, right: ComplexArray) -> ComplexArray:
-    """The left vector, from a bordered system, which is regular for a simple eigenvalue."""
-    m = len(right)
-    bordered = np.zeros((m + 1, m + 1), dtype=complex)
-    bordered[:m, :m] = matrix.T - value * np.eye(m)
-    bordered[:m, m], bordered[m, :m] = right.conj(), right
-    return np.linalg.solve(bordered, np.eye(m + 1)[m])[:m]
-
-
-def cubic_coefficient(at: ExpansionPoint, matrix: Array, pair: CriticalPair) -> complex:
+def cubic_coefficient(at: EquilibriumDerivatives, pair: Eigenpair) -> complex:
     """The coefficient of w |w|^2; its real part is exactly zero where it is zero to rounding."""
-    omega, q, p = pair
-    shift = -np.linalg.solve(matrix, directional_derivative(at, q, q.conj()))
-    second = np.linalg.solve(2j * omega * np.eye(len(q)) - matrix, directional_derivative(at, q, q))
+    rates, omega, q, p = at.flow.rates, pair.value.imag, pair.right, pair.left
+    shift = -np.linalg.solve(at.matrix, at.along(rates, q, q.conj()))
+    second = np.linalg.solve(2j * omega * np.eye(len(q)) - at.matrix, at.along(rates, q, q))
     terms = [
-        directional_derivative(at, q, q, q.conj()),
-        2 * directional_derivative(at, q, shift),
-        directional_derivative(at, q.conj(), second),
+        at.along(rates, q, q, q.conj()),
+        2 * at.along(rates, q, shift),
+        at.along(rates, q.conj(), second),
     ]
     coefficient = 0.5 * complex(p @ sum(terms))
     size = 0.5 * float(sum(np.abs(p) @ np.abs(term) for term in terms))
     return coefficient if abs(coefficient.real) > ZERO_RTOL * size else complex(0.0, coefficient.imag)
-
-
-def eigenvalue_slope(at: ExpansionPoint, matrix: Array, pair: CriticalPair, parameter: str) -> complex:
-    """d(eigenvalue)/d(parameter), including the shift of the equilibrium."""
-    _, q, p = pair
-    moved = -np.linalg.solve(matrix, parameter_derivative(at, parameter))
-    return complex(p @ (parameter_derivative(at, parameter, q) + directional_derivative(at, moved, q)))
-
-
-SAME_VALUE_RTOL = 1e-9  # share of the value or the range: two points so close belong to symmetric equilibria
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,7 +298,8 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
     values = {**problem.parameters, parameter: change.value}
-    at = ExpansionPoint(problem.flow, state, tuple(values[name] for name in problem.parameter_names))
+    at = EquilibriumDerivatives(problem.flow, state, tuple(values.values()))
+    slopes = at.bilinear(pair.left, pair.right)
     return HopfPoint(
         problem.model,
         parameter,
@@ -355,14 +307,14 @@ def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityCh
         problem.names,
         state,
         pair.right,
-        eigenvalue_slope(at, matrix, pair, parameter),
-        cubic_coefficient(at, matrix, pair),
+        complex(slopes[problem.parameter_names.index(parameter)]),
+        cubic_coefficient(at, pair),
         _amplitude_at_guard(at, problem.derive_guards(), pair.right),
     )
 
 
-def _amplitude_at_guard(at: ExpansionPoint, guards: Formulas, vector: ComplexArray) -> float:
+def _amplitude_at_guard(at: EquilibriumDerivatives, guards: Formulas, vector: ComplexArray) -> float:
     """The least |w| at which a guard becomes zero on x0 + 2 Re(w q), to leading order."""
-    swings = 2 * np.abs(function_derivative(at, guards, vector))
-    levels = function_derivative(at, guards)
+    swings = 2 * np.abs(at.along(guards, vector))
+    levels = at.along(guards)
     return min((level / swing for level, swing in zip(levels, swings) if swing > 0), default=float("inf"))

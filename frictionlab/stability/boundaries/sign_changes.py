@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_problem import (
+from frictionlab.stability.state_matrices import (
     Array,
     ComplexArray,
     eigenvalue_distances,
     equal_eigenvalues,
     growth_rates,
+    growth_scales,
 )
 
 Flags = NDArray[np.bool_]
@@ -153,7 +154,7 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
     # Nor do modes with equal eigenvalues throughout.
     between[equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
-    moved[moved < NO_CHANGE_RTOL * np.abs(at_middle).max(axis=1, keepdims=True)] = 0.0
+    moved[moved < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
     close = between < 2 * (moved[:, :, None] + moved[:, None, :])
     within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))

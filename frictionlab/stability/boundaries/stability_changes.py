@@ -17,14 +17,11 @@ from frictionlab.models.model import ModelOrAutomaton, check_parameter_name
 from frictionlab.presentation import Drawable, Kind, count, span
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import (
-    NEUTRAL_RTOL,
     EquilibriumProblem,
     check_bounds,
     check_parameter,
-    growth_rates,
-    unstable_pairs,
-    warn_of_slow_modes,
 )
+from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, growth_scales, unstable_pairs
 from frictionlab.validation import abbreviate, check_pair, float_array
 
 from .sign_changes import Brackets, Evaluate, bracket_sign_changes
@@ -122,7 +119,6 @@ def stability_changes(
     ['flutter at 1.51378']
     """
     problem = equilibrium_problem(model, equilibrium)
-    warn_of_slow_modes(problem)
     low, high = check_bounds(problem.model, parameter, bounds)
     return changes_on_lines(problem, parameter, (low, high), {})[0]
 
@@ -161,7 +157,6 @@ def critical_value(
     1.51378354
     """
     problem = equilibrium_problem(model, equilibrium)
-    warn_of_slow_modes(problem)
     limits = check_bounds(problem.model, parameter, bounds)
     changes = changes_on_lines(problem, parameter, limits, {})[0]
     value = first_loss(changes)
@@ -252,7 +247,6 @@ def curve_and_gaps(
 ) -> tuple[CriticalCurve, str]:
     """The curve of :func:`critical_curve`, and what to say of values without a critical one."""
     problem = equilibrium_problem(model)
-    warn_of_slow_modes(problem)
     low, high = check_bounds(problem.model, parameter, bounds)
     cure = 'give for example ("F", [100, 200])'
     name, numbers = check_pair("over", over, "a parameter and its values", cure)
@@ -366,7 +360,7 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     grows = np.ones(len(first), dtype=bool)
     for share in TOUCH_SHARES:
         spectra = evaluate(brackets.line[first], roots[first] + share * (roots[first + 1] - roots[first]))
-        least = TOUCH_RTOL * np.abs(spectra).max(axis=1, initial=0.0)
+        least = TOUCH_RTOL * eigenvalue_at_rank(growth_scales(spectra), brackets.rank[first])
         grows &= eigenvalue_at_rank(spectra, brackets.rank[first]).real > least
     touches[first[grows]] = touches[first[grows] + 1] = True
     return touches
@@ -392,10 +386,10 @@ def _starts(evaluate: Evaluate, brackets: Brackets, still: Array, outside: Array
     start, shift = still.copy(), np.full(still.shape, np.nan)
     for at in outside:
         spectra = evaluate(brackets.line, at)
-        largest = np.abs(spectra).max(axis=1)
-        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * largest)
+        scale = eigenvalue_at_rank(growth_scales(spectra), brackets.rank)
+        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * scale)
         start[decays], shift[decays] = at[decays], 0.0
-    return start, np.where(np.isnan(shift), NEUTRAL_RTOL * largest, shift)
+    return start, np.where(np.isnan(shift), NEUTRAL_RTOL * scale, shift)
 
 
 def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:

@@ -26,10 +26,8 @@ from frictionlab.stability.equilibrium_points.equilibria import equilibrium_prob
 from frictionlab.stability.equilibrium_problem import (
     EquilibriumProblem,
     check_axis,
-    growth_rates,
-    unstable_pairs,
-    warn_of_slow_modes,
 )
+from frictionlab.stability.state_matrices import growth_rates, unstable_pairs
 from frictionlab.validation import abbreviate, check_flag, explains_keywords
 
 Array = NDArray[np.float64]
@@ -137,7 +135,6 @@ def stability_map(
     """
     check_flag("progress", progress)
     problem = equilibrium_problem(model)
-    warn_of_slow_modes(problem)
     xs, ys = (check_axis(problem, which, given) for which, given in (("x", x), ("y", y)))
     if x[0] == y[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")

@@ -9,7 +9,7 @@ is less than half of |lambda| s.  So no length enters that depends on a unit.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,13 @@ from numpy.typing import NDArray
 from frictionlab.models.model import Model
 from frictionlab.stability.eigenproblems.eigenvalues import jacobian
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, is_neutral
-from frictionlab.stability.flow import NullVectors, null_vectors
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.state_matrices import (
+    Eigenpair,
+    eigenpair,
+    eigenvalues_of_matrices,
+    is_neutral,
+)
 
 Array = NDArray[np.float64]
 DISPLACEMENT = 0.01  # share by which coordinates, or the mode, are displaced
@@ -28,13 +33,6 @@ NEGLIGIBLE_SHARE = 1e-6  # of the mode's displacement: one that is so much small
 NONLINEAR_SHARE = 0.5  # of the linear rates: with more the motion is no longer linear
 SIZES = np.geomspace(1e-40, 1e40, 321)  # of the mode, in units of its vector: four in a decade
 ANGLES = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
-
-
-class Mode(NamedTuple):
-    """An eigenvalue (1/s) and its vectors."""
-
-    value: complex
-    vectors: NullVectors
 
 
 def displaced_equilibrium(model: Model) -> Array:
@@ -61,39 +59,39 @@ def displaced_equilibrium(model: Model) -> Array:
     size = _linear_size(problem, point, matrix, mode)
     if _is_excited(mode, state - point.state, size):
         return state
-    right = mode.vectors.right
+    right = mode.right
     largest = right[np.argmax(np.abs(right[:n]) if right[:n].any() else np.abs(right))]
     return state + DISPLACEMENT * (1.0 if np.isinf(size) else size) * (right * abs(largest) / largest).real
 
 
-def _least_stable_mode(problem: EquilibriumProblem, whole: Array) -> Mode:
+def _least_stable_mode(problem: EquilibriumProblem, whole: Array) -> Eigenpair:
     """The mode that grows fastest; if none grows or decays, the one of the highest frequency."""
     matrix = problem.without_following(whole)
-    values: Any = np.linalg.eigvals(matrix).astype(complex)
+    values: Any = eigenvalues_of_matrices(matrix[None])[0]
     values.real[is_neutral(matrix, values)] = 0.0
     value = complex(values[np.lexsort((np.abs(values.imag), values.real))[-1]])
-    vectors = null_vectors(matrix, value)
-    left = problem.with_following(vectors.left, axis=-1)
-    right = problem.with_following(vectors.right / np.abs(vectors.right).max(), axis=-1)
-    return Mode(value, NullVectors(left, right, complex(left @ right)))
+    mode = eigenpair(matrix, value)
+    left = problem.with_following(mode.left, axis=-1)
+    right = problem.with_following(mode.right / np.abs(mode.right).max(), axis=-1)
+    return Eigenpair(value, left, right, complex(left @ right))
 
 
-def _is_excited(mode: Mode, shift: Array, size: float) -> bool:
+def _is_excited(mode: Eigenpair, shift: Array, size: float) -> bool:
     """Whether a displacement (m,) has a part along the mode that counts beside the mode's `size`."""
-    left = mode.vectors.left
+    left = mode.left
     part = abs(left @ shift)
     if part <= SEEN_SHARE * float(np.abs(left) @ np.abs(shift)):
         return False
-    return np.isinf(size) or part > NEGLIGIBLE_SHARE * DISPLACEMENT * size * abs(mode.vectors.product)
+    return np.isinf(size) or part > NEGLIGIBLE_SHARE * DISPLACEMENT * size * abs(mode.product)
 
 
-def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array, mode: Mode) -> float:
+def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array, mode: Eigenpair) -> float:
     """The size (in units of the mode's vector) up to which its motion is linear and meets no event.
 
     It is infinite if the motion is linear at all sizes.  Rounding makes very small motions look as if they
     were not linear.  So the end of the widest range of sizes with a linear motion is taken.
     """
-    way = (np.exp(1j * ANGLES)[:, None] * mode.vectors.right).real
+    way = (np.exp(1j * ANGLES)[:, None] * mode.right).real
     way = way[np.abs(way).max(axis=1) > NONLINEAR_SHARE]  # those of a real mode may vanish
     moved = SIZES[:, None, None] * way  # (sizes, angles, m)
     at = (point.state + moved).reshape(-1, len(point.state)).T
@@ -102,8 +100,8 @@ def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array,
             np.broadcast_to(f(at, problem.values), (*lead, at.shape[1]))
             for f, lead in ((problem.flow.rhs, (len(at),)), (problem.flow.margin, ()))
         )
-        bent = np.abs(mode.vectors.left @ (rates - matrix @ moved.reshape(at.T.shape).T))
-        usual = abs(mode.value * mode.vectors.product) * np.repeat(SIZES, len(way))
+        bent = np.abs(mode.left @ (rates - matrix @ moved.reshape(at.T.shape).T))
+        usual = abs(mode.value * mode.product) * np.repeat(SIZES, len(way))
         linear = ((bent < NONLINEAR_SHARE * usual) & (margin > 0)).reshape(len(SIZES), -1).all(axis=1)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], linear, [False]]).astype(int)))
     if not len(ends):

@@ -12,7 +12,7 @@ from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
-from frictionlab.stability.equilibrium_problem import is_neutral
+from frictionlab.stability.state_matrices import eigenpairs_of_matrices, is_neutral
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
@@ -143,8 +143,7 @@ def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     point = equilibrium(model)
     problem = equilibrium_problem(model)
     matrix = problem.without_following(jacobian(model, point.state))
-    pairs: Any = np.linalg.eig(matrix)
-    values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
+    values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
     values.real[is_neutral(matrix, values)] = 0.0
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))

@@ -22,9 +22,8 @@ from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import (
-    EquilibriumProblem,
-    check_path,
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
+from frictionlab.stability.state_matrices import (
     eigenpairs_of_matrices,
     equal_eigenvalues,
     unstable_pairs,

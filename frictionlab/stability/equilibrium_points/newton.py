@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, root_boxes
-from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]

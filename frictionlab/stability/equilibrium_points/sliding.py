@@ -34,8 +34,9 @@ from frictionlab.stability.equilibrium_points.root_boxes import (
     one_equation,
     values_of,
 )
-from frictionlab.stability.equilibrium_problem import MACHINE_EPSILON, EquilibriumProblem
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import MACHINE_EPSILON
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.intervals import Interval, interval
 

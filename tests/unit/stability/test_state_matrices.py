@@ -1,10 +1,17 @@
 """Balanced matrices, and growth rates that are zero but for rounding."""
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.linalg import matrix_balance
 
-from frictionlab.stability.equilibrium_problem import balanced, is_neutral
+from frictionlab.stability.state_matrices import (
+    balanced,
+    eigenpairs_of_matrices,
+    eigenvalues_of_matrices,
+    growth_rates,
+    is_neutral,
+)
 
 MANTISSA_OF_POWERS_OF_TWO = 0.5  # the mantissa that frexp gives
 
@@ -42,3 +49,32 @@ def test_scaled_units_change_no_verdict():
     assert is_neutral(matrix, np.linalg.eigvals(matrix).astype(complex)).all()
     damped = matrix - 1e-3 * np.eye(2)
     assert not is_neutral(damped, np.linalg.eigvals(damped).astype(complex)).any()
+
+
+@pytest.mark.parametrize("fast", [1e6, 1e9, 1e12])
+def test_slow_eigenvalues_have_the_digits_of_mpmath(fast):
+    """An oscillator that hardly grows, beside a state that relaxes fast, in units that mix them."""
+    units = np.array([1.0, 1e3, 1e-4])
+    matrix = np.array([[0.0, 1.0, 0.1], [-1.0, 1e-8, 0.2], [0.3 * fast, 0.7 * fast, -fast]])
+    matrix = matrix * units / units[:, None]
+    with mpmath.workdps(60):
+        exact = [complex(value) for value in mpmath.eig(mpmath.matrix(matrix), left=False, right=False)]
+    exact = np.array(sorted(exact, key=lambda value: (abs(value), value.imag)), dtype=complex)
+    pairs = eigenpairs_of_matrices(matrix[None])
+    for values in (eigenvalues_of_matrices(matrix[None])[0], pairs[0][0]):
+        known = values[np.lexsort((values.imag, np.abs(values).round(6)))]
+        np.testing.assert_allclose(np.real(known[:2]), np.real(exact[:2]), rtol=1e-6)
+        np.testing.assert_allclose(known, exact, rtol=1e-13)
+        assert (np.sign(growth_rates(known)) == np.sign(np.real(exact))).all()
+    slow = np.abs(pairs[0][0]) < 1e-3 * fast
+    scale = np.abs(matrix) @ np.abs(pairs[1][0][:, slow])
+    left_over = matrix @ pairs[1][0][:, slow] - pairs[1][0][:, slow] * pairs[0][0][slow]
+    assert (np.abs(left_over) <= 1e-14 * scale).all()
+
+
+def test_rounding_of_a_free_body_is_no_slow_mode():
+    """A mass that nothing holds, beside a spring: its eigenvalue is zero, and no mode grows."""
+    matrix = np.array([[0.0, 0, 1, 0], [0, 0, 0, 1], [-1e12, 1e12, -1e5, 1e5], [1e12, -1e12, 1e5, -1e5]])
+    matrix[2:, 2:] -= 1e-3 * np.eye(2)
+    values = eigenvalues_of_matrices(matrix[None])
+    assert not (growth_rates(values) > 0).any()

@@ -10,13 +10,9 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.stability.boundaries.hopf import (
-    ExpansionPoint,
-    directional_derivative,
-    hopf,
-    parameter_derivative,
-)
+from frictionlab.stability.boundaries.hopf import hopf
 from frictionlab.stability.equilibrium_points.sliding import sliding_equations
+from frictionlab.stability.flow import EquilibriumDerivatives
 from tests.helpers.cases import slow_but
 from tests.helpers.lorenz import A, B, P, X, Y, Z, automaton, lorenz
 
@@ -164,7 +160,7 @@ def test_derivatives_along_directions(model):
     start = np.concatenate([0.01 * rng.normal(size=m), list(scene.parameters.values())])
     directions = rng.normal(size=(3, m)) * np.repeat([0.01, 1.0], m // 2)
     equations = sliding_equations(model)
-    at = ExpansionPoint(equations.flow, start[:m], equations.values(model))
+    at = EquilibriumDerivatives(equations.flow, start[:m], equations.values(model))
 
     def expected(*directions):
         def moved(i):
@@ -177,12 +173,13 @@ def test_derivatives_along_directions(model):
     padded = np.hstack([directions, np.zeros((3, len(start) - m))])
     for count in (2, 3):
         np.testing.assert_allclose(
-            directional_derivative(at, *directions[:count]), expected(*padded[:count]), rtol=1e-10
+            at.along(at.flow.rates, *directions[:count]), expected(*padded[:count]), rtol=1e-10
         )
     parameter = np.zeros(len(start))
     parameter[symbols.index(sp.Symbol("k2", real=True))] = 1.0
-    np.testing.assert_allclose(parameter_derivative(at, "k2"), expected(parameter), rtol=1e-10)
-    mixed = parameter_derivative(at, "k2", directions[0])
+    k2 = at.flow.parameters.index("k2")
+    np.testing.assert_allclose(at.by_parameter[:, k2], expected(parameter), rtol=1e-10)
+    mixed = at.slopes_of_product(directions[0])[:, m + k2]
     np.testing.assert_allclose(mixed, expected(parameter, padded[0]), rtol=1e-10)
 
 

@@ -11,7 +11,7 @@ import sympy
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.models import MassOnBelt, ModeCoupling, SliderOnBelt, TwoBlocks
 from frictionlab.stability import eigenvalues, equilibrium, jacobian
-from frictionlab.stability.equilibrium_problem import is_neutral
+from frictionlab.stability.state_matrices import is_neutral
 
 pytestmark = pytest.mark.blas
 

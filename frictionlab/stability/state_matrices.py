@@ -1,0 +1,275 @@
+"""Eigenvalues, vectors and growth rates of state matrices, which may be stacked.
+
+Without damping the squares of the eigenvalues are computed, so that growth rates are exact zeros until two
+modes coalesce.  Computed eigenvalues of A are exact ones of A + E, where |E| is about m eps |A|.  Source:
+Golub and Van Loan, Matrix Computations, 4th ed., sections 7.2 and 7.5.
+
+Such an error spoils modes that are many decades slower than the fastest, as those of a light mass that
+friction damps strongly.  They are the fastest of A^-1, whose error is as small beside them.  So slow
+eigenvalues are computed as reciprocals of its eigenvalues, and judged by the largest of themselves
+(:func:`growth_scales`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
+
+SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
+NEUTRAL_RTOL = 1e-10  # growth rates below this share of the largest eigenvalue count as zero
+SLOW_RTOL = 1e-5  # share of the largest eigenvalue: rounding may be NEUTRAL_RTOL of one that is slower
+EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
+MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
+BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
+BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
+SINGULAR_RTOL = 1e-13  # of the largest singular value, of a matrix scaled by its rows and columns
+
+
+def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:
+    """Eigenvalues (N, m) of state matrices (N, m, m)."""
+    undamped = _is_undamped(matrices)
+    given = _stiffness(matrices) if undamped else matrices
+    values = np.linalg.eigvals(given).astype(complex)
+    _refine_slow(given, values)
+    if undamped:
+        values = np.sqrt(values)
+        return np.concatenate([values, -values], axis=-1)
+    return values
+
+
+def eigenpairs_of_matrices(matrices: Array) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues (N, m) and vectors of length 1 as columns (N, m, m)."""
+    undamped = _is_undamped(matrices)
+    given = _stiffness(matrices) if undamped else matrices
+    pairs: Any = np.linalg.eig(given)
+    values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
+    _refine_slow(given, values, vectors)
+    if not undamped:
+        return values, vectors
+    roots = np.sqrt(values)
+    values = np.concatenate([roots, -roots], axis=-1)
+    coordinates = np.concatenate([vectors, vectors], axis=-1)
+    vectors = np.concatenate([coordinates, coordinates * values[:, None, :]], axis=-2)
+    return values, vectors / np.linalg.norm(vectors, axis=-2, keepdims=True)
+
+
+def _is_undamped(matrices: Array) -> bool:
+    """Whether all are those of q'' = -K q: squares of eigenvalues are then real until modes coalesce."""
+    n, odd = divmod(matrices.shape[-1], 2)
+    unit = np.eye(n, 2 * n, n)
+    return not odd and not matrices[:, n:, n:].any() and bool((matrices[:, :n] == unit).all())
+
+
+def _stiffness(matrices: Array) -> Array:
+    n = matrices.shape[-1] // 2
+    return matrices[:, n:, :n]
+
+
+def _refine_slow(matrices: Array, values: ComplexArray, vectors: ComplexArray | None = None) -> None:
+    """Put the reciprocals of the inverse's eigenvalues in place of slow ones (N, m), and its vectors.
+
+    If a matrix has no inverse, what may be its zero eigenvalue becomes zero.
+    """
+    slow = is_slow(values)
+    for i in np.flatnonzero(slow.any(axis=1)):
+        inverse = inverse_of(matrices[i])
+        if inverse is None:
+            values[i, np.abs(values[i]) <= NEUTRAL_RTOL * np.abs(values[i]).max()] = 0.0
+            continue
+        pairs: Any = np.linalg.eig(inverse)
+        largest = np.argsort(-np.abs(pairs.eigenvalues), kind="stable")[: slow[i].sum()]
+        values[i, slow[i]] = 1.0 / pairs.eigenvalues[largest]
+        if vectors is not None:
+            vectors[i][:, slow[i]] = pairs.eigenvectors[:, largest]
+
+
+def is_slow(spectra: ComplexArray) -> NDArray[np.bool_]:
+    """Which eigenvalues (..., m) are below the widest gap, where the slowest are far below the fastest.
+
+    None are where one is zero: rounding of a singular matrix is not to be told from slow modes.
+    """
+    sizes = np.abs(spectra)
+    least, largest = sizes.min(axis=-1), sizes.max(axis=-1)
+    apart = (least > 0.0) & (least < SLOW_RTOL * largest)
+    if not apart.any():
+        return np.zeros(spectra.shape, dtype=bool)
+    ascending = np.sort(sizes, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gaps = ascending[..., 1:] / ascending[..., :-1]
+    below = np.take_along_axis(ascending, gaps.argmax(axis=-1)[..., None], axis=-1)
+    return apart[..., None] & (sizes <= below)
+
+
+def growth_scales(spectra: ComplexArray) -> Array:
+    """The sizes (..., m) by which growth is judged: the largest eigenvalue, of slow ones the largest slow."""
+    sizes, slow = np.abs(spectra), is_slow(spectra)
+    largest = sizes.max(axis=-1, keepdims=True, initial=SMALLEST_EIGENVALUE)
+    if not slow.any():
+        return np.broadcast_to(largest, sizes.shape)
+    return np.where(slow, np.where(slow, sizes, 0.0).max(axis=-1, keepdims=True), largest)
+
+
+def growth_rates(spectra: ComplexArray) -> Array:
+    """Growth rates; those that are zero up to rounding are set a little below zero."""
+    bound = NEUTRAL_RTOL * growth_scales(spectra)
+    return np.where(np.abs(spectra.real) < bound, -bound, spectra.real)
+
+
+def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:
+    """Number of growing pairs of eigenvalues; two real ones count as a pair, and so does one alone."""
+    return ((growth_rates(spectra) > 0).sum(axis=-1) + 1) // 2
+
+
+def eigenvalue_distances(spectra: ComplexArray, others: ComplexArray) -> Array:
+    """Distances (N, m, m) of each eigenvalue of N spectra (N, m) to each of N others."""
+    return np.abs(spectra[:, :, None] - others[:, None, :])
+
+
+def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
+    """Which eigenvalues (N, m, m) of N spectra (N, m) are equal but for rounding; none equals itself."""
+    equal = eigenvalue_distances(spectra, spectra) <= EQUAL_RTOL * growth_scales(spectra)[:, :, None]
+    return equal & ~np.eye(spectra.shape[1], dtype=bool)
+
+
+def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Whether the real part of each eigenvalue (m,) of a real matrix (m, m) is nothing but rounding.
+
+    Slow ones are judged as reciprocals of the inverse's eigenvalues.
+    """
+    slow = is_slow(values)
+    inverse = inverse_of(matrix) if slow.any() else None
+    if inverse is None:
+        return _is_rounding(matrix, values)
+    neutral = np.zeros(len(values), dtype=bool)
+    neutral[slow], neutral[~slow] = (
+        _is_rounding(inverse, 1.0 / values[slow]),
+        _is_rounding(matrix, values[~slow]),
+    )
+    return neutral
+
+
+def _is_rounding(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Whether the real part of each of some eigenvalues (k,) may be the backward error's.
+
+    To first order a perturbation E moves an eigenvalue by |E| times its condition number.  If two coalesce,
+    as at critical damping, that number is infinite and tells nothing.  So there is a second condition: some E
+    of this size puts an eigenvalue on the imaginary axis at this frequency.  Both are evaluated for the
+    balanced matrix.
+    """
+    scaled = balanced(matrix)
+    error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(scaled, 2)
+    pairs: Any = np.linalg.eig(scaled)
+    known, right = pairs.eigenvalues, pairs.eigenvectors
+    nearest = np.abs(values[:, None] - known).argmin(axis=1)
+    neutral = np.abs(values.real) * _cosines(right)[nearest] <= error
+    for i in np.flatnonzero(neutral):  # one by one: matrices of many states are large
+        on_axis = scaled - 1j * values.imag[i] * np.eye(len(matrix))
+        # The residual of a unit vector is no less than the least singular value, and takes less time.
+        left_over = np.linalg.norm(on_axis @ right[:, nearest[i]])
+        neutral[i] = left_over <= error or np.linalg.svd(on_axis, compute_uv=False)[-1] <= error
+    return neutral
+
+
+def _cosines(right: ComplexArray) -> Array:
+    """|w v| (m,) of the left and right vectors w, v of length 1: inverse condition numbers of eigenvalues.
+
+    `right` holds the vectors v as columns.  Where eigenvalues coalesce these are no basis, and w v = 0.
+    """
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return np.zeros(len(right))
+    with np.errstate(over="ignore", invalid="ignore"):  # where they are hardly a basis
+        return np.nan_to_num(1.0 / np.linalg.norm(left, axis=1))
+
+
+def balanced(matrix: Array) -> Array:
+    """D^-1 A D with powers of two in the diagonal D that make norms of rows and columns alike.
+
+    It changes no eigenvalue and rounds nothing.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
+    eigenvector computation", arXiv:1401.5766 (2014), algorithm 3, which LAPACK's gebal is.  scipy has it, and
+    takes a third of a second to load.
+    """
+    similar = np.array(matrix, dtype=float)
+    unchanged = False
+    while not unchanged:
+        unchanged = True
+        for i in range(len(similar)):
+            column, row = np.linalg.norm(similar[:, i]), np.linalg.norm(similar[i])
+            if not (column and row and np.isfinite(column + row)):
+                continue
+            power = 2.0 ** np.round(0.5 * np.log2(row / column))
+            if np.hypot(column * power, row / power) < BALANCING_GAIN * np.hypot(column, row):
+                unchanged = False
+                similar[:, i] *= power
+                similar[i] /= power
+    return similar
+
+
+def solve_regular(matrix: Any, right: Any) -> Any:
+    """The solution of a linear system with a state matrix.
+
+    Raises
+    ------
+    ValueError
+        Where the matrix is singular, to rounding.
+    """
+    # Rows and columns are scaled by their size, as state matrices have stiffnesses beside ones.
+    rows = 1.0 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)
+    columns = 1.0 / np.maximum(np.abs(rows[:, None] * matrix).max(axis=0), np.finfo(float).tiny)
+    scaled = rows[:, None] * matrix * columns
+    sizes = np.linalg.svd(scaled, compute_uv=False)
+    if sizes[-1] < SINGULAR_RTOL * sizes[0]:
+        raise ValueError(
+            "the equilibrium must depend smoothly on the parameters to have derivatives, got one where the "
+            "state matrix is singular: take another value"
+        )
+    return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
+        scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
+    )
+
+
+def inverse_of(matrix: Array) -> Array | None:
+    """The inverse of a matrix (m, m); None where it is singular, to rounding."""
+    try:
+        return solve_regular(matrix, np.eye(len(matrix)))
+    except ValueError:
+        return None
+
+
+class Eigenpair(NamedTuple):
+    """An eigenvalue (1/s) with its left and right vectors (m,); `product` is l r, 0 where two coalesce."""
+
+    value: complex
+    left: Any  # real vectors of a real eigenvalue
+    right: Any
+    product: complex
+
+    @property
+    def normalised(self) -> Eigenpair:
+        """The pair with a right vector of length 1, and l r = 1."""
+        length = float(np.linalg.norm(self.right))
+        return Eigenpair(self.value, self.left * (length / self.product), self.right / length, 1.0)
+
+
+def eigenpair(matrix: Array, value: complex) -> Eigenpair:
+    """The vectors of the eigenvalue nearest to a value, also where two coalesce.
+
+    They are the last singular vectors of A - lambda 1, of length 1 in units that give velocities the size of
+    coordinates.
+    """
+    n, odd = divmod(len(matrix), 2)
+    largest = float(np.linalg.norm(matrix, 2))
+    inverse = inverse_of(matrix) if 0.0 < abs(value) < SLOW_RTOL * largest else None
+    size = abs(value) if inverse is not None else np.sqrt(largest) or 1.0
+    of, at = (matrix, value) if inverse is None else (inverse, 1.0 / value)
+    units = np.ones(len(matrix)) if odd else np.repeat([1.0, size], n)
+    shifted = of * units / units[:, None] - at * np.eye(len(matrix))
+    u, _, vh = np.linalg.svd(shifted)
+    left, right = u[:, -1].conj(), vh[-1].conj()
+    return Eigenpair(value, left / units, right * units, complex(left @ right))
