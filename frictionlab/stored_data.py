@@ -17,7 +17,6 @@ from typing import Any
 from frictionlab.validation import (
     abbreviate,
     check_choice,
-    check_flag,
     check_mapping,
     check_number,
     check_text,
@@ -68,21 +67,11 @@ def integer(**rules: Any) -> Check:
     return check
 
 
-def flag(name: str, value: Any) -> None:
-    """A truth value."""
-    check_flag(name, value, "")
-
-
 def text(*choices: str) -> Check:
     """A text, one of the choices where there are any."""
     if choices:
         return lambda name, value: check_choice(name, value, choices)
     return lambda name, value: check_text(name, value, "")
-
-
-def none_or(check: Check) -> Check:
-    """None, or what the check takes."""
-    return lambda name, value: None if value is None else check(name, value)
 
 
 def either(kind: type, check: Check, otherwise: Check) -> Check:
@@ -141,20 +130,6 @@ def array(*shape: int | None, finite: bool = True) -> Check:
         if not (agrees(numbers.shape, shape) or (numbers.size == 0 and shape[0] is None and not value)):
             raise ValueError(
                 f"{name} must have the shape {shape_text(shape)}, got {shape_text(numbers.shape)}"
-            )
-
-    return check
-
-
-def indices(count: int) -> Check:
-    """A list of integers from 0 on that are less than `count`; quick, as there may be millions."""
-
-    def check(name: str, value: Any) -> None:
-        numbers = float_array(name, value, "")
-        whole = numbers.ndim == 1 and not any(isinstance(each, float) for each in value)
-        if not whole or not ((numbers >= 0) & (numbers < count)).all():
-            raise ValueError(
-                f"{name} must be a list of integers from 0 to {count - 1}, got {abbreviate(value)}"
             )
 
     return check

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.sweeps.journal import _content, _json_line
 from tests.faults.damage import Damage
 
 VALUES: dict[str, Callable[[Any], Any]] = {
@@ -84,20 +83,9 @@ def mutations(count: int) -> Iterator[Damage]:
 
 
 def mutate(path: Path, seed: int) -> None:
-    """Change one entry of a file of a run or of a sweep; prints nothing, raises nothing."""
+    """Change one entry of a file of a run; prints nothing, raises nothing."""
     draw = random.Random(f"{seed} {path.name}")
-    content = path.read_bytes()
-    changed = _mutated_run(content, draw) if content[:2] == b"PK" else _mutated_journal(content, draw)
-    path.write_bytes(changed)
-
-
-def _mutated_journal(content: bytes, draw: random.Random) -> bytes:
-    lines = content.split(b"\n")[:-1]
-    at = draw.choice([0, draw.randrange(len(lines))])
-    data = _content(lines[at])
-    assert data is not None, "a file is mutated once"
-    lines[at] = _json_line(mutated(data, draw))[:-1]
-    return b"\n".join([*lines, b""])
+    path.write_bytes(_mutated_run(path.read_bytes(), draw))
 
 
 def _mutated_run(content: bytes, draw: random.Random) -> bytes:

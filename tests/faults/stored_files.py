@@ -1,20 +1,16 @@
 """Files of runs and sweeps, damaged in every way: read as they were, or refused with path and cure.
 
-Mutated ones, whose checksums are right, may be read as something else, which then can be used.
+Mutated ones of runs, whose checksums are right, may be read as something else, which then can be used.
 """
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from scipy.stats import uniform
-
 import frictionlab as fl
-from frictionlab.models.serialisation import NotLoadedError
 from tests.faults.damage import damages
 from tests.faults.mutations import mutations
 from tests.faults.processes import Report, in_a_process, judge, other_user
@@ -55,15 +51,6 @@ def basins(path: Path) -> Any:
     return fl.basins(SLIDER, ("x1'", [0.0, 0.25]), ("y1'", [0.0, 0.1]), "near", resume=path, **SHORT)
 
 
-def shares(path: Path) -> Any:
-    return fl.basin_stability(SLIDER, {"x1'": (0.0, 0.25)}, 6, x0="near", resume=path, **SHORT)
-
-
-def uncertainty(path: Path) -> Any:
-    quantity, preload = fl.CriticalValue("mu_k", (0.0, 4.0)), {"F": uniform(150.0, 50.0)}
-    return fl.uncertainty(SLIDER, quantity, preload, n=16, resume=path, workers=1, **QUIET)
-
-
 def speed(model: Any) -> dict[str, float]:
     return {"v": model.v, "share": model.v / 3}
 
@@ -82,11 +69,9 @@ MADE: dict[str, Callable[[Path], Any]] = {
     "run of own laws": lambda path: fl.simulate(Chain(friction=Fitted()), 2.0, **QUIET).save(path),
     "bifurcation": bifurcation,
     "basins": basins,
-    "shares of basins": shares,
     "resumed bifurcation": bifurcation,
     "resumed sweep": sweep,
     "resumed basins": basins,
-    "resumed uncertainty": uncertainty,
 }
 STORED = {
     **{
@@ -106,12 +91,6 @@ def used(found: Any) -> Any:
     repr(found)
     if isinstance(found, fl.Trajectory):
         found(found.t[:3]), found.stats, found.warning, found.events.counts(), str(found.status)
-    if isinstance(found, fl.Bifurcation):
-        found.section(found.names[0]), found.warnings
-        with suppress(NotLoadedError):
-            found.to_dataframe(), found.to_xarray(), found.plot()
-    if hasattr(found, "fractions"):
-        found.plot()
     return None
 
 
@@ -119,13 +98,6 @@ USED: dict[str, Callable[[Path], Any]] = {
     "run": lambda path: used(fl.load(path)),
     "run of an automaton": lambda path: used(fl.load(path)),
     "run of modes on demand": lambda path: used(fl.load(path)),
-    "bifurcation": lambda path: used(fl.load_bifurcation(path)),
-    "basins": lambda path: used(fl.load_basins(path)),
-    "shares of basins": lambda path: used(fl.load_basins(path)),
-    "resumed bifurcation": bifurcation,
-    "resumed sweep": sweep,
-    "resumed basins": basins,
-    "resumed uncertainty": uncertainty,
 }
 
 

@@ -9,23 +9,21 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from frictionlab.analysis.basins.attractors import UNDECIDED, Attractor, name_attractors
-from frictionlab.analysis.basins.stored import (
-    MAX_SAMPLES,
-    check_results,
-    check_specification,
-    stored_catalogue,
+from frictionlab.analysis.basins.attractors import (
+    UNDECIDED,
+    Attractor,
+    catalogue_of_probes,
+    name_attractors,
 )
 from frictionlab.analysis.basins.tasks import run_basin_tasks
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
-from frictionlab.analysis.sweeps.journal import DELETE, read_journal, write_journal
+from frictionlab.analysis.sweeps.journal import making_result, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
-from frictionlab.stored_data import reading
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -36,6 +34,8 @@ from frictionlab.validation import (
     float_array,
     seed_of,
 )
+
+MAX_SAMPLES = 10_000_000  # initial states, each of which is a run
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,14 +133,10 @@ def load_basins(path: str | Path) -> Basins | BasinStability:
     specification, results = read_journal(path)
     if not {"coordinates", "probes", "group"} <= specification.keys():
         raise ValueError(f"{path} must be a file of basins, and is one of another sweep: give another path")
-    with reading(Path(path), DELETE):
-        check_specification(specification)
-        check_results(specification, results)
-    return (
-        basins_from_results(specification, results)
-        if "x" in specification
-        else basin_stability_from_results(specification, results)
-    )
+    with making_result(path):
+        if "x" in specification:
+            return basins_from_results(specification, results)
+        return basin_stability_from_results(specification, results)
 
 
 def basins_from_results(specification: dict[str, Any], results: dict[int, Any]) -> Basins:
@@ -184,7 +180,8 @@ def _collect_labels(
 ) -> tuple[np.ndarray, tuple[Attractor, ...]]:
     """Labels of all initial states, and the attractors: those of the probes, then those of each group."""
     probes, group = specification["probes"], specification["group"]
-    catalogue = stored_catalogue(specification, results)
+    ends = [results[i] for i in range(probes) if i in results]
+    catalogue = catalogue_of_probes(ends, specification["coordinates"], specification["rtol"])
     known, labels = len(catalogue.attractors), np.full(specification["count"], UNDECIDED)
     for i in sorted(i for i in results if i >= probes):
         index = np.array([*range(known), *(catalogue.place(attractor) for attractor in results[i]["found"])])

@@ -23,7 +23,6 @@ from frictionlab.analysis.basins.attractors import (
     probe_attractor,
     transient_ranges,
 )
-from frictionlab.analysis.basins.stored import check_results
 from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
@@ -69,7 +68,7 @@ def run_basin_tasks(
     specification = _basin_arguments(model, automaton, {**about, **layout}, options)
     probes = [(automaton, starts[i], options) for i in chosen]
     names = [f"initial state {i}" for i in chosen]
-    with Journal(specification, execution.resume, check_results) as journal:
+    with Journal(specification, execution.resume) as journal:
         journal.run_tasks(probe_attractor, probes, names.__getitem__, execution, "attractors")
         if journal.complete:
             _run_groups(journal, automaton, groups, options, len(chosen), execution)

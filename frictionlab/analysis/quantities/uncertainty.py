@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.quantities.quantities import Quantity
-from frictionlab.analysis.sweeps.journal import Journal, results_schema
+from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
-from frictionlab.stored_data import listed, none_or, real
 from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
 
 if TYPE_CHECKING:
@@ -394,8 +393,7 @@ def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
     tasks, names = _evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
     specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
     specification |= {"parameters": list(task.distributions), "points": values.tolist()}
-    schema = results_schema([listed(none_or(real), len(block[3])) for block in tasks])
-    with Journal(specification, how.resume, schema) as journal:
+    with Journal(specification, how.resume) as journal:
         journal.run_tasks(evaluate, tasks, names.__getitem__, how, title)
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
     flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)

@@ -29,7 +29,7 @@ from .factorial_design import (
     switches_of,
     table_of_numbers,
 )
-from .journal import Journal, any_results
+from .journal import Journal
 from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_name, own_name, point_name
 
 if TYPE_CHECKING:
@@ -324,8 +324,7 @@ def ablation(
     plan = _Plan(model, factors, Grid({} if over is None else check_over(over), starts))
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
-    schema = any_results(len(tasks))  # users' functions return what they like
-    with Journal(specification, how.resume, schema) as journal:
+    with Journal(specification, how.resume) as journal:
         journal.run_tasks(_call_study, tasks, names.__getitem__, how, "ablation")
     results = [journal.results.get(i) for i in range(len(tasks))]
     return journal.finish(plan.ablation(results, tuple(named)), len(tasks))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Unpack
@@ -16,7 +15,7 @@ from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
-from frictionlab.analysis.sweeps.journal import DELETE, Journal, read_journal, write_journal
+from frictionlab.analysis.sweeps.journal import Journal, making_result, read_journal, write_journal
 from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
@@ -24,44 +23,14 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import deferred_interrupts, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import Model, check_parameter_name, require_model
-from frictionlab.models.serialisation import NotLoadedError
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
-from frictionlab.stored_data import (
-    array,
-    either,
-    integer,
-    listed,
-    mapping,
-    none_or,
-    number,
-    reading,
-    real,
-    record,
-    text,
-)
-from frictionlab.validation import check_choice, check_number, float_array
+from frictionlab.validation import check_choice, float_array
 
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
 ENSEMBLE_SIZE = 16  # runs side by side: two sets of lanes
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
-
-SPECIFICATION = record(
-    {
-        "model": mapping(),
-        "parameter": text(),
-        "values": array(None),
-        "x0": either(str, text(), either(dict, mapping(number()), array(None))),
-        "states": listed(text(), distinct=True),
-        "section": none_or(either(str, text(), listed(length=2))),
-        "transient": number(least=0.0),
-        "window": number(above=0.0),
-        "tolerance": number(above=0.0),
-        "t_max": none_or(number(above=0.0)),
-        "method": record({"name": text()}),
-    }
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,34 +165,8 @@ def load_bifurcation(path: str | Path) -> Bifurcation:
         raise ValueError(
             f"{path} must be a file of a bifurcation, and is one of another sweep: give another path"
         )
-    with reading(Path(path), DELETE):
-        SPECIFICATION("", specification)
-        check_number("the number of values", len(specification["values"]), least=1)
-        with suppress(NotLoadedError):  # results of models of one's own can be read without them
-            check_parameter_name(Model.from_dict(specification["model"]), specification["parameter"])
-        check_results(specification, results)
-    return bifurcation_from_results(specification, results)
-
-
-def check_results(specification: Mapping[str, Any], results: Mapping[int, Any]) -> None:
-    """Raise ValueError unless each result is one that :func:`steady_state_task` returns."""
-    n, count = len(specification["states"]), len(specification["values"])
-    for i, row in results.items():
-        name = f"results[{i}]"
-        check_number("task", i, below=count)
-        record({"kind": text(*MotionKind)})(name, row)
-        lost, positive = row["kind"] == MotionKind.ENDED_EARLY, number(above=0.0)
-        record(
-            {
-                "period": positive if row["kind"] == MotionKind.PERIODIC else none_or(positive),
-                "onsets": integer(least=0),
-                "intensity": none_or(real if lost else number()),
-                "shares": mapping(real if lost else number(least=0.0)),
-                "section": array(None, n, finite=not lost),
-                "final": array(n, finite=not lost),
-                "warning": none_or(text()),
-            }
-        )(name, row)
+    with making_result(path):
+        return bifurcation_from_results(specification, results)
 
 
 def bifurcation_from_results(specification: dict[str, Any], results: dict[int, Any]) -> Bifurcation:
@@ -325,7 +268,7 @@ def bifurcation(
     specification = _sweep_arguments(model, parameter, models, x0, chosen)
     names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
-    with Journal(specification, how.resume, check_results) as journal:
+    with Journal(specification, how.resume) as journal:
         journal.attempt(lambda: run(list(zip(models, starts, names)), chosen, journal, how))
     return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 

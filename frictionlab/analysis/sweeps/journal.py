@@ -5,8 +5,7 @@ one task.  Every line ends with its checksum.  At the end the lines are put in o
 not depend on how often the sweep was interrupted.
 
 A task depends on the arguments alone.  So a line that a power cut or a bad disk has damaged is left out, and
-its task is computed again; a file is useless only if its first line is damaged.  What has a right checksum is
-checked by the schema of its sweep, as anybody can compute a checksum.
+its task is computed again; a file is useless only if its first line is damaged.
 """
 
 from __future__ import annotations
@@ -16,8 +15,8 @@ import os
 import re
 import warnings
 import zlib
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
@@ -30,20 +29,19 @@ from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
 from frictionlab.file_writing import read_file, replace_file
 from frictionlab.interruption import interruption, keep_partial_result
-from frictionlab.stored_data import Check, anything, integer, json_data, reading, record, text
-from frictionlab.validation import abbreviate, check_number, check_path
+from frictionlab.stored_data import json_data
+from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
 DELETE = "delete it to begin anew, or give another path"
-VERSION = text()
-TASK = record({"task": integer(least=0), "result": anything})
+# What data of other names, types and shapes raise where arrays are made of them.
+NOT_AS_WRITTEN = ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 
 
 Result = TypeVar("Result")
-Schema = Callable[[dict[str, Any], dict[int, Any]], Any]  # of a specification and the results
 
 
 class Journal:
@@ -57,8 +55,6 @@ class Journal:
     specification : dict
         The arguments of the sweep; a file of others is refused.  It is used only if there is a path.
     path : path or None
-    schema : callable of (specification, results)
-        Called when a file is read; raises ValueError for results that no task returns.
     parts : sequence of paths
         Journals of the same sweep, whose results are taken over.
 
@@ -74,13 +70,12 @@ class Journal:
         self,
         specification: dict[str, Any],
         path: str | Path | None = None,
-        schema: Schema = anything,
         parts: Sequence[Path] = (),
     ) -> None:
         self.results: dict[int, Any] = {}
         self._interrupted = False
         self._failure: TaskFailure | None = None
-        self._specification, self._schema, self._parts = specification, schema, parts
+        self._specification, self._parts = specification, parts
         self._path = None if path is None else Path(path)
         self._lock: Any = None
         self._file: Any = None
@@ -128,8 +123,6 @@ class Journal:
         """Take over the results in a file; returns what of it is damaged, in words."""
         stored = _read(path, read_file(path, "give another path"))
         _refuse_another(path, stored.specification, self._specification, stored.version)
-        with reading(path, DELETE):
-            self._schema(self._specification, stored.results)
         self.results |= stored.results
         return stored.damage if stored.damaged else ""
 
@@ -263,29 +256,17 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
     return path
 
 
-def any_results(count: int) -> Schema:
-    """The schema of the results of `count` tasks, of which each may be anything."""
-
-    def check(specification: dict[str, Any], results: dict[int, Any]) -> None:
-        for task in results:
-            check_number("task", task, below=count)
-
-    return check
-
-
-def results_schema(checks: Sequence[Check]) -> Schema:
-    """The schema of the results of tasks: a check for each task."""
-
-    def check(specification: dict[str, Any], results: dict[int, Any]) -> None:
-        for task, result in results.items():
-            check_number("task", task, below=len(checks))
-            checks[task](f"results[{task}]", result)
-
-    return check
+@contextmanager
+def making_result(path: str | Path) -> Iterator[None]:
+    """Context in which a result is made of a file's data: what they do not give is an error that names it."""
+    try:
+        yield
+    except NOT_AS_WRITTEN as error:
+        raise ValueError(f"{path} is damaged ({type(error).__name__}: {error}): {DELETE}") from error
 
 
 def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
-    """The specification of a sweep, and its results by index; their own schemas are left to the caller.
+    """The specification of a sweep, and its results by index.
 
     Raises
     ------
@@ -320,11 +301,6 @@ def _read(path: Path, content: bytes) -> _Content:
             f"{str(version)[:20]}, or delete it to begin anew"
         )
     lines = {i: _content(line) for i, line in enumerate(rest, 2)}
-    with reading(path, DELETE):
-        VERSION("version", version)
-        for i, line in lines.items():
-            if line is not None:
-                TASK(f"line {i}", line)
     results = {line["task"]: line["result"] for line in lines.values() if line is not None}
     return _Content(head, results, version, [i for i, line in lines.items() if line is None])
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
-from frictionlab.analysis.sweeps.journal import Journal, any_results
+from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
@@ -171,7 +171,7 @@ def sweep(
     specification = {"function": function_name(function), "model": model.to_dict(), **grid.specification()}
     tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
     chosen, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
-    with Journal(specification, path, any_results(len(tasks)), parts) as journal:
+    with Journal(specification, path, parts) as journal:
         journal.run_tasks(at_point, tasks, tasks.name, how, "sweep", chosen=chosen)
     results = [journal.results.get(i) for i in range(len(tasks))]
     return journal.finish(grid.sweep(results, model, own_name(function)), len(chosen))

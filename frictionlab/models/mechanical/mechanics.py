@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import SimpleNamespace
@@ -237,7 +238,7 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
     x = check_sequence("x", x, cure)
     if wrong := [one for one in x if isinstance(one, str) or is_sequence(one)]:
         raise TypeError(f"x must hold expressions such as q.x, got {abbreviate(wrong[0])}: {cure}")
-    if wrong := [one for one in x if isinstance(one, int) and abs(one) > np.finfo(float).max]:
+    if wrong := [one for one in x if isinstance(one, int) and abs(one) > sys.float_info.max]:
         raise ValueError(f"x must hold numbers within floats, got {abbreviate(wrong[0])}: {cure}")
     entries = _numbers_of_matrix(matrix, x)
     _check_symmetry(entries)
