@@ -113,4 +113,4 @@ def test_no_layer_is_jumped_over(width):
 def test_what_cannot_be_told_is_said():
     """A decay of 1e9/s is beyond an explicit method."""
     with pytest.raises(Undecided):
-        integrate(belt("Smooth", v_s=1e-9), [0.1, 0.0], [100.0], cap=1000)
+        integrate(belt("Smooth", v_s=1e-9), [0.1, 0.0], [100.0], cap=200)

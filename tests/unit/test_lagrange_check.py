@@ -16,24 +16,21 @@ from tests.helpers.cases import slow_but
 
 @fl.model
 class Dripping(MechanicalModel):
-    """A pendulum on a trolley; the bob's mass changes with time, and the flow may lack a term."""
+    """A bead on a parabola on a trolley; its mass changes with time, and the flow may lack a term."""
 
     m: float = fl.parameter(1.0, unit="kg", symbol="m", meaning="mass", range=(0.1, 9.0), exclusive_minimum=0)
     lacking: str = ""
     coordinates = ("x", "y")
 
     def release(self):
-        """Bob to the side, trolley in motion."""
+        """Bead to the side, trolley in motion."""
         return {"y": 0.4, "x'": 0.3}
 
     def mechanics(self, q, v):
         """T of place and time."""
-        bob = self.m * (1 + fl.functions.cos(q.phase) / 4)
-        along = v.x + v.y * fl.functions.cos(q.y)
-        kinetic = 2 * v.x**2 / 2 + bob * (along**2 + (v.y * fl.functions.sin(q.y)) ** 2) / 2
-        return Mechanics(
-            kinetic, 9.81 * bob * (1 - fl.functions.cos(q.y)) + q.x**2 / 2, v.x**2 / 20, frequency=2.0
-        )
+        bead = self.m * (1 + fl.functions.cos(q.phase) / 4)
+        kinetic = 2 * v.x**2 / 2 + bead * ((v.x + v.y) ** 2 + (q.y * v.y) ** 2) / 2
+        return Mechanics(kinetic, 9.81 * bead * q.y**2 / 2 + q.x**2 / 2, v.x**2 / 20, frequency=2.0)
 
     def derive(self):
         """The flow, less a part of the first or the second acceleration."""

@@ -28,7 +28,8 @@ def test_models_of_the_kept_diagrams_are_those_of_this_version():
     ]
     assert len(diagrams) == 7
     for path in diagrams:
-        assert fl.load_bifurcation(path).model == fl.load_bifurcation(path).model.replace()
+        model = fl.load_bifurcation(path).model
+        assert model == model.replace()
 
 
 def test_work_in_the_folder_is_not_lost(tmp_path, capsys):

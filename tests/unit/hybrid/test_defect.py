@@ -13,7 +13,6 @@ from frictionlab.hybrid.accuracy import CHECK_POINTS, has_residual_above, stored
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, oscillator
-from tests.helpers.cases import slow_but
 
 POINT = 0.5 * (1 + math.cos(0.5 * math.pi / CHECK_POINTS))  # the last, as a share of the step
 
@@ -92,8 +91,9 @@ def test_ends_of_steps_are_those_before_the_reset():
     assert ends[hit, 0] == pytest.approx(0.0, abs=1e-15)
 
 
+@pytest.mark.slow  # test_jet_codegen compares the jets themselves
 @pytest.mark.skipif(not HAS_MACHINE_CODE, reason="needs numba")
-@pytest.mark.parametrize("contact", slow_but([fl.CubicContact()], [fl.CubicContact(), fl.HertzContact()]))
+@pytest.mark.parametrize("contact", [fl.CubicContact(), fl.HertzContact()])
 def test_native_and_interpreted_jets_give_the_same(contact):
     model = fl.SliderOnBelt(mu_k=1.4, contact=contact)
     method = fl.Taylor(tol=1e-8)

@@ -54,7 +54,7 @@ def test_integers_of_numpy_are_saved_as_integers():
 CHECKED = [name for name in MODELS if name != "no default"]
 
 
-@pytest.mark.parametrize("name", slow_but(["defaults", "a law of one's own", "weights"], CHECKED))
+@pytest.mark.parametrize("name", slow_but(["a law of one's own"], CHECKED))
 def test_models_pass_the_conformance_suite(name):
     fl.testing.check_model(MODELS[name], t_end=5.0)
 

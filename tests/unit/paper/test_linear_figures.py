@@ -65,7 +65,7 @@ def test_changes_of_figs_2_and_3_are_where_the_eigenvalues_say(number):
         assert np.array_equal(counts, locus.unstable)
 
 
-@pytest.mark.slow  # test_paper_values has these values, and fig. 5 has curves
+@pytest.mark.slow  # test_paper_values has these values, test_stability_changes curves
 def test_fig_4_at_the_usual_preload():
     curves = figure(4).data.curves
     assert list(curves) == list(CRITICAL)
@@ -73,13 +73,15 @@ def test_fig_4_at_the_usual_preload():
         assert at_200(curves[k_nl]) == pytest.approx(value, abs=1e-7)
 
 
+@pytest.mark.slow  # as that of fig. 4
 def test_fig_5_at_the_usual_preload():
     curves = figure(5).data.curves
     assert at_200(curves["with GN"]) == pytest.approx(1.51378354, abs=1e-7)
     assert at_200(curves["without GN"]) == pytest.approx(1.97391014, abs=1e-7)
 
 
-@pytest.mark.parametrize("number", slow_but([5], [4, 5]))
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [4, 5])
 def test_figs_4_and_5_have_no_gap_and_cover_the_preloads_of_figs_2_and_3(number):
     curves = figure(number).data.curves
     assert curves

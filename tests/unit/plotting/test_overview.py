@@ -19,7 +19,7 @@ def drawn(run):
 
 @pytest.mark.plain_python
 def test_four_panels_with_units_everywhere():
-    figure = drawn(fl.simulate(MODEL, 0.2, progress=False))
+    figure = fl.plot_run(fl.simulate(MODEL, 0.2, progress=False))
     assert len(figure.axes) == 5  # the angle beside the displacements has an axis
     labels = [text for ax in figure.axes[:4] for text in (ax.get_xlabel(), ax.get_ylabel())]
     assert all(text.endswith(("(s)", "(m)", "(N)", "(Hz)", "(m/s)")) for text in labels)

@@ -16,7 +16,7 @@ DARK = (17, 17, 17)
 
 @pytest.fixture
 def explorer():
-    made = fl.explore(fl.SliderOnBelt(mu_k=1.4), ("mechanism", "response", "phase"))
+    made = fl.explore(fl.SliderOnBelt(mu_k=1.4), ("mechanism", "response"))
     yield made
     made.close()
 
@@ -95,7 +95,7 @@ def test_a_scene_is_kept_beside_another_and_exchanged(explorer):
     assert explorer.comparison.mechanism is None
     assert explorer.layout.comparison.layout.display == "none"
     assert explorer.controls["swap"].disabled
-    assert len(explorer.layout.pictures.children) == 3
+    assert len(explorer.layout.pictures.children) == 2
 
 
 def frames_of(model):

@@ -171,7 +171,7 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("scene", slow_but(["changed", "own law"], SCENES))
+@pytest.mark.parametrize("scene", slow_but(["own law"], SCENES))
 def test_the_snippet_gives_the_model_and_the_run_again(scene):
     model = SCENES[scene]
     explorer = made(model, ("response",))

@@ -28,9 +28,9 @@ def test_a_slow_decay_is_not_settled_yet(c, window):
     ("model", "x0"),
     [
         (fl.MassOnBelt(c=1e-2, **SLIDES), "rest"),
-        (fl.MassOnBelt(c=2e-3, **SLIDES), "rest"),
+        pytest.param(fl.MassOnBelt(c=2e-3, **SLIDES), "rest", marks=pytest.mark.slow),
         (fl.TwoBlocks(c=1e-2, **SLIDES), APART),
-        (fl.TwoBlocks(c=2e-3, k2=2.5, **SLIDES), APART),
+        pytest.param(fl.TwoBlocks(c=2e-3, k2=2.5, **SLIDES), APART, marks=pytest.mark.slow),
     ],
 )
 def test_a_slow_decay_goes_on_to_the_equilibrium(model, x0):
@@ -42,6 +42,7 @@ def test_a_slow_decay_goes_on_to_the_equilibrium(model, x0):
     assert found.transient == pytest.approx(2 * np.log(1e3) / model.c, rel=0.3, abs=200.0)
 
 
+@pytest.mark.slow  # as that of test_bifurcation
 def test_a_sweep_goes_on_where_a_motion_decays_slowly():
     model = fl.MassOnBelt(c=1e-3, **SLIDES)
     options = {"transient": 200.0, "window": 100.0, "progress": False}

@@ -86,7 +86,7 @@ def same(automaton, native, mode, order, states):
         assert np.isfinite(interpreted[rows, : order + 1]).all()
 
 
-@pytest.mark.parametrize("number", slow_but([8, 13], range(len(AUTOMATA))))
+@pytest.mark.parametrize("number", slow_but([13], range(len(AUTOMATA))))
 def test_every_mode_of_every_scene_to_the_last_bit(number):
     automaton = AUTOMATA[number]
     states = np.random.default_rng(number).normal(size=(3, len(automaton.states)))
@@ -99,7 +99,7 @@ def test_every_mode_of_every_scene_to_the_last_bit(number):
 def test_one_code_serves_every_order(automaton):
     native = with_code(automaton, 0)
     address = native.code.native[0]
-    for order in range(MAX_ORDER + 1):
+    for order in (0, 1, 2, 3, 8, 19, 40, MAX_ORDER):
         state = np.random.default_rng(order).normal(size=len(automaton.states))
         same(automaton, native, 0, order, [state])
     assert native.code.native[0] == address
@@ -125,12 +125,14 @@ def test_whether_a_power_has_a_series_depends_on_the_order():
 def test_whether_a_power_has_a_series_depends_on_the_curvature_of_its_base():
     """Of (e + x^2)^a at x = 0, x' = 1, there is one where e > 2^(-2 963/order)."""
     x, a, e = sp.symbols("x a e")
+    mode = Mode("m", (sp.S.One,), (), ((e + x**2) ** a,))
+    automaton = HybridAutomaton((x,), (mode,), {a: 1.5, e: 1.0}, 0)
+    native = with_code(automaton, 0)
     for order in (4, 11, 26, 32, MAX_ORDER):
         for share in (1 - 4e-6, 1 + 4e-6):
-            numbers = {a: 1.5, e: share * 4.0 ** (LOG2_LEAST_RATIO / order)}
-            automaton = HybridAutomaton((x,), (Mode("m", (sp.S.One,), (), ((e + x**2) ** a,)),), numbers, 0)
-            program, values = program_of(automaton)
-            native, guard = with_code(automaton, 0), program.code.function_slots[0]
+            changed = automaton.replace(e=share * 4.0 ** (LOG2_LEAST_RATIO / order))
+            program, values = program_of(changed)
+            guard = program.code.function_slots[0]
             jets, interpreted = np.full((2, program.slots, JET_COLUMNS), np.nan)
             mode_jets(native.code, values, 0, order, np.zeros(1), jets)
             mode_jets(program.code, values, 0, order, np.zeros(1), interpreted)
@@ -174,7 +176,7 @@ def test_a_run_may_change_over_at_any_step(monkeypatch):
         if limit == 0:
             for mode in range(len(native.code.native)):
                 native.compile(mode)
-        run = fl.simulate(model, 20.0, progress=False)
+        run = fl.simulate(model, 10.0, progress=False)
         used = native.code.native
         if limit == 100:
             wait(native.requested.values())

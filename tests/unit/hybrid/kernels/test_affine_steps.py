@@ -33,7 +33,7 @@ def exact(automaton, times, x0):
 @pytest.mark.parametrize("start", slow_but(["moving"], ["rest", "moving"]))
 def test_states_and_what_lies_between(start):
     x0 = np.zeros(8) if start == "rest" else np.linspace(-0.02, 0.03, 8)
-    times = np.sort(np.random.default_rng(1).uniform(0, 2.0, 12))
+    times = np.sort(np.random.default_rng(1).uniform(0, 2.0, 6))
     run = fl.simulate(LINEAR, 2.0, x0=x0, t_eval=times, progress=False)
     states = np.hstack([run.q, run.v])
     expected = exact(LINEAR.automaton(), times, x0)
@@ -49,7 +49,7 @@ def test_long_runs_keep_their_digits():
 
 
 def test_runs_shorter_than_a_step_and_ends_between_steps():
-    for t_end in (1e-4, 0.01234, 0.5):
+    for t_end in (1e-4, 0.01234):
         run = fl.simulate(LINEAR, t_end, progress=False)
         expected = exact(LINEAR.automaton(), [t_end], np.zeros(8))[0]
         assert run.t[-1] == t_end

@@ -24,6 +24,7 @@ def run_of(model, t_end, chatter):
     return run
 
 
+@pytest.mark.slow  # the next test has a walk that is shorter
 def test_the_limit_is_what_the_walk_comes_to():
     """329,000 flights, down to what the clock resolves, against none."""
     walked, limit = run_of(STIFF, 0.0795, 0.0), run_of(STIFF, 0.0795, 1e-7)

@@ -118,7 +118,7 @@ def test_the_limit_of_small_gaps(seed):
     assert after(against_wall, [-1.0, 0.0], [1.0, 0.0], 1.01)[1] == pytest.approx(walked, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", slow_but(range(2), range(4)))
+@pytest.mark.parametrize("seed", slow_but([1], range(4)))
 def test_energy_never_grows_and_the_order_of_contacts_does_not_matter(seed):
     """Balls that all meet at one instant."""
     rng = np.random.default_rng(seed)

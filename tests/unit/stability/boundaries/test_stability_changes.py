@@ -243,9 +243,7 @@ def test_an_equilibrium_that_gives_way_to_another_is_a_fold():
     assert folds[0].value == pytest.approx(low, rel=1e-8)
 
 
-@pytest.mark.parametrize(
-    "bounds", slow_but([(10, 200), (90, 100)], [(10, 200), (20, 400), (5, 1000), (90, 100)])
-)
+@pytest.mark.parametrize("bounds", slow_but([(10, 200)], [(10, 200), (20, 400), (5, 1000), (90, 100)]))
 @pytest.mark.parametrize(
     ("a1", "a2"),
     [
