@@ -1,19 +1,19 @@
-"""Derivatives of a run by the parameters: its tangent flow, with a small change of each parameter as a state.
+"""Derivatives of a run by the parameters: its tangent flow, with the parameters as states of zero rate.
 
-A parameter p of size s becomes p + s e, with a state e that is and stays zero.  Only first order matters:
-every coefficient N(p) of the equations is replaced by N + sum of s_k e_k dN/dp_k, so that flows, guards,
-resets and constraints keep their form, and the saltation matrices hold how events depend on parameters.
-The run is that of the model itself, to the last bit; only the tangent vectors are integrated anew.
+Flows, guards, resets and constraints keep their form, and the saltation matrices hold how events depend on
+parameters.  The run is that of the model itself, to the last bit; only the tangent vectors are integrated
+anew.
 
-A power u^p whose exponent depends on a parameter becomes u^p (1 + log(u) dp).  At u = 0, where a contact with
-a force penetration^p begins, log(u) is not finite while u^p log(u) is zero.  There the tapes without this
-term are used: at an event with u = 0, and in the first step from it, for which the run takes the power as
-constant.
+A power u^p whose exponent depends on a parameter becomes u^c (1 + log(u) (p - c)), where c is the value of p.
+At u = 0, where a contact with a force penetration^p begins, log(u) is not finite while u^p log(u) is zero.
+There the tapes without this term are used: at an event with u = 0, and in the first step from it, for which
+the run takes the power as constant.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -40,11 +40,11 @@ from frictionlab.hybrid.variational.tangent_jets import (
     constraint_gradients,
     linearise_mode,
 )
-from frictionlab.models.symbols import derivatives
 from frictionlab.tape.packing import program_of
 
 Array = NDArray[np.float64]
 INNER = "chatter"  # a setting of the solver, not a parameter of the motion
+STATES_OF_RUN = "step_states", "event_states", "point_states", "state"
 
 
 class ParameterFlow(NamedTuple):
@@ -87,7 +87,7 @@ def parameter_flow(
     n, q, count = len(run.names), len(integrands), len(names)
     varied = _varied_run(run, tuple(names), tuple(integrands))
     *_, end = _carry(varied, _first_frame(varied, n, q, count, free))
-    by_parameters = end[: n + q, n:] / _scales(run.automaton, names)
+    by_parameters = end[: n + q, n:]
     return ParameterFlow(end[:n, :n], by_parameters[:n], end[n : n + q, :n], by_parameters[n:])
 
 
@@ -117,11 +117,10 @@ def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool
     n, count = len(run.names), len(names)
     varied = _varied_run(run, tuple(names), ())
     frame = _first_frame(varied, n, 0, count, free)
-    scales = np.concatenate([np.ones(n), _scales(run.automaton, names)])
     states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
     plain = None if varied.plain is None else _split_steps(varied.plain, times, states)
     split = _VariedRun(_split_steps(varied.run, times, states), plain)
-    samples, moved, end = (part / scales for part in _carry(split, frame, times))
+    samples, moved, end = _carry(split, frame, times)
     return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
 
 
@@ -133,7 +132,7 @@ def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
     ends = starts + lengths
     inside = (places >= 0) & (times > starts[places]) & (times < ends[places]) if len(starts) else places > 0
     at, cut = places[inside], times[inside]
-    wide = _with_zeros(states[inside], raw.step_states.shape[1] - states.shape[1])
+    wide = _with_states(states[inside], raw.state[states.shape[1] :])
     order = np.argsort(np.concatenate([starts, cut]), kind="stable")
     begin = np.concatenate([starts, cut])[order]
     until = np.concatenate([ends, ends[at]])[order]
@@ -203,7 +202,7 @@ def _first_frame(varied: _VariedRun, n: int, q: int, count: int, free: bool) -> 
 
 
 class _VariedRun(NamedTuple):
-    """A run with changes of parameters as states, and one without changes in exponents, if there are any."""
+    """A run with parameters as states, and the one whose exponents do not vary, if they have any."""
 
     run: Trajectory
     plain: Trajectory | None
@@ -270,126 +269,95 @@ def _saltation(varied: _VariedRun, i: int) -> Array:
     return saltation if np.isfinite(saltation).all() else event_saltation(varied.plain, i)
 
 
-def _scales(automaton: HybridAutomaton, names: Sequence[str]) -> Array:
-    return np.array([abs(automaton.values[name]) or 1.0 for name in names], dtype=float)
-
-
 def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]) -> _VariedRun:
-    """A run as one of the automaton with changes of parameters as states."""
+    """A run as one of the automaton with parameters, and integrals, as further states."""
     automaton = run.automaton
-    modes = tuple(automaton.mode(name) for name in run.mode_names)
     symbols = {symbol.name: symbol for symbol in automaton.parameters}
     chosen = tuple(symbols[name] for name in names)
-    of = automaton.states, modes, chosen, integrands
-    varied = _varied_modes(*of, True)
-    numbers = dict(zip(map(_scale, chosen), _scales(automaton, names)))
-    states = (*automaton.states, *varied.integrals, *map(_change, chosen))
-    more = len(states) - len(automaton.states)
-    raw = run.raw._replace(
-        **{
-            name: _with_zeros(getattr(run.raw, name), more)
-            for name in ("step_states", "event_states", "point_states", "state")
-        }
-    )
+    modes = tuple(automaton.mode(name) for name in run.mode_names)
+    integrals = tuple(sympy.Symbol(f"integral {i}") for i in range(len(integrands)))
+    held = {_held(symbol): automaton.parameters[symbol] for symbol in chosen}
+    numbers = {symbol: value for symbol, value in automaton.parameters.items() if symbol not in chosen} | held
+    states = (*automaton.states, *integrals, *chosen)
+    start = np.concatenate([np.zeros(len(integrands)), [automaton.values[name] for name in names]])
+    raw = run.raw._replace(**{name: _with_states(getattr(run.raw, name), start) for name in STATES_OF_RUN})
 
-    def of_modes(those: tuple[Mode, ...]) -> Trajectory:
-        numbered = {**automaton.parameters, **numbers}
-        wider = HybridAutomaton(states, those, numbered, automaton.coordinates, automaton.cyclic)
-        problem = Problem(*program_of(wider), np.append(run.problem.x0, np.zeros(more)), run.problem.t_end)
-        return Trajectory(wider, problem, raw, run.samples, description=run.description)
+    def with_exponents(vary: bool) -> Trajectory:
+        wider = _with_rates(modes, automaton.states, integrands, chosen, vary)
+        of = HybridAutomaton(states, wider, numbers, automaton.coordinates, automaton.cyclic)
+        problem = Problem(*program_of(of), np.append(run.problem.x0, start), run.problem.t_end)
+        return Trajectory(of, problem, raw, run.samples, description=run.description)
 
-    plain = of_modes(_varied_modes(*of, False).modes) if varied.in_exponents else None
-    return _VariedRun(of_modes(varied.modes), plain)
+    plain = with_exponents(vary=False) if _in_exponents(modes, chosen) else None
+    return _VariedRun(with_exponents(vary=True), plain)
 
 
-def _with_zeros(array: Array, more: int) -> Array:
-    return np.concatenate([array, np.zeros((*array.shape[:-1], more))], axis=-1)
+def _with_states(array: Array, more: Array) -> Array:
+    """An array (..., n) with the same further states everywhere."""
+    return np.concatenate([array, np.broadcast_to(more, (*array.shape[:-1], len(more)))], axis=-1)
 
 
-def _change(symbol: Any) -> Any:
-    return sympy.Symbol(f"change of {symbol.name}")
-
-
-def _scale(symbol: Any) -> Any:
-    return sympy.Symbol(f"scale of {symbol.name}")
-
-
-class _VariedModes(NamedTuple):
-    modes: tuple[Mode, ...]
-    integrals: tuple[Any, ...]
-    in_exponents: bool  # whether an exponent depends on a parameter
+def _held(symbol: Any) -> Any:
+    """The value of a parameter, which does not vary."""
+    return sympy.Symbol(f"{symbol.name} held", positive=symbol.is_positive, real=symbol.is_real)
 
 
 @lru_cache(maxsize=64)
-def _varied_modes(
-    states: tuple[Any, ...],
+def _with_rates(
     modes: tuple[Mode, ...],
-    chosen: tuple[Any, ...],
+    states: tuple[Any, ...],
     integrands: tuple[Any, ...],
-    exponents: bool,
-) -> _VariedModes:
-    vary = _Variation(states, chosen, exponents)
-    integrals = tuple(sympy.Symbol(f"integral {i}") for i in range(len(integrands)))
-    rates, still = tuple(map(vary, integrands)), (sympy.S.Zero,) * len(chosen)
-    known = {mode.name for mode in modes}
+    chosen: tuple[Any, ...],
+    vary: bool,
+) -> tuple[Mode, ...]:
+    """Modes with the rates of integrals and parameters.
+
+    Functions of parameters alone, which kernels need not know, vary to first order; exponents do, or not at
+    all.
+    """
+    known, more = {mode.name for mode in modes}, (*integrands, *(sympy.S.Zero for _ in chosen))
+    held = {symbol: _held(symbol) for symbol in chosen}
+
+    def power(base: Any, exponent: Any) -> Any:
+        value = exponent.xreplace(held)
+        return base**value * (1 + sympy.log(base) * (exponent - value) if vary and exponent != value else 1)
+
+    def is_number(expr: Any) -> bool:
+        return expr.is_Function and expr.free_symbols.isdisjoint(states)
+
+    def linear(number: Any) -> Any:
+        # A function that jumps, as the sign of the belt's speed, has no derivative there, zero elsewhere.
+        slopes = {p: number.diff(p).replace(sympy.DiracDelta, lambda *_: 0) for p in chosen}
+        changes = (slope.xreplace(held) * (p - held[p]) for p, slope in slopes.items())
+        return sympy.Add(number.xreplace(held), *changes)
+
+    def varied(expression: Any) -> Any:
+        expr = sympy.sympify(expression, strict=True).replace(sympy.Pow, power)
+        return expr.replace(is_number, linear)
 
     def varied_reset(reset: Reset) -> Reset:
-        jump = {state: vary(value) for state, value in reset.jump.items()}
-        return Reset(jump, {vary(function): order for function, order in reset.vanishing.items()})
+        jump = {state: varied(value) for state, value in reset.jump.items()}
+        return Reset(jump, {varied(function): order for function, order in reset.vanishing.items()})
 
     def varied_event(event: Event) -> Event:
         closing = None if event.accumulation is None else varied_reset(event.accumulation)
         targets = tuple(name for name in event.targets if name in known)
-        return Event(event.name, vary(event.function), targets, varied_reset(event.reset), closing)
+        return Event(event.name, varied(event.function), targets, varied_reset(event.reset), closing)
 
-    varied = tuple(
-        Mode(
-            mode.name,
-            (*map(vary, mode.flow), *rates, *still),
-            tuple(map(varied_event, mode.events)),
-            tuple(map(vary, mode.constraints)),
-            {},
-            mode.limit,
+    return tuple(
+        replace(
+            mode,
+            flow=tuple(map(varied, (*mode.flow, *more))),
+            events=tuple(map(varied_event, mode.events)),
+            constraints=tuple(map(varied, mode.constraints)),
+            outputs={},
         )
         for mode in modes
     )
-    return _VariedModes(varied, integrals, vary.in_exponents)
 
 
-class _Variation:
-    """Puts changes of the parameters into expressions, to first order."""
-
-    def __init__(self, states: tuple[Any, ...], chosen: tuple[Any, ...], exponents: bool) -> None:
-        self._states, self._chosen, self._exponents = frozenset(states), frozenset(chosen), exponents
-        self._known: dict[Any, Any] = {}
-        self.in_exponents = False
-
-    def __call__(self, expression: Any) -> Any:
-        expr = sympy.sympify(expression, strict=True)
-        if expr not in self._known:
-            self._known[expr] = self._varied(expr)
-        return self._known[expr]
-
-    def _varied(self, expr: Any) -> Any:
-        here = expr.free_symbols
-        if here.isdisjoint(self._chosen):
-            return expr
-        if here.isdisjoint(self._states):
-            return expr + self._linear(expr)
-        if expr.is_Add or expr.is_Mul:
-            alone = [a for a in expr.args if a.free_symbols.isdisjoint(self._states)]
-            rest = [self(a) for a in expr.args if not a.free_symbols.isdisjoint(self._states)]
-            return expr.func(self(expr.func(*alone)), *rest)
-        if expr.is_Pow:
-            power = sympy.Pow(self(expr.base), expr.exp)
-            if expr.exp.free_symbols.isdisjoint(self._chosen):
-                return power
-            self.in_exponents = True
-            return power * (1 + sympy.log(expr.base) * self._linear(expr.exp)) if self._exponents else power
-        return expr.func(*map(self, expr.args))
-
-    def _linear(self, number: Any) -> Any:
-        slopes = derivatives(number, self._chosen)
-        # A function that jumps, as the sign of the belt's speed, has no derivative there, zero elsewhere.
-        smooth = {p: d.replace(sympy.DiracDelta, lambda *_: 0) for p, d in slopes.items()}
-        return sympy.Add(*(_scale(p) * slope * _change(p) for p, slope in smooth.items()))
+@lru_cache(maxsize=64)
+def _in_exponents(modes: tuple[Mode, ...], chosen: tuple[Any, ...]) -> bool:
+    """Whether an exponent in a flow depends on one of the parameters."""
+    powers = (power for mode in modes for rate in mode.flow for power in sympy.sympify(rate).atoms(sympy.Pow))
+    return any(not power.exp.free_symbols.isdisjoint(chosen) for power in powers)
