@@ -16,7 +16,7 @@ if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
     sys.modules["numba"] = None  # any import of it fails, as if it were not installed
 
 # The first example may compile the solver, so no deadline; the same examples on every machine.
-settings.register_profile("frictionlab", deadline=None, derandomize=True, max_examples=20)
+settings.register_profile("frictionlab", deadline=None, derandomize=True, max_examples=10)
 settings.register_profile(
     "thorough", settings.get_profile("frictionlab"), max_examples=250
 )  # in `nox -s slow`

@@ -98,7 +98,11 @@ def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Place
     n = stated.n
     clear = (t - 4.0 * first > begins[steps]) & (t + 4.0 * first < begins[steps] + lengths[steps])
     t, first = t[clear], first[clear]
-    accelerations, errors = differences(lambda h: run(t + h)[:, n : 2 * n], first, TIME_LEVELS)
+
+    def velocities(h: Array) -> Array:
+        return run((t + h).ravel())[:, n : 2 * n].reshape(*h.shape, n)
+
+    accelerations, errors = differences(velocities, first, TIME_LEVELS)
     fastest = np.abs(run.raw.step_states).max(axis=0)[n : 2 * n]
     errors += ROUNDING * (fastest + np.abs(accelerations) * t[:, None]) / first[:, None]
     known = np.isfinite(errors).all(axis=1)

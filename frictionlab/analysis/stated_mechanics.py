@@ -162,7 +162,12 @@ class StatedMechanics:
         with np.errstate(all="ignore"):
             room = np.where(along != 0.0, self.sizes / np.abs(along), np.inf).min(axis=1)
         first = np.where(np.isfinite(room), FIRST_SHARE * room, 1.0)
-        return differences(lambda h: function(states + h[:, None] * along), first, LEVELS)
+
+        def at_steps(h: Array) -> Array:
+            places = states + h[..., None] * along
+            return function(places.reshape(-1, places.shape[-1])).reshape(h.shape)
+
+        return differences(at_steps, first, LEVELS)
 
     def gradient(self, function: StateFunction, states: Array, first: int) -> tuple[Array, Array]:
         """Derivatives (N, n) by the coordinates, `first` 0, or the velocities, and their errors."""
@@ -237,19 +242,18 @@ class StatedMechanics:
 
 
 def differences(function: Callable[[Array], Array], first: Array, levels: int) -> tuple[Array, Array]:
-    """The derivative at 0 of a function of steps (N,), and its error; infinite where there is none."""
-    known: list[Array] = []
-    rounding: list[Array] = []
-    for level in range(levels):
-        h = first * REFINEMENT**level
-        ends = [(function(k * h), function(-k * h)) for k in range(1, len(CENTRAL_WEIGHTS) + 1)]
-        total: Any = sum(w * (ahead - back) for w, (ahead, back) in zip(CENTRAL_WEIGHTS, ends, strict=True))
-        size = np.max([np.abs(one) for pair in ends for one in pair], axis=0)
-        steps = h.reshape(-1, *[1] * (np.ndim(total) - 1))
-        known.append(total / steps)
-        rounding.append(ROUNDING * size / steps)
-    values = np.array(known)
-    errors = np.abs(np.diff(values, axis=0)) + np.array(rounding[1:])
+    """The derivative at 0 of a function of steps (N,), and its error; infinite where there is none.
+
+    The function is called twice, with all steps (..., N) of a side, as a call costs more than its numbers.
+    """
+    h = first * REFINEMENT ** np.arange(levels)[:, None]
+    multiples = np.arange(1, len(CENTRAL_WEIGHTS) + 1)
+    ahead, back = (function(np.multiply.outer(side * multiples, h)) for side in (1, -1))
+    total: Any = sum(w * one for w, one in zip(CENTRAL_WEIGHTS, ahead - back, strict=True))
+    size = np.maximum(np.abs(ahead), np.abs(back)).max(axis=0)
+    steps = h.reshape(*h.shape, *[1] * (total.ndim - h.ndim))
+    values = total / steps
+    errors = np.abs(np.diff(values, axis=0)) + (ROUNDING * size / steps)[1:]
     errors = np.where(np.isfinite(errors), errors, np.inf)
     best = errors.argmin(axis=0)[None]
     value = np.take_along_axis(values, best + 1, 0)[0]

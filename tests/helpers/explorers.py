@@ -7,7 +7,7 @@ from PIL import Image
 
 import frictionlab as fl
 
-SHORT = ("response", "phase", "forces", "spectrum")
+SHORT = ("response", "phase")
 
 
 def made(model=None, panels=SHORT, seconds=1.0):

@@ -10,7 +10,8 @@ from frictionlab.widgets.result import QUICK_METHOD
 from tests.helpers.explorers import lines, made, pixels
 
 
-def test_the_lines_are_those_of_the_run(explorer):
+def test_the_lines_are_those_of_the_run():
+    explorer = fl.explore(panels=("response", "forces"))
     explorer.controls["mu_k"].value = 1.4
     run = fl.simulate(fl.SliderOnBelt(mu_k=1.4), 20.0, method=QUICK_METHOD, progress=False)
     for label, name in {"$x_{1}$": "x1", r"$\varphi$": "phi"}.items():
@@ -104,7 +105,8 @@ def test_method_start_duration_and_window(explorer):
     assert (t[0], t[-1]) == (0.0, 2.0)
 
 
-def test_the_coordinate_of_phase_plane_and_spectrum(explorer):
+def test_the_coordinate_of_phase_plane_and_spectrum():
+    explorer = fl.explore(panels=("phase", "spectrum"))
     explorer.controls["coordinate"].value = "phi"
     x = lines(explorer, "phase")["slip+"].get_xdata()
     assert np.nanmax(np.abs(x)) == pytest.approx(np.abs(explorer.result.state("phi")).max(), rel=1e-9)

@@ -6,7 +6,6 @@ from itertools import pairwise
 from zoneinfo import ZoneInfo
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy.optimize import least_squares
 
@@ -252,6 +251,14 @@ def test_intervals_by_spectra_hold_the_truth_as_often_as_they_say():
 SECONDS = np.array([0.0, 0.1, 0.25, 3661.5])
 
 
+@pytest.fixture
+def pd():
+    """Imported by tests that need it, not by every process that collects them: that takes a second."""
+    import pandas
+
+    return pandas
+
+
 def stamps_of(zone):
     """Python's time stamps about the end of summer time in Berlin, when clocks are set back by an hour."""
     first = datetime(2026, 10, 25, 0, 30, tzinfo=UTC).astimezone(zone)
@@ -262,22 +269,22 @@ def stamps_of(zone):
 @pytest.mark.parametrize(
     "of",
     [
-        lambda steps: steps,
-        lambda steps: list(steps),
-        lambda steps: [timedelta(seconds=s) for s in SECONDS],
-        lambda steps: np.datetime64("2026-01-01T12:00:00") + steps,
-        lambda steps: pd.to_timedelta(steps),
-        lambda steps: pd.Series(pd.to_timedelta(steps)),
-        lambda steps: pd.Timestamp("2026-01-01") + pd.to_timedelta(steps),
-        lambda steps: pd.Timestamp("2026-10-25", tz="Europe/Berlin") + pd.to_timedelta(steps),
-        lambda steps: list(pd.Timestamp("2026-01-01") + pd.to_timedelta(steps)),
-        lambda steps: stamps_of(None),
-        lambda steps: stamps_of(ZoneInfo("Europe/Berlin")),
+        lambda pd, steps: steps,
+        lambda pd, steps: list(steps),
+        lambda pd, steps: [timedelta(seconds=s) for s in SECONDS],
+        lambda pd, steps: np.datetime64("2026-01-01T12:00:00") + steps,
+        lambda pd, steps: pd.to_timedelta(steps),
+        lambda pd, steps: pd.Series(pd.to_timedelta(steps)),
+        lambda pd, steps: pd.Timestamp("2026-01-01") + pd.to_timedelta(steps),
+        lambda pd, steps: pd.Timestamp("2026-10-25", tz="Europe/Berlin") + pd.to_timedelta(steps),
+        lambda pd, steps: list(pd.Timestamp("2026-01-01") + pd.to_timedelta(steps)),
+        lambda pd, steps: stamps_of(None),
+        lambda pd, steps: stamps_of(ZoneInfo("Europe/Berlin")),
     ],
 )
-def test_time_stamps_and_differences_are_seconds(of, unit):
+def test_time_stamps_and_differences_are_seconds(of, unit, pd):
     steps = np.round(SECONDS * 1000).astype("timedelta64[ms]").astype(f"timedelta64[{unit}]")
-    record = fl.TimeRecord(of(steps), {"x": [1.0, 2.0, 3.0, 4.0]})
+    record = fl.TimeRecord(of(pd, steps), {"x": [1.0, 2.0, 3.0, 4.0]})
     np.testing.assert_allclose(record.t, SECONDS, rtol=1e-15)
     lines = fl.SpectrumRecord.from_record(record, [0.1])
     assert lines.start is record.start
@@ -301,7 +308,6 @@ def test_time_differences_need_not_begin_at_zero_and_stamps_of_one_start():
     [
         (SECONDS, np.ma.masked_equal([1.0, 2.0, 9.0, 3.0], 9.0), r"values\['x'\] .* got nan at index 2"),
         (SECONDS, np.ma.masked_equal([1, 2, 9, 3], 9), r"values\['x'\] .* got nan at index 2"),
-        (SECONDS, pd.Series([1, 2, pd.NA, 3], dtype="Float64"), r"values\['x'\] .* at index 2"),
         (SECONDS, np.arange(4).astype("timedelta64[ms]"), r"values\['x'\] must hold numbers, .*timedelta64"),
         (np.ma.masked_equal(SECONDS, 0.25), np.ones(4), "got a missing one at index 2: leave it out"),
         ([0.0, 0.1, np.nan, 0.3], np.ones(4), "got a missing one at index 2: leave it out"),
@@ -313,6 +319,12 @@ def test_time_differences_need_not_begin_at_zero_and_stamps_of_one_start():
 def test_missing_values_are_refused_by_name(t, values, message):
     with pytest.raises(ValueError, match=message):
         fl.TimeRecord(t, {"x": values})
+
+
+def test_a_missing_value_of_pandas_is_refused_by_name(pd):
+    values = pd.Series([1, 2, pd.NA, 3], dtype="Float64")
+    with pytest.raises(ValueError, match=r"values\['x'\] .* at index 2"):
+        fl.TimeRecord(SECONDS, {"x": values})
 
 
 @pytest.mark.parametrize(
