@@ -161,6 +161,10 @@ from .stability import linearize as linearize
 from .stability import root_locus as root_locus
 from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
+from .structures.damping import RayleighDamping as RayleighDamping
+from .structures.matrix_files import read_matrix as read_matrix
+from .structures.structure import Structure as Structure
+from .structures.window_eigenvalues import WindowEigenvalues as WindowEigenvalues
 from .widgets.canvas import Canvas as Canvas
 from .widgets.canvas import watch as watch
 from .widgets.explorer import Explorer as Explorer

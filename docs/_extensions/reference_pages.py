@@ -29,6 +29,10 @@ GROUPS = {
     ),
     "hybrid": ("Solver", "Methods, runs, and the derivative of a run."),
     "stability": ("Stability of steady sliding", "Equilibria, eigenvalues and how parameters change them."),
+    "structures": (
+        "Structures from matrices",
+        "Sparse matrices as finite-element programs export them, see [how](../how-to/structures.md).",
+    ),
     "analysis": ("Runs and their analysis", "From one run to steady states, sweeps and periodic orbits."),
     "interruption": (
         "Ctrl-C and progress bars",

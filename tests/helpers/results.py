@@ -86,6 +86,14 @@ def basin_stability():
     return fl.basin_stability(STICK_SLIP, ranges, 6, transient=50.0, window=20.0, **QUIET)
 
 
+STRUCTURE = fl.Structure(
+    [[1.0, 0.0], [0.0, 1.0]],
+    [[2.0, 0.0], [0.0, 1.0]],
+    circulatory=[("mu", [[0.0, 1.0], [-1.0, 0.0]])],
+    parameters={"mu": 0.6},
+)
+
+
 BUILDERS = {
     "run": run,
     "run of two contacts": run_of_two_contacts,
@@ -106,6 +114,7 @@ BUILDERS = {
     "ablation of bifurcations": lambda: fl.ablation(STICK_SLIP, short_bifurcation, **QUIET),
     "locus": lambda: fl.root_locus(SLIDER, "mu_k", [0.5, 1.0, 1.5, 2.0]),
     "eigenvalues": lambda: fl.eigenvalues(SLIDER.replace(mu_k=2.0)),
+    "eigenvalues of a structure": lambda: fl.eigenvalues(STRUCTURE),
     "linear system": lambda: fl.linearize(SLIDER),
     "frequency response": lambda: result("linear system").frequency_response([5.0, 10.0, 15.0, 20.0]),
     "stability change": lambda: fl.stability_changes(SLIDER, "mu_k", (0, 3))[0],

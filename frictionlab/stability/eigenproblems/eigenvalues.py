@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,13 @@ from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import eigenpairs_of_matrices, is_neutral
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
 ComplexArray = NDArray[np.complex128]
+E = TypeVar("E", bound="Eigenvalues")
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,18 +111,27 @@ class Eigenvalues(Drawable):
         return f"Eigenvalues({kind}: {modes})"
 
 
-def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
+@overload
+def eigenvalues(model: LargeSystem[E]) -> E: ...
+
+
+@overload
+def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues: ...
+
+
+def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     """Eigenvalues at the sliding equilibrium, Eq. (19), from the exact Jacobian of the sliding mode.
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
+        Of a structure, those within its window of frequencies.
 
     Returns
     -------
     Eigenvalues
         With `values`, `frequencies` (Hz), `growth_rates` (1/s), `stable`, `marginal`, `vectors`, `shapes`,
-        `participation` and the `equilibrium`.
+        `participation` and the `equilibrium`; of a structure :class:`WindowEigenvalues`.
 
     Raises
     ------
@@ -140,6 +151,8 @@ def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     >>> found.stable, found.frequencies.round(2)[::2].tolist()
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
+    if isinstance(model, LargeSystem):
+        return model.find_eigenvalues()
     point = equilibrium(model)
     problem = equilibrium_problem(model)
     matrix = problem.without_following(jacobian(model, point.state))

@@ -33,6 +33,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.validation import abbreviate
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
@@ -313,14 +314,14 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     return Equilibria((one for one in each if one is not None), why)
 
 
-def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
+def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
     """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
     That is the one whose penetration grows from zero with the preload.
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
         See :func:`equilibria`.
 
     Returns
@@ -338,6 +339,8 @@ def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     >>> fl.equilibrium(fl.SliderOnBelt(mu_k=0.3)).q.round(4).tolist()
     [-0.0042, -0.0304, -0.0036, -0.0061, -0.0001]
     """
+    if isinstance(model, LargeSystem):
+        return model.find_equilibrium()
     candidates = equilibria(model)
     if not by_penetration(model):
         if not candidates:

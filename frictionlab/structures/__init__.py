@@ -1,0 +1,16 @@
+"""Structures of many freedoms from matrices, as finite-element programs export them.
+
+`Structure` holds M, C, K and what else the equations of small motion have, each a sum of sparse matrices
+whose coefficients depend on named parameters.  No full matrix of all freedoms is formed, but of small ones.
+
+``matrix_files``
+    Matrices from files.
+``parametric_matrix``
+    `ParametricMatrix`: a sum of coefficients times sparse matrices.
+``structure``
+    `Structure`: the matrices, checked, the values of the parameters, the window of frequencies.
+``quadratic_pencil``
+    `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
+``window_eigenvalues``
+    `WindowEigenvalues`: eigenvalues of a structure with errors, left vectors and sensitivities.
+"""

@@ -1,0 +1,265 @@
+"""A matrix that depends on named parameters: a sum of coefficients times sparse matrices.
+
+Values of parameters are new coefficients; no matrix is read or checked again.  Derivatives by parameters are
+exact, as the coefficients are formulas.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from numbers import Real
+from os import PathLike
+from typing import Any, TypeAlias
+
+import numpy as np
+from scipy import sparse
+
+from frictionlab.lazy_names import sympy as sp
+from frictionlab.models.symbols import symbol
+from frictionlab.structures.matrix_files import read_matrix
+from frictionlab.tape.arguments import names_in, parse_expression
+from frictionlab.tape.formulas import Formulas, formulas_of
+from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known, is_sequence
+
+Matrix: TypeAlias = Any  # csc_array (n, n), of which type checkers know neither shape nor sums
+SYMMETRY_RTOL = 1e-12  # of the largest entry: files have numbers of some 16 digits
+SHOWN = 3  # entries or freedoms that a message names
+
+
+@dataclass(frozen=True, eq=False)
+class ParametricMatrix:
+    """A sum of coefficients times sparse matrices (n, n).
+
+    Parameters
+    ----------
+    coefficients : tuple of str
+        Expressions of parameters, "1" for a matrix that does not depend on any.
+    matrices : tuple of csc_array (n, n)
+    """
+
+    coefficients: tuple[str, ...]
+    matrices: tuple[Matrix, ...]
+
+    @property
+    def size(self) -> int:
+        """The number of rows."""
+        return int(self.matrices[0].shape[0])
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that enter, in the order of the coefficients."""
+        return tuple(dict.fromkeys(name for text in self.coefficients for name in names_in(text)))
+
+    def at(self, values: Mapping[str, float]) -> Matrix:
+        """The matrix at values of the parameters."""
+        return self._sum(self._formulas.numbers(*(values[name] for name in self.parameters)))
+
+    def derivative(self, parameter: str, values: Mapping[str, float]) -> Matrix:
+        """Its derivative by a parameter."""
+        factors = np.zeros(len(self.matrices))
+        if parameter in self.parameters:
+            places, slopes = self._formulas.jacobian([self.parameters.index(parameter)])
+            numbers = slopes.numbers(*(values[name] for name in self.parameters))
+            for (row, _), number in zip(places, numbers, strict=True):
+                factors[row] = number
+        return self._sum(factors)
+
+    def scaled(self, coefficient: str) -> ParametricMatrix:
+        """The product with an expression."""
+        texts = tuple(
+            coefficient if text == "1" else f"({coefficient})*({text})" for text in self.coefficients
+        )
+        return ParametricMatrix(texts, self.matrices)
+
+    def __add__(self, other: ParametricMatrix) -> ParametricMatrix:
+        return ParametricMatrix(self.coefficients + other.coefficients, self.matrices + other.matrices)
+
+    @property
+    def entries(self) -> int:
+        """Entries that are stored, of all terms."""
+        return sum(matrix.nnz for matrix in self.matrices)
+
+    def _sum(self, factors: Any) -> Matrix:
+        total = sparse.csc_array(self.matrices[0].shape)
+        for factor, matrix in zip(factors, self.matrices, strict=True):
+            if factor:
+                total = total + factor * matrix
+        return total
+
+    @cached_property
+    def _formulas(self) -> Formulas:
+        symbols = {name: symbol(name) for name in self.parameters}
+        return formulas_of(
+            list(symbols.values()), [parse_expression(text, symbols) for text in self.coefficients]
+        )
+
+    def __getstate__(self) -> dict[str, Any]:  # formulas are made again where they are needed
+        return {"coefficients": self.coefficients, "matrices": self.matrices}
+
+
+def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) -> ParametricMatrix:
+    """What a user gives as one matrix of a structure: an array, a sparse matrix, a path, or a list of terms.
+
+    Parameters
+    ----------
+    name : str
+        What errors call it.
+    given : array, sparse matrix, str, Path, ParametricMatrix or list of (coefficient, matrix)
+        A coefficient is a number, a text such as "1/r - 1", or a function of parameters.
+    parameters : mapping of str to float
+        Those that coefficients may name.
+
+    Raises
+    ------
+    ValueError
+        For anything else, for what is not square or not finite, for an unknown parameter.
+    """
+    if isinstance(given, ParametricMatrix):
+        return given
+    if not _is_list_of_terms(given):
+        return ParametricMatrix(("1",), (_sparse(name, given),))
+    terms = list(given)
+    texts, matrices = [], []
+    for i, term in enumerate(terms):
+        where = f"term {i} of {name}"
+        if not is_sequence(term) or len(term) != 2:
+            raise ValueError(
+                f"{where} must be a coefficient and a matrix, got {abbreviate(term)}: "
+                f'write [(1, A), ("r**2 - 1", B)]'
+            )
+        texts.append(_coefficient(where, term[0], parameters))
+        matrices.append(_sparse(where, term[1]))
+    for i, matrix in enumerate(matrices):
+        if matrix.shape != matrices[0].shape:
+            raise ValueError(
+                f"all terms of {name} must have the same shape, got {matrices[0].shape} and, in term {i}, "
+                f"{matrix.shape}: give matrices of the same freedoms"
+            )
+    return ParametricMatrix(tuple(texts), tuple(matrices))
+
+
+def _is_list_of_terms(given: Any) -> bool:
+    return (
+        isinstance(given, (list, tuple))
+        and bool(given)
+        and all(isinstance(term, (list, tuple)) and len(term) == 2 and _is_matrix(term[1]) for term in given)
+    )
+
+
+def _is_matrix(given: Any) -> bool:
+    return (
+        isinstance(given, (str, PathLike))
+        or getattr(given, "ndim", 0) == 2
+        or (is_sequence(given) and bool(len(given)) and all(map(is_sequence, given)))
+    )
+
+
+def _coefficient(where: str, given: Any, parameters: Mapping[str, float]) -> str:
+    """A coefficient as the text of an expression."""
+    what = f"the coefficient of {where}"
+    if isinstance(given, Real):
+        return repr(float(check_number(what, given)))
+    if isinstance(given, str):
+        _parse(what, given, parameters)
+        return given
+    if callable(given):
+        return _text_of_function(what, given, parameters)
+    raise ValueError(
+        f"{what} must be a number, a text or a function of parameters, got {abbreviate(given)}: "
+        'write for example "1/r - 1"'
+    )
+
+
+def _parse(what: str, text: str, parameters: Mapping[str, float]) -> Any:
+    for each in names_in(text):
+        if each not in parameters:
+            cure = f": give parameters={{{each!r}: 1.0}}"
+            hint = did_you_mean_or_known(each, parameters) if parameters else cure
+            raise ValueError(f"{what} names {each!r}, which is no parameter{hint}")
+    try:
+        return parse_expression(text, {each: symbol(each) for each in names_in(text)})
+    except ValueError as error:
+        raise ValueError(
+            f"{what} must be an expression of parameters, got {abbreviate(text)}: {error}"
+        ) from None
+
+
+def _text_of_function(what: str, function: Callable[..., Any], parameters: Mapping[str, float]) -> str:
+    """The expression that a function of parameters computes: it is called with symbols once."""
+    cure = "take its parameters by name and use arithmetic alone, such as lambda r: 1/r - 1"
+    names: Iterable[str] = inspect.signature(function).parameters
+    if unknown := [each for each in names if each not in parameters]:
+        hint = did_you_mean_or_known(unknown[0], parameters)
+        raise ValueError(f"{what} takes {unknown[0]!r}, which is no parameter{hint}")
+    try:
+        text = str(sp.sympify(function(*(symbol(each) for each in names)), strict=True))
+        _parse(what, text, parameters)
+    except Exception as error:  # what a function of somebody's own raises
+        raise ValueError(
+            f"{what} must be a formula, but called with symbols it fails ({error}): {cure}"
+        ) from None
+    return text
+
+
+def _sparse(name: str, given: Any) -> Matrix:
+    """A square sparse matrix of finite numbers."""
+    if isinstance(given, (str, PathLike)):
+        given = read_matrix(given)
+    try:
+        if not sparse.issparse(given) and np.ma.is_masked(given):
+            raise TypeError
+        matrix: Matrix = sparse.csc_array(
+            given if sparse.issparse(given) else np.atleast_2d(np.asarray(given))
+        )
+        kind = matrix.dtype.kind
+        if kind not in "iufc":
+            raise TypeError
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"{name} must be a matrix of numbers, got {abbreviate(given)}: give an array, a sparse matrix of "
+            "scipy, the path of a file, or a list of (coefficient, matrix)"
+        ) from None
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
+        raise ValueError(
+            f"{name} must be square, got the shape {matrix.shape}: give a row and a column for each freedom"
+        )
+    matrix = matrix.astype(complex if kind == "c" else float)
+    matrix.sum_duplicates()
+    if not np.isfinite(matrix.data).all():
+        bad = matrix.tocoo()
+        at = np.flatnonzero(~np.isfinite(bad.data))
+        raise ValueError(
+            f"{name} must hold finite numbers, got {bad.data[at[0]]} at row {bad.row[at[0]]}, column "
+            f"{bad.col[at[0]]} ({len(at)} in all): correct the export"
+        )
+    return matrix
+
+
+def check_symmetry(name: str, matrix: ParametricMatrix, sign: int, cure: str) -> None:
+    """Raise ValueError unless every term equals `sign` times its transpose, but for rounding."""
+    what = "symmetric" if sign == 1 else "skew"
+    for i, term in enumerate(matrix.matrices):
+        # as a complex stiffness is symmetric, not Hermitian, nothing is conjugated
+        difference = abs(term - sign * term.T).tocoo()
+        if not difference.nnz:
+            continue
+        worst = int(difference.data.argmax())
+        if difference.data[worst] <= SYMMETRY_RTOL * abs(term).max():
+            continue
+        row, column = int(difference.row[worst]), int(difference.col[worst])
+        where = name if len(matrix.matrices) == 1 else f"term {i} of {name}"
+        raise ValueError(
+            f"{where} must be {what}, got {term[row, column]:.6g} at row {row}, column {column}, and "
+            f"{term[column, row]:.6g} across the diagonal: {_triangle(term) or cure}"
+        )
+
+
+def _triangle(term: Matrix) -> str:
+    """The cure for one triangle of a symmetric matrix; "" for any other."""
+    coordinates = term.tocoo()
+    if (coordinates.row >= coordinates.col).all() or (coordinates.row <= coordinates.col).all():
+        return "it is one triangle of a matrix, so give A + A.T - scipy.sparse.diags_array(A.diagonal())"
+    return ""

@@ -1,0 +1,309 @@
+"""Eigenvalues of s^2 M + s C + K next to a shift, of large sparse matrices.
+
+The quadratic Q(s) is linearised: z = (u, s u) turns it into a pencil A - s B of twice the size.  Arnoldi's
+method is applied to (A - shift B)^-1 B, whose largest eigenvalues 1/(s - shift) belong to the s nearest to
+the shift.  A product with it takes one solution with Q(shift), which is factorised once; with a real shift
+all is real.
+
+Time is measured in units of 1/`scale`, so that displacements and velocities have alike sizes.  Without that
+residuals are thousands of times larger.
+
+The Krylov space grows until all Ritz values in the disc have converged.  Then the search starts again beside
+what it has, from another vector, since one vector sees only one of two equal eigenvalues.  It ends when
+nothing is left in the disc.  Source: Y. Saad, "Numerical Methods for Large Eigenvalue Problems", 2nd ed.
+(SIAM 2011), sections 4.2, 6.2 and 8.1; F. Tisseur and K. Meerbergen, "The quadratic eigenvalue problem", SIAM
+Review 43 (2001) 235-286.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.sparse import linalg as sparse_linalg
+
+from frictionlab.structures.parametric_matrix import Matrix
+
+Array = NDArray[Any]
+ComplexArray = NDArray[np.complex128]
+FIRST_STEPS = 40  # of Arnoldi's method, before Ritz values are looked at
+GROWTH = 1.2  # of the number of steps between two looks
+RITZ_RTOL = 1e-13  # residual of a Ritz value, as a share of it, that counts as converged
+OUTSIDE_RTOL = (
+    1e-3  # the same of the nearest Ritz value outside the disc, which shows that the disc is covered
+)
+MOST_STEPS = 3000
+DEPENDENT = 1e-10  # length of a unit vector that is left beside others, below which it depends on them
+PIVOT_SHARE = 0.01  # of a column's largest entry: a smaller diagonal entry is no pivot
+ACCURATE = 1e-10  # share of what is solved that a solution may leave
+SHIFT_FACTORS = (1.0, 1.17, 0.83)  # where a shift is an eigenvalue, the next is taken
+
+
+class Spectrum(NamedTuple):
+    """Eigenvalues (m,) in 1/s, and vectors (n, m) as columns."""
+
+    values: ComplexArray
+    vectors: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class QuadraticPencil:
+    """s^2 M + s C + K.
+
+    Parameters
+    ----------
+    M, C, K : csc_array (n, n)
+    """
+
+    M: Matrix
+    C: Matrix
+    K: Matrix
+
+    @property
+    def size(self) -> int:
+        """The number n of freedoms."""
+        return int(self.M.shape[0])
+
+    def transposed(self) -> QuadraticPencil:
+        """The pencil whose right vectors are the left vectors of this one."""
+        return QuadraticPencil(self.M.T.tocsc(), self.C.T.tocsc(), self.K.T.tocsc())
+
+    def at(self, s: complex) -> Matrix:
+        """Q(s) (n, n)."""
+        return s * s * self.M + s * self.C + self.K
+
+    def products(self, values: ComplexArray, vectors: ComplexArray) -> ComplexArray:
+        """Q(s) x (n, m) for each eigenvalue s and its vector x."""
+        return values**2 * (self.M @ vectors) + values * (self.C @ vectors) + self.K @ vectors
+
+    def residuals(self, values: ComplexArray, vectors: ComplexArray) -> Array:
+        """|Q(s) x| (m,) as a share of |s^2 M x| + |s C x| + |K x|."""
+        terms = values**2 * (self.M @ vectors), values * (self.C @ vectors), self.K @ vectors
+        sizes = sum(np.linalg.norm(term, axis=0) for term in terms)
+        return np.linalg.norm(sum(terms), axis=0) / sizes
+
+    def backward_errors(self, values: ComplexArray, vectors: ComplexArray) -> Array:
+        """|Q(s) x| (m,) as a share of (|s|^2 |M| + |s| |C| + |K|) |x|, by Tisseur (2000), Theorem 1.
+
+        A change of the matrices by this share of their (1-)norms makes the eigenpair exact.
+        """
+        mass, damping, stiffness = self._norms
+        sizes = np.abs(values) ** 2 * mass + np.abs(values) * damping + stiffness
+        return np.linalg.norm(self.products(values, vectors), axis=0) / (
+            sizes * np.linalg.norm(vectors, axis=0)
+        )
+
+    @cached_property
+    def _norms(self) -> tuple[float, ...]:
+        return tuple(float(sparse_linalg.norm(part, 1)) for part in (self.M, self.C, self.K))
+
+    def products_of_modes(self, left: Spectrum, right: Spectrum) -> ComplexArray:
+        """y ((s + t) M + C) x (k, m) for left vectors y at s and right vectors x at t.
+
+        It is 0 for two modes of this pencil with different eigenvalues, and y Q'(s) x for one.
+        """
+        y, x = left.vectors, right.vectors
+        return (left.values[:, None] + right.values) * (y.T @ (self.M @ x)) + y.T @ (self.C @ x)
+
+    def near(self, shift: complex, radius: float) -> Spectrum:
+        """All eigenvalues within a distance from the shift.
+
+        Raises
+        ------
+        ArithmeticError
+            If the search does not come to an end.
+        """
+        operator = _shift_invert(self, shift, radius)
+        known = _Invariant(np.zeros((2 * operator.size, 0), operator.dtype), np.zeros((0, 0), operator.dtype))
+        while (wider := _extend(operator, known)) is not None:
+            known = wider
+        pairs: Any = np.linalg.eig(known.action)
+        inverses, small = pairs
+        values = operator.shift + operator.scale / inverses.astype(complex)
+        return Spectrum(values, known.basis[: operator.size] @ small.astype(complex))
+
+
+class _Invariant(NamedTuple):
+    """An invariant subspace: its orthonormal basis V (2n, k) and S (k, k), with which T V = V S."""
+
+    basis: Array
+    action: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _ShiftInvert:
+    """T = (A - shift B)^-1 B in the unit of time 1/scale, in which the disc has the radius 1.
+
+    Parameters
+    ----------
+    shift : complex
+    scale : float
+        The disc's radius, 1/s.
+    M, C : csc_array (n, n)
+        scale^2 M and scale C.
+    solve : callable
+        Solves Q(shift) x = b.
+    """
+
+    shift: complex
+    scale: float
+    M: Matrix
+    C: Matrix
+    solve: Callable[[Array], Array]
+
+    @property
+    def size(self) -> int:
+        return int(self.M.shape[0])  # as the pencil's
+
+    @property
+    def dtype(self) -> Any:
+        return complex if isinstance(self.shift, complex) else float
+
+    def __call__(self, z: Array) -> Array:
+        u, v = z[: self.size], z[self.size :]
+        at = self.shift / self.scale
+        x = -self.solve(self.M @ (v + at * u) + self.C @ u)
+        return np.concatenate([x, u + at * x])
+
+
+def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _ShiftInvert:
+    """The operator at a shift, or at one nearby where this one is an eigenvalue."""
+    whole = np.iscomplexobj(pencil.K.data) or bool(np.imag(shift))
+    for factor in SHIFT_FACTORS:
+        at = complex(factor * shift) if whole else float(np.real(factor * shift))
+        # a disc around a moved shift has to hold the one that was asked for
+        reach = radius + abs(at - shift)
+        solve = factorised(pencil.at(at))
+        if solve is not None:
+            return _ShiftInvert(at, reach, reach**2 * pencil.M, reach * pencil.C, solve)
+    raise ArithmeticError(
+        f"s^2 M + s C + K is singular at s = {shift:.6g}/s and nearby: a freedom has neither mass nor "
+        "stiffness, or M and K have a common null vector"
+    )
+
+
+def factorised(matrix: Matrix) -> Callable[[Array], Array] | None:
+    """What solves matrix x = b; None where the matrix is singular to rounding."""
+    sample = np.random.default_rng(0).standard_normal(matrix.shape[0]).astype(matrix.dtype)
+    symmetric = {
+        "permc_spec": "MMD_AT_PLUS_A",
+        "diag_pivot_thresh": PIVOT_SHARE,
+        "options": {"SymmetricMode": True},
+    }
+    # An order for symmetric patterns makes half the entries; pivots by size are needed where it is not exact.
+    for options in (symmetric, {}):
+        try:
+            solve = sparse_linalg.splu(matrix, **options).solve
+        except RuntimeError:  # exactly singular
+            continue
+        x = solve(sample)
+        size = sparse_linalg.norm(matrix, np.inf) * np.abs(x).max() + np.abs(sample).max()
+        if np.isfinite(x).all() and np.abs(matrix @ x - sample).max() <= ACCURATE * size:
+            return solve
+    return None
+
+
+def _extend(operator: _ShiftInvert, known: _Invariant) -> _Invariant | None:
+    """A larger invariant subspace, with eigenvalues in the disc that were missing; None if none is."""
+    krylov = _Krylov.start(operator, known)
+    look = FIRST_STEPS
+    while True:
+        exhausted = krylov.grow(min(look, krylov.most))
+        inside, settled = krylov.look()
+        if settled or exhausted:
+            break
+        if krylov.steps >= min(MOST_STEPS, krylov.most):
+            raise ArithmeticError(
+                f"{MOST_STEPS} steps of Arnoldi's method did not find all eigenvalues within "
+                f"{operator.scale / (2 * np.pi):.6g} Hz: take a smaller window"
+            )
+        look = int(np.ceil(GROWTH * look))
+    return krylov.extended(known) if inside else None
+
+
+def _is_inside(value: complex, imaginary: float = 0.0) -> bool:
+    """Whether a Ritz value is of the disc; of a real matrix its real and imaginary parts come apart."""
+    return bool(np.hypot(np.abs(value), imaginary) >= 1.0)
+
+
+class _Krylov:
+    """An Arnoldi factorisation T Q = V G + Q H + q e^T beside an invariant subspace V; it grows."""
+
+    def __init__(self, operator: _ShiftInvert, known: _Invariant, start: Array) -> None:
+        self.operator, self.known, self.steps = operator, known, 0
+        self.most = len(start) - known.basis.shape[1]
+        room = min(2 * FIRST_STEPS, self.most) + 1
+        self._basis = np.zeros((len(start), room), operator.dtype, order="F")
+        self._action = np.zeros((room, room), operator.dtype)
+        self._coupling = np.zeros((known.basis.shape[1], room), operator.dtype)
+        self._basis[:, 0] = start
+
+    @classmethod
+    def start(cls, operator: _ShiftInvert, known: _Invariant) -> _Krylov:
+        """From a random vector, always the same one."""
+        rng = np.random.default_rng(known.basis.shape[1])
+        vector = operator(rng.standard_normal(2 * operator.size).astype(operator.dtype))
+        for _ in range(2):
+            vector = vector - known.basis @ (known.basis.conj().T @ vector)
+        return cls(operator, known, vector / np.linalg.norm(vector))
+
+    def grow(self, steps: int) -> bool:
+        """Up to so many steps; whether the space is invariant and can grow no further."""
+        while self.steps < steps:
+            j = self.steps
+            self._make_room(j + 2)
+            vector = self.operator(self._basis[:, j])
+            size = np.linalg.norm(vector)
+            left = self.known.basis, self._basis[:, : j + 1]
+            for _ in range(2):  # once is not enough (Gram and Schmidt's method loses half the digits)
+                for basis, into in zip(left, (self._coupling[:, j], self._action[: j + 1, j])):
+                    part = basis.conj().T @ vector
+                    vector = vector - basis @ part
+                    into += part
+            rest = np.linalg.norm(vector)
+            self._action[j + 1, j] = rest
+            self.steps += 1
+            if rest <= DEPENDENT * size or self.steps == self.most:
+                return True
+            self._basis[:, j + 1] = vector / rest
+        return False
+
+    def look(self) -> tuple[bool, bool]:
+        """Whether there are Ritz values in the disc; whether all there have converged, and it is covered."""
+        m = self.steps
+        ritz, vectors = np.linalg.eig(self._action[:m, :m])
+        sizes = np.abs(ritz)
+        errors = self._action[m, m - 1].real * np.abs(vectors[-1]) / np.linalg.norm(vectors, axis=0)
+        inside = sizes >= 1.0
+        outside = np.where(inside, 0.0, sizes)
+        nearest = int(outside.argmax())
+        covered = bool(errors[nearest] <= OUTSIDE_RTOL * outside[nearest])
+        return bool(inside.any()), covered and bool((errors <= RITZ_RTOL * sizes)[inside].all())
+
+    def extended(self, known: _Invariant) -> _Invariant:
+        """The known subspace and that of the Ritz values in the disc."""
+        m = self.steps
+        kind = "complex" if self.operator.dtype is complex else "real"
+        form: Any = linalg.schur(self._action[:m, :m], kind, sort=_is_inside)
+        schur, vectors, count = form
+        chosen = vectors[:, :count]
+        coupling = self._coupling[:, :m] @ chosen
+        corner = np.zeros((count, known.action.shape[1]), self.operator.dtype)
+        return _Invariant(
+            np.hstack([known.basis, self._basis[:, :m] @ chosen]),
+            np.block([[known.action, coupling], [corner, schur[:count, :count]]]),
+        )
+
+    def _make_room(self, columns: int) -> None:
+        held = self._basis.shape[1]
+        if columns <= held:
+            return
+        more = max(columns, held + held // 2) - held
+        self._basis = np.asfortranarray(np.pad(self._basis, ((0, 0), (0, more))))
+        self._action = np.pad(self._action, (0, more))
+        self._coupling = np.pad(self._coupling, ((0, 0), (0, more)))

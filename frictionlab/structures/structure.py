@@ -1,0 +1,344 @@
+"""`fl.Structure`: the matrices of a structure of many freedoms, as finite-element programs export them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from html import escape
+from types import MappingProxyType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse import linalg as sparse_linalg
+
+from frictionlab.presentation import count, shorten
+from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+from frictionlab.stability.large_system import LargeSystem
+from frictionlab.structures.damping import RayleighDamping
+from frictionlab.structures.parametric_matrix import (
+    SHOWN,
+    Matrix,
+    ParametricMatrix,
+    check_symmetry,
+    parametric_matrix,
+)
+from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
+from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
+from frictionlab.validation import (
+    check_limits,
+    check_mapping,
+    check_number,
+    explains_fields,
+    float_array,
+    unknown_parameter,
+)
+
+Array = NDArray[np.float64]
+MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
+INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
+LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only the sign matters
+
+
+@explains_fields
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure(LargeSystem[WindowEigenvalues]):
+    """M q'' + (C + G) q' + (K + N) q = load, for small motions of a structure with n freedoms.
+
+    Each matrix is an array, a sparse matrix of scipy, the path of a file (see :func:`read_matrix`), or a sum:
+    a list of (coefficient, matrix).  A coefficient is a number, a text such as "1/r - 1", or a function of
+    named parameters.  New values of parameters read and check no matrix again.
+
+    Matrices are used as they are.  One that is not what it must be is refused.
+
+    Parameters
+    ----------
+    M : matrix (n, n)
+        Mass: symmetric, not negative.  Freedoms without mass are held by stiffness or damping.
+    K : matrix (n, n)
+        Stiffness: symmetric.  Complex where damping is hysteretic, as K (1 + i eta); then only eigenvalues
+        with Im >= 0 mean anything.
+    C : matrix (n, n) or RayleighDamping, optional
+        Damping: symmetric.
+    gyroscopic : matrix (n, n), optional
+        G, skew: what rotation adds to the damping.
+    circulatory : matrix (n, n), optional
+        N, of any form: what friction adds to the stiffness.
+    load : array (n,), optional
+        Constant forces.  They matter to the static displacements alone.
+    parameters : mapping of str to float, optional
+        Values of the parameters that coefficients name.
+    window : (float, float), optional
+        Frequencies of interest, Hz.  It may be left out up to 400 freedoms, where all eigenvalues are found.
+
+    Raises
+    ------
+    ValueError
+        For a matrix that is not square or finite, of another size than the others, or without the symmetry
+        that it must have; a mass matrix that is not positive; a parameter without a value, or without use.
+
+    See Also
+    --------
+    frictionlab.eigenvalues, frictionlab.equilibrium
+
+    Examples
+    --------
+    Two modes that friction couples (Hoffmann et al. 2002): it is unstable above mu = 1/2.
+
+    >>> import frictionlab as fl
+    >>> structure = fl.Structure(
+    ...     M=[[1.0, 0.0], [0.0, 1.0]],
+    ...     K=[[2.0, 0.0], [0.0, 1.0]],
+    ...     circulatory=[("mu", [[0.0, 1.0], [-1.0, 0.0]])],
+    ...     parameters={"mu": 0.6},
+    ... )
+    >>> structure
+    Structure(2 freedoms, mu=0.6)
+    >>> fl.eigenvalues(structure).stable
+    False
+    """
+
+    M: Any
+    K: Any
+    C: Any = None
+    gyroscopic: Any = None
+    circulatory: Any = None
+    load: Any = None
+    parameters: Any = None
+    window: Any = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", self._checked_parameters())
+        new = []
+        for name in MATRICES:
+            given = getattr(self, name)
+            if given is None or isinstance(given, (ParametricMatrix, RayleighDamping)):
+                continue
+            object.__setattr__(self, name, parametric_matrix(name, given, self.parameters))
+            new.append(name)
+        self._check_sizes()
+        self._check_use_of_parameters()
+        self._check_symmetries(new)
+        self._check_mass("M" in new)
+        if self.load is not None:
+            object.__setattr__(self, "load", self._checked_load())
+        if self.window is not None:
+            cure = "give (low, high) in Hz, such as (0, 8000)"
+            low, high = check_limits("window", self.window, cure)
+            check_number("the lower end of window", low, least=0.0, cure=cure)
+            object.__setattr__(self, "window", (low, high))
+        elif self.size > MOST_DENSE:
+            raise ValueError(
+                f"window must be given for more than {MOST_DENSE} freedoms, got None for {self.size}: give "
+                "the range of frequencies in Hz, such as window=(0, 8000)"
+            )
+
+    @property
+    def size(self) -> int:
+        """The number n of freedoms."""
+        return self.M.size
+
+    @cached_property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the freedoms: q0, q1, ..."""
+        return tuple(f"q{i}" for i in range(self.size))
+
+    @cached_property
+    def massless(self) -> tuple[int, ...]:
+        """Freedoms without mass, whose rows of M are zero."""
+        return tuple(map(int, np.flatnonzero(_largest_in_rows(self.M.at(self.parameters)) == 0.0)))
+
+    @cached_property
+    def pencil(self) -> QuadraticPencil:
+        """M, C + G and K + N at the values of the parameters."""
+        return self._pencil(lambda one: one.at(self.parameters))
+
+    def pencil_derivative(self, parameter: str) -> QuadraticPencil:
+        """The derivatives of M, C + G and K + N by a parameter."""
+        self.check_parameter(parameter)
+        return self._pencil(lambda one: one.derivative(parameter, self.parameters))
+
+    def replace(self, **changes: Any) -> Self:
+        """The structure with other values of parameters, or other fields; no matrix is read again.
+
+        Raises
+        ------
+        TypeError
+            For an unknown name.
+        ValueError
+            As the constructor.
+        """
+        own = {each.name for each in fields(self)}
+        for name in changes:
+            if name not in own and name not in self.parameters:
+                raise unknown_parameter(type(self).__name__, name, [*self.parameters, *sorted(own)])
+        values = {name: value for name, value in changes.items() if name in self.parameters}
+        others = {name: value for name, value in changes.items() if name not in values}
+        if values:
+            others["parameters"] = {**self.parameters, **others.get("parameters", {}), **values}
+        return replace(self, **others)
+
+    def check_parameter(self, name: Any) -> None:
+        """Raise TypeError unless it is a parameter of the structure."""
+        if not isinstance(name, str) or name not in self.parameters:
+            raise unknown_parameter(type(self).__name__, name, list(self.parameters))
+
+    def find_equilibrium(self) -> Equilibrium:
+        """The static displacements under the load, which are zero without one."""
+        state = np.zeros(2 * self.size)
+        residual = 0.0
+        if self.load is not None:
+            stiffness = self.pencil.K.real.tocsc()
+            solve = factorised(stiffness)
+            if solve is None:
+                raise ValueError(
+                    "K and circulatory must hold all freedoms where there is a load, got a singular "
+                    "stiffness: add supports, or leave out the load"
+                )
+            q = state[: self.size] = solve(self.load)
+            largest = np.abs(self.load).max() or 1.0
+            residual = float(np.abs(stiffness @ q - self.load).max() / largest)
+        itself: Any = self  # to type checkers no model
+        return Equilibrium(state, np.nan, np.nan, np.nan, residual, itself, self.coordinates)
+
+    def find_eigenvalues(self) -> WindowEigenvalues:
+        return window_eigenvalues(self, self.find_equilibrium())
+
+    @property
+    def _terms(self) -> tuple[tuple[ParametricMatrix, ...], ...]:
+        """What adds up to M, to C + G and to K + N."""
+        damping = self.C
+        if isinstance(damping, RayleighDamping):
+            damping = self.M.scaled("alpha") + self.K.scaled("beta")
+        sums = (self.M,), (damping, self.gyroscopic), (self.K, self.circulatory)
+        return tuple(tuple(one for one in terms if one is not None) for terms in sums)
+
+    def _pencil(self, value: Callable[[ParametricMatrix], Matrix]) -> QuadraticPencil:
+        zero: Any = sparse.csc_array((self.size, self.size))
+        return QuadraticPencil(*(sum(map(value, terms), zero) for terms in self._terms))
+
+    def _checked_parameters(self) -> Mapping[str, float]:
+        given = {} if self.parameters is None else self.parameters
+        check_mapping("parameters", given, 'give names and values, such as {"r": 5.0}')
+        values = {"alpha": self.C.alpha, "beta": self.C.beta} if isinstance(self.C, RayleighDamping) else {}
+        values |= {name: float(check_number(name, value)) for name, value in given.items()}
+        for name in values:
+            if not name.isidentifier() or name in {each.name for each in fields(self)}:
+                raise ValueError(
+                    f"parameters must have names that can be keywords and are no field of Structure, got "
+                    f"{name!r}: rename it"
+                )
+        return MappingProxyType(values)
+
+    def _check_sizes(self) -> None:
+        for name in MATRICES:
+            matrix = getattr(self, name)
+            if isinstance(matrix, ParametricMatrix) and matrix.size != self.size:
+                raise ValueError(
+                    f"{name} must have the size of M, {self.size}, got {matrix.size}: give matrices of the "
+                    "same freedoms"
+                )
+
+    def _check_use_of_parameters(self) -> None:
+        used = {name for terms in self._terms for one in terms for name in one.parameters}
+        for name in self.parameters:
+            if name not in used:
+                raise ValueError(
+                    f"parameters must be named by a coefficient, got {name!r}, which none names: known are "
+                    f"{shorten(sorted(used)) or 'none'}; leave it out or correct a coefficient"
+                )
+
+    def _check_symmetries(self, names: list[str]) -> None:
+        cures = {
+            "M": (1, "correct the export"),
+            "K": (1, "give what friction adds, which is not symmetric, as circulatory"),
+            "C": (1, "give its skew part (C - C.T)/2 as gyroscopic"),
+            "gyroscopic": (-1, "give its symmetric part (G + G.T)/2 within C"),
+        }
+        for name, (sign, cure) in cures.items():
+            if name in names:
+                check_symmetry(name, getattr(self, name), sign, cure)
+        for name in names:
+            if name != "K" and any(matrix.dtype.kind == "c" for matrix in getattr(self, name).matrices):
+                raise ValueError(
+                    f"{name} must be real, got complex entries: only K may be complex, as K (1 + i eta) of "
+                    "hysteretic damping; take the real part, or put the imaginary part into K"
+                )
+
+    def _check_mass(self, new: bool) -> None:
+        if not new and not self.M.parameters:
+            return
+        mass = self.M.at(self.parameters)
+        held = _largest_in_rows(mass) > 0.0
+        diagonal = mass.diagonal()
+        wrong = np.flatnonzero(held & ~(diagonal > 0.0))
+        cure = "correct the export, or the values of parameters"
+        if wrong.size:
+            listed = shorten(map(str, wrong), SHOWN)
+            raise ValueError(
+                f"M must be positive, got {diagonal[wrong[0]]:.6g} on the diagonal at {listed}: {cure}"
+            )
+        if not held.any():
+            raise ValueError(f"M must give a freedom a mass, got zeros only: {cure}")
+        least, freedom = _least_eigenvalue(mass[held][:, held], 1.0 / np.sqrt(diagonal[held]))
+        if least < -INDEFINITE_SHARE:
+            raise ValueError(
+                f"M must be positive, got a motion with negative kinetic energy, most of it at the freedom "
+                f"{np.flatnonzero(held)[freedom]}: {cure}"
+            )
+
+    def _checked_load(self) -> Array:
+        load = float_array("load", self.load, "give one force for each freedom", finite=True).ravel()
+        if len(load) != self.size:
+            raise ValueError(
+                f"load must have one force for each of {self.size} freedoms, got {len(load)}: give an array"
+            )
+        return load
+
+    def __getstate__(self) -> dict[str, Any]:  # what is computed from the fields is computed again
+        state = {each.name: getattr(self, each.name) for each in fields(self)}
+        return state | {"parameters": dict(self.parameters)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, MappingProxyType(value) if name == "parameters" else value)
+
+    def __repr__(self) -> str:
+        parts = [count(self.size, "freedom")]
+        parts += [f"{name}={value:.6g}" for name, value in self.parameters.items()]
+        parts += ["{:g} to {:g} Hz".format(*self.window)] if self.window else []
+        return f"Structure({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{escape(_described(getattr(self, name)))}</td></tr>"
+            for name in MATRICES
+            if getattr(self, name) is not None
+        )
+        return f"<p>{escape(repr(self))}</p><table>{rows}</table>"
+
+
+def _described(matrix: Any) -> str:
+    """A matrix in a notebook: its terms, and how many entries each has."""
+    if not isinstance(matrix, ParametricMatrix):
+        return repr(matrix)
+    terms = zip(matrix.coefficients, matrix.matrices, strict=True)
+    return " + ".join(("" if text == "1" else f"({text}) × ") + f"{one.nnz:,} entries" for text, one in terms)
+
+
+def _largest_in_rows(matrix: Matrix) -> Array:
+    return abs(matrix).max(axis=1).toarray().ravel()
+
+
+def _least_eigenvalue(mass: Matrix, scales: Array) -> tuple[float, int]:
+    """The least eigenvalue of a mass matrix scaled to a diagonal of ones, and the freedom with most of it."""
+    scaled = sparse.diags_array(scales) @ mass @ sparse.diags_array(scales)
+    if scaled.shape[0] <= MOST_DENSE:
+        values, vectors = np.linalg.eigh(scaled.toarray())
+    else:
+        start = np.random.default_rng(0).standard_normal(scaled.shape[0])
+        lanczos: Any = sparse_linalg.eigsh  # its stub takes an integer for the tolerance
+        values, vectors = lanczos(scaled, k=1, which="SA", tol=LANCZOS_TOL, v0=start)
+    return float(values[0]), int(np.abs(vectors[:, 0]).argmax())

@@ -1,0 +1,102 @@
+"""A structure holds its matrices as they are, and refuses those that are not what they must be."""
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import frictionlab as fl
+from tests.helpers.finite_elements import beam
+
+UNIT = np.eye(2)
+STIFF = np.array([[2.0, -1.0], [-1.0, 2.0]])
+
+
+def test_coefficients_are_texts_numbers_or_functions():
+    terms = [(1, STIFF), ("r**2 - 1", UNIT), (lambda r, mu: mu / r, UNIT)]
+    structure = fl.Structure(UNIT, terms, parameters={"r": 2.0, "mu": 0.5})
+    assert np.allclose(structure.pencil.K.toarray(), STIFF + (3.0 + 0.25) * UNIT, rtol=1e-15)
+    assert np.allclose(structure.pencil_derivative("r").K.toarray(), (4.0 - 0.125) * UNIT, rtol=1e-15)
+    assert not structure.pencil_derivative("r").M.count_nonzero()
+
+
+def test_new_values_leave_the_matrices_alone():
+    structure = fl.Structure(UNIT, [("k", STIFF)], parameters={"k": 2.0}, window=(0, 5))
+    other = structure.replace(k=3.0, window=(0, 2))
+    assert other.K.matrices[0] is structure.K.matrices[0]
+    assert (other.pencil.K.toarray() == 3.0 * STIFF).all()
+    assert (dict(other.parameters), other.window) == ({"k": 3.0}, (0, 2))
+    with pytest.raises(TypeError, match="Structure has no parameter 'kk'"):
+        structure.replace(kk=1.0)
+
+
+def test_rayleigh_damping_follows_the_matrices_and_its_parameters():
+    structure = fl.Structure(UNIT, [("k", STIFF)], fl.RayleighDamping(0.1, 0.01), parameters={"k": 4.0})
+    assert np.allclose(structure.pencil.C.toarray(), 0.1 * UNIT + 0.04 * STIFF)
+    assert np.allclose(structure.replace(beta=1.0).pencil.C.toarray(), 0.1 * UNIT + 4.0 * STIFF)
+
+
+def test_it_can_be_pickled():
+    structure = fl.Structure(UNIT, [("k", STIFF)], parameters={"k": 2.0})
+    assert fl.eigenvalues(structure).stable is False
+    again = pickle.loads(pickle.dumps(structure))
+    assert (fl.eigenvalues(again).values == fl.eigenvalues(structure).values).all()
+    assert again.replace(k=1.0).parameters == {"k": 1.0}
+
+
+def test_what_a_notebook_shows():
+    structure = fl.Structure(UNIT, [(1, STIFF), ("r", UNIT)], parameters={"r": 2.0})
+    assert repr(structure) == "Structure(2 freedoms, r=2)"
+    assert "4 entries + (r) × 2 entries" in structure._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"K": np.ones((2, 3))}, r"K must be square, got the shape \(2, 3\)"),
+        ({"K": np.eye(3)}, "K must have the size of M, 2, got 3"),
+        ({"K": [[1.0, np.nan], [0.0, 1.0]]}, "K must hold finite numbers, got nan at row 0, column 1"),
+        ({"K": [[1.0, 0.5], [-0.5, 1.0]]}, "K must be symmetric, got .* as circulatory"),
+        ({"K": [[1.0, 0.0], [-0.5, 1.0]]}, "one triangle of a matrix"),
+        ({"K": "K.op2"}, "path must end in"),
+        ({"K": "stiff"}, "path must end in"),
+        ({"K": 5}, "K must have the size of M, 2, got 1"),
+        ({"K": [("q", STIFF)]}, "names 'q', which is no parameter: give parameters"),
+        ({"K": [("q", STIFF)], "parameters": {"k": 1.0}}, "no parameter: known are k"),
+        ({"K": [("k", STIFF)], "parameters": {"k": "big"}}, "k must be a finite number"),
+        ({"K": [("k +", STIFF)], "parameters": {"k": 1.0}}, "must be an expression"),
+        ({"K": [(lambda k: float(k), STIFF)], "parameters": {"k": 1.0}}, "must be a formula"),
+        ({"K": [(1, STIFF), (2, np.eye(3))]}, "all terms of K must have the same shape"),
+        ({"K": [(1, STIFF), ([1], UNIT)]}, "must be a number, a text or a function"),
+        ({"parameters": {"r": 1.0}}, "parameters must be named by a coefficient, got 'r'"),
+        ({"parameters": [1.0]}, "parameters must be a mapping"),
+        ({"parameters": {"M": 1.0}}, "no field of Structure, got 'M'"),
+        ({"M": [[1.0, 2.0], [2.0, 1.0]]}, "negative kinetic energy"),
+        ({"M": [[1.0, 0.0], [0.0, -1.0]]}, "M must be positive, got -1 on the diagonal at 1"),
+        ({"M": np.zeros((2, 2))}, "M must give a freedom a mass"),
+        ({"M": 1j * UNIT}, "M must be real"),
+        ({"C": [[0.0, 1.0], [-1.0, 0.0]]}, "C must be symmetric, .* as gyroscopic"),
+        ({"gyroscopic": UNIT}, "gyroscopic must be skew"),
+        ({"load": [1.0]}, "load must have one force for each of 2 freedoms, got 1"),
+        ({"window": (5, 1)}, "window must be two numbers in ascending order"),
+        ({"window": (-1, 1)}, "the lower end of window must be"),
+    ],
+)
+def test_what_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        fl.Structure(**{"M": UNIT, "K": STIFF, **changes})
+
+
+def test_a_large_structure_needs_a_window():
+    M, K = beam(205)
+    with pytest.raises(ValueError, match="window must be given for more than 400 freedoms, got None for 410"):
+        fl.Structure(M, K)
+    indefinite = M - sparse.diags_array(0.9 * M.diagonal())
+    with pytest.raises(ValueError, match="negative kinetic energy"):
+        fl.Structure(indefinite, K, window=(0, 1))
+
+
+def test_an_unknown_keyword_is_explained():
+    with pytest.raises(TypeError, match="did you mean 'gyroscopic'"):
+        fl.Structure(UNIT, STIFF, **{"gyroscopics": UNIT})
