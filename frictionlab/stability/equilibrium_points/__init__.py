@@ -6,11 +6,12 @@ equation in the penetration.
 ``equilibria``
     `fl.equilibria`, `fl.equilibrium`; the `EquilibriumProblem` on which the other packages of stability work.
 ``sliding``
-    Models with one contact: the static equations, the equation in the penetration, and its roots.
+    Models with one contact: the static equations, the equation in the penetration, and its roots; if it is a
+    polynomial, ``polynomial`` gives its coefficients.
 ``steady_modes``
     All others: the modes in which equilibria are searched for, as functions.
 ``newton``
     All zeros of a flow by Newton's method, and a zero followed to other values of the parameters.
-``root_boxes``, ``real_roots``
-    Boxes that hold all zeros, by bounds of the flow in each box; all real roots of a polynomial.
+``root_boxes``
+    Boxes that hold all zeros, by bounds of the flow in each box.
 """

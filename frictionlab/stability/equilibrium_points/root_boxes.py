@@ -25,7 +25,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_points.real_roots import bracketed_root
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.intervals import Interval, interval
 
@@ -553,8 +552,8 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
         zero = _zero_on_jump(reduced, every[:, :, i])
         if zero is not None:
             on_jump[i], starts[:, i] = True, reduced.full_states(zero[:, None])[:, 0]
-    if k == 1:
-        smooth = np.setdiff1d(np.arange(first, len(flat)), first + jumping)
+    smooth = np.setdiff1d(np.arange(first, len(flat)), first + jumping)
+    if k == 1 and len(smooth):
         _bracket(reduced, every, smooth, starts, flat)
     left, doubtful = len(search.undecided.owners), starts[:, first + jumping][:, ~on_jump[first + jumping]]
     why = f"{left} of {search.spent} boxes stay undecided" if left else ""
@@ -779,18 +778,21 @@ def _bracket(
     reduced: ReducedFlow, boxes: Array, which: NDArray[np.intp], starts: Array, flat: NDArray[np.bool_]
 ) -> None:
     """Put roots where the one equation changes its sign across a box: they are of odd multiplicity."""
+    from scipy.optimize.elementwise import find_root  # it takes long to load, and is seldom needed
 
-    def rate(w: float) -> float:
-        value = reduced.rates([Interval(np.array([w]), np.array([w]))])[0]
-        return float(np.ravel(value.low + value.high)[0] / 2)
+    def rate(w: Array) -> Array:
+        value = reduced.rates([Interval(w, w)])[0]
+        return np.broadcast_to((value.low + value.high) / 2, np.shape(w))
 
-    for i in which:
-        low, high = boxes[:, 0, i]
-        room = high - low + ROUNDED * max(abs(low), abs(high)) + SMALLEST
-        centre = float(starts[reduced.unknowns[0], i])
-        ends = float(low - room), float(high + room)
-        root = centre if rate(centre) == 0 else bracketed_root(rate, *ends)
-        # A rate that jumps, as beside a pole, comes no nearer to zero than at an end.
-        if root is not None and (rate(root) == 0 or abs(rate(root)) < min(abs(rate(end)) for end in ends)):
-            starts[:, i] = reduced.full_states(np.array([[root]]))[:, 0]
-            flat[i] = True
+    low, high = boxes[:, 0, which]
+    room = high - low + ROUNDED * np.maximum(np.abs(low), np.abs(high)) + SMALLEST
+    ends = np.stack([low - room, high + room])
+    centre = starts[reduced.unknowns[0], which]
+    between: Any = find_root(rate, tuple(ends))
+    root = np.where(rate(centre) == 0, centre, np.where(between.success, between.x, np.nan))
+    # A rate that jumps, as beside a pole, comes no nearer to zero than at an end.
+    left = np.abs(rate(root))
+    changes = (left == 0) | (left < np.abs([rate(end) for end in ends]).min(axis=0))
+    for i, x in zip(which[changes], root[changes], strict=True):
+        starts[:, i] = reduced.full_states(np.array([[x]]))[:, 0]
+        flat[i] = True

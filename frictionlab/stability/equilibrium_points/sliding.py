@@ -25,7 +25,7 @@ from frictionlab.models.kept_structures import Derivations, derivations_of
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero
-from frictionlab.stability.equilibrium_points.real_roots import UNKNOWN, Polynomial, real_roots
+from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.root_boxes import (
     LARGEST,
     SMALLEST,
@@ -53,8 +53,11 @@ LAST_DIGITS = 16.0  # of a penetration: what rounding may make of it
 MOST_LAST_DIGIT = 0.1
 LOOSE_SHARE = 0.1  # a coordinate with this share of a unit vector moves in a motion that no spring resists
 REAL_ROOT_RTOL = 1e-4  # a double root comes out of the eigenvalues as a pair, some 1e-8 off the real axis
+TERM_ROUNDING = 64 * MACHINE_EPSILON  # share of a polynomial's terms that is rounding of their sum
+SUBNORMAL_ROUNDING = 64 * float(np.finfo(float).smallest_subnormal)  # the same where terms are that small
+SAME_ROOT_RTOL = 1e-8  # of a root: rounding parts a double root so far
 STATIC_RESIDUAL_RTOL = 1e-9  # share of the largest force: roots with a larger residual are none
-NEWTON_STEPS = 4
+NEWTON_STEPS, STEPS_TO_MULTIPLE_ROOTS = 4, 64
 MOST_HALVINGS = 200  # from 1e30 to 1e-30
 
 
@@ -475,11 +478,13 @@ def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Arra
     return _polish_roots(statics, values, penetrations)
 
 
-def _polish_roots(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
+def _polish_roots(
+    statics: Statics, values: Sequence[Any], penetrations: Array, most: int = NEWTON_STEPS
+) -> Array:
     """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
     does."""
     left = statics.excess(penetrations, values)
-    for _ in range(NEWTON_STEPS):
+    for _ in range(most):
         trial = penetrations - left / statics.slope(penetrations, values)
         rest = statics.excess(trial, values)
         better = np.abs(rest) < np.abs(left)
@@ -591,8 +596,27 @@ def all_penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[fl
             none = _is_without_contact(statics, values, zeros.points[0])
         return sorted(map(float, np.where(none, 0.0, zeros.points[0]))), zeros.why
     with np.errstate(all="ignore"):  # at a double root the slope vanishes
-        roots = _polish_roots(statics, values, np.array(real_roots(excess[:, 0])))
-    return [float(g) for g in roots], ""
+        return _real_roots(statics, values, excess), ""
+
+
+def _real_roots(statics: Statics, values: Sequence[float], excess: Array) -> list[float]:
+    """All real roots of the polynomial in ascending order, each once.
+
+    A double root comes out of the eigenvalues as a pair off the real axis.  So a root is one at which the
+    polynomial is zero up to rounding of its terms.
+    """
+    roots = _companion_roots(excess)[:, 0]
+    near = roots.real[np.abs(roots.imag) <= REAL_ROOT_RTOL * np.abs(roots.real)]
+    near = np.append(near, 0.0) if excess[0, 0] == 0.0 else near
+    near = _polish_roots(statics, values, near, STEPS_TO_MULTIPLE_ROOTS)
+    terms = excess * near ** np.arange(len(excess))[:, None]
+    rounding = TERM_ROUNDING * np.abs(terms).sum(axis=0) + SUBNORMAL_ROUNDING
+    zero = np.abs(terms.sum(axis=0)) <= rounding
+    distinct: list[float] = []
+    for root in np.sort(near[zero]).tolist():
+        if not distinct or root - distinct[-1] > SAME_ROOT_RTOL * abs(root):
+            distinct.append(root)
+    return distinct
 
 
 def sliding_problem(model: Model, start: Array | None = None) -> EquilibriumProblem:

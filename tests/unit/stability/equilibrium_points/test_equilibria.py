@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import mpmath
 import numpy as np
 import pytest
 import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numpy.polynomial import Polynomial
 
 from frictionlab.components import ContactLaw
 from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_points.real_roots import real_roots
+from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN
+from frictionlab.stability.equilibrium_points.sliding import sliding_equations, statics_for_values
 from tests.helpers.laws import Locking
 
 pytestmark = pytest.mark.blas
@@ -160,19 +161,26 @@ def test_a_law_that_is_no_polynomial():
     assert 0 < point.normal_force < 300
 
 
-@given(st.lists(st.floats(-3, 3).map(lambda x: round(x, 2)), min_size=1, max_size=6, unique=True))
-def test_real_roots_of_a_product(roots):
-    pair = Polynomial([1.3, 0.4, 1.0])  # no real roots
-    found = real_roots((Polynomial.fromroots(roots) * pair).coef)
-    np.testing.assert_allclose(found, sorted(roots), atol=1e-6)
+SCENES = [
+    ({}, 1),
+    ({"mu_k": 1.4, "F": 2e4}, 1),
+    ({"F": 5e3, "k2": 1900.0, "k_nl": 8300.0, "k1": 380.0, "k3": 37e3, "mu_k": 2.0}, 3),
+    ({"F": 11e3, "k2": 470.0, "k_nl": 390.0, "k1": 1300.0, "k3": 1400.0, "mu_k": 1.7}, 3),
+]
 
 
-def test_real_roots_at_the_edges():
-    assert real_roots([2.0]) == []
-    assert real_roots([0.0, 0.0, 3.0]) == [0.0]
-    assert real_roots([1.0, 0.0, 1.0]) == []
-    with pytest.raises(ValueError, match="zero polynomial"):
-        real_roots([0.0])
+@pytest.mark.parametrize(("changes", "count"), SCENES)
+def test_all_roots_of_the_polynomial_are_those_of_mpmath(changes, count):
+    model = SliderOnBelt(**changes)
+    penetrations = [point.penetration for point in equilibria(model)]
+    equations = sliding_equations(model)
+    values = equations.values(model)
+    excess = statics_for_values(equations, values).excess(UNKNOWN, values).coefficients[:, 0]
+    with mpmath.workdps(40):
+        roots = mpmath.polyroots([*map(mpmath.mpf, excess[::-1])], maxsteps=500, extraprec=200)
+        real = sorted(float(z.real) for z in roots if abs(z.imag) < 1e-20 * abs(z))
+    np.testing.assert_allclose(penetrations, real, rtol=1e-12)
+    assert len(real) == count
 
 
 @dataclass(frozen=True)
