@@ -122,6 +122,7 @@ def test_what_the_package_writes_takes_the_place_of_the_old_file_at_its_end(name
     assert path.stat().st_size > len(b"old")
 
 
+@pytest.mark.slow
 def test_a_film_of_pages_by_a_writer_of_ones_own_may_keep_its_frames_beside(run, tmp_path):
     writer = HTMLWriter(fps=1.0)
     fl.animate(run, fps=1.0, speed=0.05).save(tmp_path / "film.html", writer=writer, dpi=30)
