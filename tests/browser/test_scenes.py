@@ -210,8 +210,7 @@ def test_two_scenes_at_once(page):
     for key, time in (("Home", 19.0), ("ArrowRight", 19.001)):
         page.locator(".fl-canvas input[type=range]").focus()
         page.keyboard.press(key)
-        page.wait_for_timeout(200)
-        assert [time_of(page), time_of(page, 1)] == [time, time]
+        assert come_to(page, [time, time], lambda: [time_of(page), time_of(page, 1)]) == [time, time]
     press_button(page, "play")
     press_button(page, "swap")
     page.wait_for_function(READS, arg=["mu_k", "1.4"])

@@ -67,7 +67,7 @@ def test_equations_fit_into_the_text_of_wide_screens(browser):
     seen = 0
     for name in WITH_EQUATIONS:
         page.goto((Path(SITE) / f"{name}.html").as_uri(), wait_until="load")
-        page.wait_for_timeout(300)  # fit_equations.js waits for fonts
+        page.evaluate("document.fonts.ready.then(() => true)")  # for which fit_equations.js waits
         boxes = page.evaluate(
             "[...document.querySelectorAll('div.math')].map(e => [e.scrollWidth, e.clientWidth])"
         )
