@@ -16,12 +16,13 @@ from frictionlab.analysis.quantities.quantities import (
     derivatives_at,
     gradient_of,
 )
-from frictionlab.stability.boundaries.first_losses import FirstLosses, first_losses
 from frictionlab.stability.boundaries.stability_changes import (
+    FirstLosses,
     StabilityChange,
     StabilityKind,
     changes_on_lines,
-    first_loss_change,
+    first_loss,
+    first_losses,
     unstable_from_the_start,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
@@ -40,7 +41,7 @@ class _AtFirstLoss(WithinBounds):
 
     def _change(self, problem: EquilibriumProblem, bounds: tuple[float, float]) -> StabilityChange:
         changes = changes_on_lines(problem, self.parameter, bounds, {})[0]
-        change = first_loss_change(changes)
+        change = first_loss(changes)
         if change is None:
             why = unstable_from_the_start(problem, self.parameter, bounds, changes)
             raise ValueError(

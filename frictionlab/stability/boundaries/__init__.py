@@ -4,8 +4,6 @@
     Brackets of the changes of sign of the sorted growth rates along one parameter.
 ``stability_changes``
     `fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: solve for these changes and name them.
-``first_losses``
-    The first change on each of thousands of lines.
 ``stability_map``
     `fl.stability_map`: a grid in a plane of two parameters, and the curves between its points.
 ``hopf``

@@ -1,5 +1,5 @@
 """`fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: every loss and regain of stability in a
-range.
+range, or the first loss for each of many values of other parameters.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from frictionlab.stability.equilibrium_problem import (
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, growth_scales, unstable_pairs
 from frictionlab.validation import abbreviate, check_pair, float_array
 
-from .sign_changes import Brackets, Evaluate, bracket_sign_changes
+from .sign_changes import Brackets, Evaluate, bracket_sign_changes, resolved_sign_changes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -39,6 +39,10 @@ DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this d
 TOUCH_SHARES = (0.25, 0.75)
 TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
+MANY_LINES = 192  # of so many the first losses are searched in long intervals first
+ROOT_STEPS = 60  # for one of them
+SIDE_RTOL = 1e-7  # share of the bounds: how far from such a root, on either side, growth is checked
+ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger at such a root has jumped
 # Share of a root, or of the bounds.  If an equilibrium does not exist so far beyond a root, it ends there.
 # When two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
 END_RTOL = 1e-8
@@ -159,12 +163,12 @@ def critical_value(
     problem = equilibrium_problem(model, equilibrium)
     limits = check_bounds(problem.model, parameter, bounds)
     changes = changes_on_lines(problem, parameter, limits, {})[0]
-    value = first_loss(changes)
-    if value is None and (why := unstable_from_the_start(problem, parameter, limits, changes)):
+    loss = first_loss(changes)
+    if loss is None and (why := unstable_from_the_start(problem, parameter, limits, changes)):
         warnings.warn(
             f"{why}: critical_value gives losses of stability, and there is none", RuntimeWarning, 2
         )
-    return value
+    return None if loss is None else loss.value
 
 
 def unstable_from_the_start(
@@ -258,9 +262,8 @@ def curve_and_gaps(
             f"over must be another parameter than {parameter!r} and at least one value of it, "
             f"got {abbreviate(over)}: {cure}"
         )
-    losses = map(first_loss, changes_on_lines(problem, parameter, (low, high), {name: at}))
-    values = np.array([np.nan if x is None else x for x in losses], dtype=float)
-    curve = CriticalCurve(model, parameter, name, at, values)
+    losses = first_losses(problem, parameter, (low, high), {name: at})
+    curve = CriticalCurve(model, parameter, name, at, losses.values)
     return curve, _gaps(problem, curve, low, high)
 
 
@@ -284,15 +287,70 @@ def _gaps(problem: EquilibriumProblem, curve: CriticalCurve, low: float, high: f
     )
 
 
-def first_loss(changes: tuple[StabilityChange, ...]) -> float | None:
-    """The first value at which a mode begins to grow where none grew before; None without one."""
-    change = first_loss_change(changes)
-    return None if change is None else change.value
-
-
-def first_loss_change(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
+def first_loss(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
     """The first change at which a mode begins to grow where none grew before; None without one."""
     return next((c for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
+
+
+class FirstLosses(NamedTuple):
+    """First losses on L lines: the parameter's value, and the frequency there in Hz; NaN for none."""
+
+    values: Array
+    frequencies: Array
+
+
+def first_losses(
+    problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
+) -> FirstLosses:
+    """The first loss on each of L lines: `parameter` varies along a line, `fixed` (L,) from line to line.
+
+    A scan takes some 300 spectra for a line, as it looks for every change, however narrow its window.  Many
+    lines are searched in long intervals first, which takes a fifth.  As in any scan, an interval is halved if
+    growth rates come near zero or eigenvalues near each other.  A line on which this does not find exactly
+    one loss, by flutter, or does not resolve all intervals, is scanned.
+    """
+    count = max((len(column) for column in fixed.values()), default=1)
+    losses = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
+    left = np.arange(count)
+    if count >= MANY_LINES:
+        left = left[~_only_losses(problem, parameter, bounds, fixed, losses)]
+    if len(left):
+        some = {name: column[left] for name, column in fixed.items()}
+        for line, changes in zip(left, changes_on_lines(problem, parameter, bounds, some), strict=True):
+            if (change := first_loss(changes)) is not None:
+                losses.values[line], losses.frequencies[line] = change.value, change.frequency
+    return losses
+
+
+def _only_losses(
+    problem: EquilibriumProblem,
+    parameter: str,
+    bounds: tuple[float, float],
+    fixed: Mapping[str, Array],
+    losses: FirstLosses,
+) -> Any:
+    """Solve the lines on which there is one change, a loss by flutter; returns which of them these are."""
+    count = len(losses.values)
+
+    def spectra(line: Any, at: Array) -> Any:
+        lines = np.asarray(line, dtype=int)
+        return problem.spectra({**{name: column[lines] for name, column in fixed.items()}, parameter: at})
+
+    changes, resolved = resolved_sign_changes(spectra, *(np.full(count, bound) for bound in bounds))
+    alone = np.bincount(changes.line, minlength=count) == 1
+    held = (resolved & alone)[changes.line]  # of the changes
+    line, ends = changes.line[held], (changes.low[held], changes.high[held])
+    roots = find_root(
+        lambda at, line: spectra(line, at)[:, 0].real, ends, args=(line.astype(float),), maxiter=ROOT_STEPS
+    ).x
+    line, roots = line[np.isfinite(roots)], roots[np.isfinite(roots)]
+    at, side = spectra(line, roots), SIDE_RTOL * (bounds[1] - bounds[0])
+    before, after = ((growth_rates(spectra(line, roots + shift)) > 0).sum(axis=1) for shift in (-side, side))
+    passes = (before == 0) & (after == 2) & (at[:, 0].imag != 0.0)
+    passes &= np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * growth_scales(at)[:, 0]  # else it jumps there
+    losses.values[line[passes]] = roots[passes]
+    losses.frequencies[line[passes]] = np.abs(at[passes, 0].imag) / (2 * np.pi)
+    return np.isin(np.arange(count), line[passes])
 
 
 def changes_on_lines(
