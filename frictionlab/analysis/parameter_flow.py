@@ -48,12 +48,17 @@ STATES_OF_RUN = "step_states", "event_states", "point_states", "state"
 
 
 class ParameterFlow(NamedTuple):
-    """Derivatives of a run's end: by its initial state (n,), and by P parameters for a given start."""
+    """States of a run at some times and the times of its events, with derivatives.
 
-    state: Array  # (n, n)
-    parameters: Array  # (n, P)
-    integrals_by_state: Array  # (q, n)
-    integrals_by_parameters: Array  # (q, P)
+    Derivatives are by the n states at the start, then by P parameters for a given start.  At the end those of
+    q integrals follow those of the states.
+    """
+
+    states: Array  # (m, n)
+    slopes: Array  # (m, n, n + P)
+    events: Array  # (E,)
+    event_slopes: Array  # (E, n + P)
+    end: Array  # (n + q, n + P)
 
 
 def varied_names(automaton: HybridAutomaton) -> tuple[str, ...]:
@@ -62,9 +67,14 @@ def varied_names(automaton: HybridAutomaton) -> tuple[str, ...]:
 
 
 def parameter_flow(
-    run: Trajectory, names: Sequence[str], integrands: Sequence[Any] = (), free: bool = False
+    run: Trajectory,
+    names: Sequence[str],
+    times: Any = (),
+    integrands: Sequence[Any] = (),
+    *,
+    free: bool = False,
 ) -> ParameterFlow:
-    """Derivatives of the end of a run, and of integrals along it.
+    """Derivatives of a run's states at some times, of the times of its events, and of its end.
 
     Parameters
     ----------
@@ -72,8 +82,10 @@ def parameter_flow(
         Made by method "taylor".
     names : sequence of str
         Of P parameters.
+    times : array_like (m,)
+        They ascend.  At the time of an event the state's derivatives are those before it.
     integrands : sequence of sympy.Expr
-        q functions of the states and parameters.
+        q functions of the states and parameters, whose integrals along the run have derivatives too.
     free : bool
         Whether changes of the start may violate the constraints of the first mode.  If not, and the mode has
         some (stick), each change is corrected by the least that keeps them.
@@ -84,44 +96,14 @@ def parameter_flow(
         Where the derivative does not exist or is not known; see :func:`frictionlab.tangent_flow`.
     """
     check_taylor_run(run)
-    n, q, count = len(run.names), len(integrands), len(names)
+    n, q = len(run.names), len(integrands)
     varied = _varied_run(run, tuple(names), tuple(integrands))
-    *_, end = _carry(varied, _first_frame(varied, n, q, count, free))
-    by_parameters = end[: n + q, n:]
-    return ParameterFlow(end[:n, :n], by_parameters[:n], end[n : n + q, :n], by_parameters[n:])
-
-
-class SampledFlow(NamedTuple):
-    """States of a run at some times and the times of its events, with derivatives.
-
-    Derivatives are by the n states at the start, then by the P parameters.
-    """
-
-    states: Array  # (m, n)
-    slopes: Array  # (m, n, n + P)
-    events: Array  # (E,)
-    event_slopes: Array  # (E, n + P)
-    end: Array  # (n, n + P)
-
-
-def sampled_flow(run: Trajectory, names: Sequence[str], times: Array, free: bool = False) -> SampledFlow:
-    """Derivatives of a run's states at ascending times, of the times of its events, and of its end.
-
-    At the time of an event the state's derivatives are those before it; `free` as for :func:`parameter_flow`.
-
-    Raises
-    ------
-    ValueError
-        As :func:`parameter_flow`.
-    """
-    n, count = len(run.names), len(names)
-    varied = _varied_run(run, tuple(names), ())
-    frame = _first_frame(varied, n, 0, count, free)
-    states = run(np.asarray(times, dtype=float)) if len(times) else np.zeros((0, n))
-    plain = None if varied.plain is None else _split_steps(varied.plain, times, states)
-    split = _VariedRun(_split_steps(varied.run, times, states), plain)
-    samples, moved, end = _carry(split, frame, times)
-    return SampledFlow(states, samples[:, :n], run.raw.event_times, moved, end[:n])
+    frame = _first_frame(varied, n, q, len(names), free)
+    at = np.asarray(times, dtype=float)
+    states = run(at) if len(at) else np.zeros((0, n))
+    split = _VariedRun(*(None if one is None else _split_steps(one, at, states) for one in varied))
+    samples, moved, end = _carry(split, frame, at)
+    return ParameterFlow(states, samples[:, :n], run.raw.event_times, moved, end[: n + q])
 
 
 def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
@@ -131,6 +113,8 @@ def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
     places = np.searchsorted(starts, times, side="right") - 1
     ends = starts + lengths
     inside = (places >= 0) & (times > starts[places]) & (times < ends[places]) if len(starts) else places > 0
+    if not inside.any():
+        return run
     at, cut = places[inside], times[inside]
     wide = _with_states(states[inside], raw.state[states.shape[1] :])
     order = np.argsort(np.concatenate([starts, cut]), kind="stable")

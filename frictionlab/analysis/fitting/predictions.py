@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import state_scales
-from frictionlab.analysis.parameter_flow import SampledFlow, sampled_flow
+from frictionlab.analysis.parameter_flow import ParameterFlow, parameter_flow
 from frictionlab.analysis.quantities.quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
@@ -267,15 +267,15 @@ def _run(model: Model, start: Array, length: float) -> Trajectory:
     return run
 
 
-def _flow(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
+def _flow(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
     try:
-        return sampled_flow(run, names, np.minimum(times, run.raw.t))
+        return parameter_flow(run, names, np.minimum(times, run.raw.t))
     except ValueError:  # grazing, two events at one instant: no derivative exists
         return _differences(model, run, names, times)
 
 
-def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> SampledFlow:
-    """The sampled flow by finite differences, for motions that have no derivative."""
+def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
+    """The derivatives by finite differences, for motions that have no derivative."""
     n, start = len(run.names), run.problem.x0
     times = np.minimum(times, run.raw.t)
     states, width = run(times) if len(times) else np.zeros((0, n)), n + len(names)
@@ -292,7 +292,7 @@ def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: A
         end[:, d] = (other.final_state - run.final_state) / step
         if len(other.raw.event_times) == len(moved):
             moved[:, d] = (other.raw.event_times - run.raw.event_times) / step
-    return SampledFlow(states, slopes, run.raw.event_times, moved, end)
+    return ParameterFlow(states, slopes, run.raw.event_times, moved, end)
 
 
 def _wrapped(run: Trajectory, missed: Array) -> Array:

@@ -22,7 +22,7 @@ from frictionlab.analysis.initial_states import named_state
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, periodic_orbit
-from frictionlab.analysis.parameter_flow import parameter_flow, sampled_flow, varied_names
+from frictionlab.analysis.parameter_flow import parameter_flow, varied_names
 from frictionlab.analysis.quantities.quantities import (
     Array,
     Gradient,
@@ -60,15 +60,16 @@ class _OrbitDerivatives(NamedTuple):
     period: Array
 
 
-def _orbit_derivatives(orbit: PeriodicOrbit, by_state: Array, by_parameters: Array) -> _OrbitDerivatives:
-    """Derivatives of start and period, from those of the end by the start (n, n) and by parameters (n, P).
+def _orbit_derivatives(orbit: PeriodicOrbit, of_end: Array) -> _OrbitDerivatives:
+    """Derivatives of start and period, from those of the end (n, n + P) by the start and by parameters.
 
     Raises
     ------
     ValueError
         Where the orbit is one of a family.
     """
-    run, n = orbit.trajectory, len(by_state)
+    run, n = orbit.trajectory, len(of_end)
+    by_state, by_parameters = of_end[:, :n], of_end[:, n:]
     size = state_scales(run.states, run.automaton.coordinates)
     rate = end_rates(run)[1] / size
     bordered = np.zeros((n + 1, n + 1))
@@ -242,8 +243,8 @@ class OrbitPeriod(_OfOrbit):
         return orbit.period
 
     def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
-        flow = parameter_flow(orbit.trajectory, names, free=True)
-        return orbit.period, _orbit_derivatives(orbit, flow.state, flow.parameters).period
+        end = parameter_flow(orbit.trajectory, names, free=True).end
+        return orbit.period, _orbit_derivatives(orbit, end).period
 
 
 @dataclass(frozen=True)
@@ -289,10 +290,10 @@ class OrbitAmplitude(_OfOrbit):
         # Where the coordinate turns smoothly its rate is zero, and the value moves as the state does; where
         # it turns at an event, as at a stop, the time of the event moves too.
         top, bottom = ends = _extremes(orbit, self.name)
-        run, n = orbit.trajectory, len(orbit.state)
+        run = orbit.trajectory
         order = sorted(range(2), key=lambda k: ends[k].t)
-        flow = sampled_flow(run, names, np.array([ends[k].t for k in order]), free=True)
-        at = _orbit_derivatives(orbit, flow.end[:, :n], flow.end[:, n:])
+        flow = parameter_flow(run, names, [ends[k].t for k in order], free=True)
+        at = _orbit_derivatives(orbit, flow.end)
         moves = np.vstack([at.start, np.eye(len(names))])
         place = run.names.index(self.name)
         slopes = np.zeros((2, len(names)))
@@ -332,10 +333,10 @@ class OrbitIntensity(_OfOrbit):
     def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
         point, moves = _rest_point(orbit.model, names, orbit.trajectory.automaton.coordinates)
         distance = _squared_distance(orbit, point)
-        flow = parameter_flow(distance.run, names, (distance.integrand,), free=True)
-        at = _orbit_derivatives(orbit, flow.state, flow.parameters)
+        slopes = parameter_flow(distance.run, names, integrands=(distance.integrand,), free=True).end
+        at, n = _orbit_derivatives(orbit, slopes[:-1]), len(orbit.state)
         end = float(((distance.run.final_state[: len(point)] - point) ** 2).sum())
-        total = flow.integrals_by_state[0] @ at.start + flow.integrals_by_parameters[0] + end * at.period
+        total = slopes[-1, :n] @ at.start + slopes[-1, n:] + end * at.period
         return distance.mean, (
             total - distance.mean * at.period
         ) / orbit.period - 2.0 * distance.displacements @ moves
