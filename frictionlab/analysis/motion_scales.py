@@ -52,20 +52,14 @@ def state_scales(states: Array, coordinates: int) -> Array:
     """The range of each state, by which differences are measured.
 
     It is at least a share of the largest range in its group, so that a state that only decays is not compared
-    by its own small range.  A group that does not move is measured by its values.
+    by its own small range.  A state or group that does not move beyond rounding is measured by its values.
     """
     ranges, values = state_ranges(states), np.abs(states).max(axis=0)
+    still = ranges < AT_REST_RTOL * values
     for group in state_groups(coordinates):
         largest = ranges[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
         ranges[group] = np.maximum(ranges[group], MIN_RANGE_RTOL * largest)
-    return ranges
-
-
-def moving_scales(states: Array, coordinates: int) -> Array:
-    """As :func:`state_scales`, but a state that does not move beyond rounding is measured by its values."""
-    scales, values = state_scales(states, coordinates), np.abs(states).max(axis=0)
-    still = state_ranges(states) < AT_REST_RTOL * values
-    return np.where(still, np.maximum(scales, values), scales)
+    return np.where(still, np.maximum(ranges, values), ranges)
 
 
 def motion_size(run: Trajectory, samples: int | None = None) -> Array:

@@ -19,7 +19,6 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import (
     AT_REST_RTOL,
     Array,
-    moving_scales,
     state_groups,
     state_ranges,
     state_scales,
@@ -353,7 +352,7 @@ def stability_within_errors(orbit: PeriodicOrbit) -> str:
     multiplier along the orbit, on the plane normal to its l, so that its error is at most |dM|/|l r| of that.
     """
     run = orbit.trajectory
-    size = moving_scales(run.states, run.automaton.coordinates)
+    size = state_scales(run.states, run.automaton.coordinates)
     matrix = orbit.monodromy * size / size[:, None]
     decomposition: Any = eig(matrix, left=True)
     values, left, right = decomposition

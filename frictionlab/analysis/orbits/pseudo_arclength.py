@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.motion_scales import Array, moving_scales
+from frictionlab.analysis.motion_scales import Array, state_scales
 from frictionlab.analysis.orbits.periodic_orbit import (
     RESIDUAL_ROUNDING,
     OrbitGuess,
@@ -173,7 +173,7 @@ def _next_point(
 
 
 def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
-    return np.append(moving_scales(shot.run.states[:, :-1], automaton.coordinates), [period, span])
+    return np.append(state_scales(shot.run.states[:, :-1], automaton.coordinates), [period, span])
 
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:

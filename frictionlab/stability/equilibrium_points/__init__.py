@@ -10,7 +10,7 @@ equation in the penetration.
     polynomial, ``polynomial`` gives its coefficients.
 ``steady_modes``
     All others: the modes in which equilibria are searched for, as functions.
-``newton``
+``newton``, ``low_rank_newton``
     All zeros of a flow by Newton's method, and a zero followed to other values of the parameters.
 ``root_boxes``
     Boxes that hold all zeros, by bounds of the flow in each box.

@@ -1,108 +1,28 @@
-r"""Zeros of flows: Newton's method from many starts, and a homotopy that follows a zero to other parameters.
-
-In large systems, as those of finite elements, few states enter nonlinearly.  Only their columns of the
-Jacobian J(x) change from point to point: J(x) = J_0 + C(x) S, where S has the rows of the unit matrix that
-select these states.  With the inverse of J_0, computed once, a step costs a product of that matrix and a
-vector and the solution of one equation for each such state (Sherman, Morrison and Woodbury):
-
-.. math:: J^{-1} b = y - J_0^{-1} C (1 + S J_0^{-1} C)^{-1} S y, \qquad y = J_0^{-1} b
-
-instead of the elimination of a whole matrix at every point.
-"""
+"""Zeros of flows: Newton's method from many starts, and a homotopy to other values of the parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.stability.equilibrium_points.low_rank_newton import (
+    LEAST_STATES,
+    LowRankNewton,
+    low_rank_newton,
+)
 from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, root_boxes
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.state_matrices import MACHINE_EPSILON
 from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
-LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
-MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
-REFERENCES_TRIED = 8  # points at which J_0 may be taken
 # Share of a state: candidates so close are one.  Two zeros that are nearer to each other than the root of the
 # machine epsilon cannot be told apart: rounding moves each by more than that.
 SAME_CANDIDATE_RTOL = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class LowRankNewton:
-    """Newton's steps at all points by one inverse matrix.
-
-    Parameters
-    ----------
-    flow : Flow
-    values : sequence of float
-        Of the parameters.
-    inverse : (m, m) array
-        Of the Jacobian at a point of reference.
-    columns : (m, k) array
-        The columns of that Jacobian that change.
-    """
-
-    flow: Flow
-    values: Sequence[float]
-    inverse: Array
-    columns: Array
-
-    def step(self, x: Array) -> Array:
-        """The step (m, N) towards a zero; not finite where the flow is not."""
-        nonlinear = self.flow.nonlinear
-        with np.errstate(all="ignore"):
-            plain = self.inverse @ self.flow.rhs(x, self.values)
-            change = self.flow.nonlinear_columns(x, self.values) - self.columns
-            effect = self.inverse @ change  # (N, m, k)
-            small = np.eye(len(nonlinear)) + effect[:, nonlinear, :]
-            usable: Any = np.isfinite(small).all(axis=(1, 2)) & np.isfinite(plain).all(axis=0)
-            usable[usable] = np.linalg.det(small[usable]) != 0
-            step = np.full_like(x, np.nan)
-            parts = np.linalg.solve(small[usable], plain.T[usable][:, nonlinear, None])
-            step[:, usable] = -plain[:, usable] + (effect[usable] @ parts)[..., 0].T
-        return step
-
-
-def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
-    """Newton's steps by the inverse at one of the points (m, N); None where that saves nothing or fails."""
-    m = flow.size
-    if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
-        return None
-    for point in x.T[:REFERENCES_TRIED]:
-        with np.errstate(all="ignore"):
-            matrix = flow.jacobian(point, values)
-        if np.isfinite(matrix).all() and _is_regular(matrix):
-            inverse: Any = np.linalg.inv(matrix)
-            return LowRankNewton(flow, values, inverse, matrix[:, flow.nonlinear])
-    return None
-
-
-def _is_regular(matrix: Array) -> Any:
-    """Whether a matrix can be inverted, its rows and columns scaled to the same size."""
-    rows = np.abs(matrix).max(axis=1, keepdims=True)
-    if not rows.all():
-        return False
-    scaled = matrix / rows
-    columns = np.abs(scaled).max(axis=0)
-    return columns.all() and np.linalg.cond(scaled / columns) * np.finfo(float).eps < 1
-
-
-def merge_candidates(x: Array) -> Array:
-    """The points (m, K) among those given (m, N) that differ, in their order."""
-    chosen: list[int] = []
-    for i in range(x.shape[1]):
-        differs = np.abs(x[:, chosen] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
-        if differs.any(axis=0).all():
-            chosen.append(i)
-    return x[:, chosen]
-
-
 MAX_UNCERTAINTY = 1e-6  # share of a state: what may be unknown of it
 LAST_STEP_RTOL = 1e-9  # share of a state: a step so short is the last
 TINY = np.finfo(float).tiny  # for the size of a state that is zero
@@ -318,6 +238,16 @@ def distinct_zeros(x: Array, unknown: Array) -> Array:
         if (distances > SAME_ZERO_FACTOR * (unknown[:, chosen] + unknown[:, [i]])).any(axis=0).all():
             chosen.append(int(i))
     return x[:, sorted(chosen, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
+
+
+def merge_candidates(x: Array) -> Array:
+    """The points (m, K) among those given (m, N) that differ, in their order."""
+    chosen: list[int] = []
+    for i in range(x.shape[1]):
+        differs = np.abs(x[:, chosen] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
+        if differs.any(axis=0).all():
+            chosen.append(i)
+    return x[:, chosen]
 
 
 class Zeros(NamedTuple):
