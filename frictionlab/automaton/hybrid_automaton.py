@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -18,6 +19,11 @@ from frictionlab.validation import (
 )
 
 from .mode import Mode, ModesOnDemand, Symbol, check_elements
+
+
+def module_of_pieces() -> Any:
+    """The module of functions in pieces; None where none has been made in this process."""
+    return sys.modules.get("frictionlab.automaton.pieces")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,6 +69,7 @@ class HybridAutomaton:
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
             check_elements("modes", self.modes, Mode)
+            self._split()
         cure = "make them with sympy.symbols, and write the expressions with these"
         states = check_sequence("states", self.states, cure)
         check_mapping("parameters", self.parameters, "give symbols their values, {k: 1.0}", keys=object)
@@ -78,6 +85,25 @@ class HybridAutomaton:
         )
         check_names_among("cyclic", self.cyclic, self.state_names[: self.coordinates])
         object.__setattr__(self, "cyclic", tuple(self.cyclic))
+
+    def _split(self) -> None:
+        """Smooth modes in place of those with functions in pieces, if there are any."""
+        pieces = module_of_pieces()
+        if pieces is not None and (split := pieces.split_modes(self.modes, self.states)) is not self.modes:
+            object.__setattr__(self, "modes", split)
+
+    @property
+    def whole(self) -> HybridAutomaton:
+        """The automaton without borders of laws in pieces: its modes are on all sides of them."""
+        if isinstance(self.modes, ModesOnDemand):
+            modes: Any = self.modes if self.modes.whole is None else self.modes.whole
+        elif any(mode.whole is not None for mode in self.modes):
+            modes = tuple(dict.fromkeys(mode.whole or mode for mode in self.modes))
+        else:
+            modes = self.modes
+        if modes is self.modes:
+            return self
+        return WholeAutomaton(self.states, modes, self.parameters, self.coordinates, self.cyclic)
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
@@ -151,12 +177,21 @@ class HybridAutomaton:
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
         changed = {symbols[name]: value for name, value in changes.items()}
-        return HybridAutomaton(
-            self.states, self.modes, {**self.parameters, **changed}, self.coordinates, self.cyclic
-        )
+        kind = WholeAutomaton if isinstance(self, WholeAutomaton) else HybridAutomaton
+        return kind(self.states, self.modes, {**self.parameters, **changed}, self.coordinates, self.cyclic)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"
 
     def _modes_in_words(self) -> str:
         return repr(self.names) if self.on_demand else ", ".join(self.names)
+
+
+class WholeAutomaton(HybridAutomaton):
+    """An automaton whose modes have functions in pieces, for what is asked of all sides of borders at once.
+
+    Its expressions can be evaluated, and its flow differentiated; it does not run.
+    """
+
+    def _split(self) -> None:
+        """Its modes stay as they are."""

@@ -111,6 +111,8 @@ class Mode:
     limit : bool
         Whether this is a limit mode of Zeno behaviour: it is entered by an event's `accumulation` reset,
         before any other mode, or by an event of a limit mode that names it, and in no other way.
+    whole : Mode or None
+        Of a mode on one side of a border, as of a law in pieces, the mode on all sides.
     """
 
     name: str
@@ -119,6 +121,7 @@ class Mode:
     constraints: tuple[Expr, ...] = ()
     outputs: Mapping[str, Expr] = field(default_factory=dict)
     limit: bool = False
+    whole: Mode | None = None
 
     def __post_init__(self) -> None:
         check_text("the name of a mode", self.name, "give it a name", most=MAX_NAME)
@@ -193,7 +196,7 @@ class ModeNames(Sequence[str]):
     Parameters
     ----------
     regimes : tuple of tuple of str
-        Names of the regimes of each part.
+        Names of the regimes of each part; one that is empty is left out of names of modes.
     allows : callable
         Whether a combination is a mode.
     """
@@ -208,15 +211,17 @@ class ModeNames(Sequence[str]):
 
     def name_of(self, combination: Combination) -> str:
         """The name of a combination."""
-        return JOINT.join(names[i] for names, i in zip(self._names, combination, strict=True)) or NO_PARTS
+        words = (names[i] for names, i in zip(self._names, combination, strict=True))
+        return JOINT.join(filter(None, words)) or NO_PARTS
 
     def combination_of(self, name: Any) -> Combination | None:
         """The combination of that name; None where there is no such mode."""
-        words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else ()
-        if len(words) != len(self._names):
-            return None
-        combination = tuple(numbers.get(word, -1) for numbers, word in zip(self._numbers, words))
-        return combination if -1 not in combination and self._allows(combination) else None
+        words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else []
+        combination = ()
+        for numbers in self._numbers:
+            named = bool(words) and words[0] in numbers
+            combination += (numbers.get(words.pop(0) if named else "", -1),)
+        return combination if not words and -1 not in combination and self._allows(combination) else None
 
     def has_regime(self, name: str) -> bool:
         """Whether some part has a regime of this name."""
@@ -268,7 +273,7 @@ class ModeNames(Sequence[str]):
         return hash(self._names)
 
     def __repr__(self) -> str:
-        return JOINT.join("/".join(names) for names in self._names)
+        return JOINT.join("/".join(filter(None, names)) for names in self._names if any(names)) or NO_PARTS
 
 
 def names_of_regimes(regimes: Sequence[Sequence[str]], names: Sequence[str]) -> ModeNames:
@@ -317,6 +322,8 @@ class ModesOnDemand(Sequence[Mode]):
     origin : callable or None
         Gives what the modes are derived from as JSON data, for files of runs; raises TypeError where JSON
         cannot hold it.
+    whole : sequence of Mode, or None
+        Of modes on sides of borders, as of laws in pieces, the modes on all sides.
 
     Attributes
     ----------
@@ -331,10 +338,11 @@ class ModesOnDemand(Sequence[Mode]):
         allows: Callable[[Combination], bool] = lambda _: True,
         again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
         origin: Callable[[], dict[str, Any]] | None = None,
+        whole: Sequence[Mode] | None = None,
     ) -> None:
-        self.parts, self.origin = parts, origin
+        self.parts, self.origin, self.whole = parts, origin, whole
         self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
-        self._derive, self._allows, self._again = derive, allows, again
+        self._derive, self.allows, self._again = derive, allows, again
         self._derived: dict[Combination, Mode] = {}
         self._refused: dict[Combination, None] = {}
         self._one_at_a_time = Lock()  # else two threads might derive one mode twice
@@ -366,7 +374,7 @@ class ModesOnDemand(Sequence[Mode]):
         """The mode of a combination; None if the combination is no mode."""
         with self._one_at_a_time:
             if combination not in self._derived and combination not in self._refused:
-                if self._allows(combination):
+                if self.allows(combination):
                     LOGGER.debug("deriving mode %r, to which a run came", self.names.name_of(combination))
                     self._derived[combination] = self._derive(combination)
                 else:

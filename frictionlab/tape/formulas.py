@@ -262,6 +262,8 @@ class FormulaBuilder(TapeBuilder):
                 return {self._fold(known, [self.slot(arg) for arg in expr.args]): sp.S.One}
             if expr.func is sp.Piecewise:
                 return {self._piecewise(expr.args): sp.S.One}
+            if expr.func.__name__ == "Pieces":  # of laws in pieces, if there are any
+                return {self._pieces(expr): sp.S.One}
             if expr.func in (sp.Gt, sp.Ge):
                 return self._lower(expr.reversed)
             if expr.func is sp.Ne:
@@ -288,6 +290,12 @@ class FormulaBuilder(TapeBuilder):
         for each, condition in reversed(pairs):
             first = self.slot(each)
             value = first if condition == sp.true else self.select(self.slot(condition), first, value)
+        return value
+
+    def _pieces(self, expr: Any) -> int:
+        x, (*below, value) = self.slot(expr.x), map(self.slot, expr.values)
+        for border, first in zip(reversed(expr.borders), reversed(below), strict=True):
+            value = self.select(self.operation(LESS, x, self.slot(border)), first, value)
         return value
 
     def select(self, condition: int, a: int, b: int) -> int:

@@ -15,6 +15,7 @@ import sympy
 from sympy.matrices import dotprodsimp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
 from frictionlab.components.component import StructureKey
 from frictionlab.models.automaton_of_model import automaton_of_structure
@@ -50,22 +51,44 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     Several contacts have many combinations, of which a run visits few; then each mode is derived when it is
     first used.
     """
-    system, numbers = lagrange_system(model), {}
+    system, numbers, key = lagrange_system(model), {}, model.structure_key
     if len(system.mechanics.contacts) > 1:
-        key = model.structure_key
         modes: Any = ModesOnDemand(
             tuple(tuple(map(_conditions, regimes)) for regimes in system.regimes),
             lambda combination: mode_of(system, combination),
             system.allows,
-            (modes_of_structure, (key,)),
-            lambda: structure_to_data(key),
+            *_again(key),
         )
     else:
         modes = tuple(mode_of(system, combination) for combination in system.names.combinations())
         limit = chatter_mode(system)
         if limit is not None:
             modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
+    pieces = module_of_pieces()
+    if pieces is not None and pieces.has_pieces(expressions := list(_all_expressions(system))):
+        modes = pieces.split_modes(modes, system.states, expressions, *_again(key))
     return HybridAutomaton(system.states, modes, numbers, len(system.q), model.cyclic)
+
+
+def _again(key: StructureKey) -> tuple[Any, Any]:
+    """How modes on demand are made again in another process, and the data for files of runs."""
+    return (modes_of_structure, (key,)), lambda: structure_to_data(key)
+
+
+def _all_expressions(system: LagrangeSystem) -> Iterator[Any]:
+    """All that modes are made of, in which functions in pieces are looked for."""
+    yield from (*system.internal, *system.loads, *system.other_rates, *system.mass)
+    for contact, regimes in zip(system.mechanics.contacts, system.regimes, strict=True):
+        if isinstance(contact, Stop):
+            yield contact.distance
+        else:
+            yield from (contact.penetration, contact.pressing, contact.relative_velocity)
+        for regime in regimes:
+            yield from (regime.force, regime.held, regime.limit, *regime.rates)
+            for end in regime.ends(sympy.S.Zero, sympy.S.Zero):
+                yield end.function
+                if end.jump == "impact":
+                    yield from impact_resets(system, contact)[0].jump.values()
 
 
 def modes_of_structure(key: StructureKey) -> Any:

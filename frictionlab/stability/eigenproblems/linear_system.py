@@ -239,7 +239,7 @@ def linearize(
     >>> system
     LinearSystem(4 states, from x, y, to x, normal_force)
     """
-    automaton, point = automaton_of(model), equilibrium(model)
+    automaton, point = automaton_of(model).whole, equilibrium(model)
     problem, mode = equilibrium_problem(model), _mode_of_equilibrium(model)
     coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
     states = tuple(automaton.state_names)
@@ -315,7 +315,7 @@ class _Mode(NamedTuple):
 
 
 def _mode_of_equilibrium(model: ModelOrAutomaton) -> _Mode:
-    automaton = automaton_of(model)
+    automaton = automaton_of(model).whole
     if by_penetration(model):
         if "slip" in automaton.names:
             return _Mode("slip")

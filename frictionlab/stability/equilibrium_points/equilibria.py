@@ -97,7 +97,7 @@ def _nearest_equilibrium_problem(
     ValueError
         If no mode has one.
     """
-    automaton = automaton_of(model)
+    automaton = automaton_of(model).whole
     mode, points, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     if not points.size:
         raise _no_equilibrium_error(model)
@@ -126,7 +126,7 @@ def _problem_from_equilibrium(
 
 def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
-    automaton, sliding = automaton_of(model), isinstance(model, Model)
+    automaton, sliding = automaton_of(model).whole, isinstance(model, Model)
     modes = [each.name for each in steady_modes(automaton, sliding)]
     what = type(model).__name__ if sliding else "the automaton"
     search = first_mode_equilibria(automaton, sliding)
@@ -158,7 +158,7 @@ def equilibrium_branches(
     """
     if by_penetration(model):
         return [equilibrium_problem(model)]
-    automaton = automaton_of(model)
+    automaton = automaton_of(model).whole
     at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
     modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
@@ -359,7 +359,7 @@ def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
 
 
 def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
-    automaton = automaton_of(model)
+    automaton = automaton_of(model).whole
     mode, points, why = first_mode_equilibria(automaton, isinstance(model, Model))
     values, names = parameter_values(automaton), _state_names(automaton)
     members = (
