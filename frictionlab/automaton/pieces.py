@@ -40,15 +40,10 @@ class Pieces(sympy.Function):
         """A simpler expression, where it is known on which sides of borders x is."""
         count = len(rest) // 2
         borders, values = list(rest[:count]), list(rest[count:])
-        for border in rest[:count]:
-            distance = x - border
-            if distance.is_nonnegative:
-                values = values[borders.index(border) + 1 :]
-                borders = borders[borders.index(border) + 1 :]
-            elif distance.is_nonpositive:
-                values = values[: borders.index(border) + 1]
-                borders = borders[: borders.index(border)]
-                break
+        known = [_is_above(x, border) for border in borders]
+        below = known.index(False) if False in known else count
+        above = max((i + 1 for i in range(below) if known[i]), default=0)
+        borders, values = borders[above:below], values[above : below + 1]
         if all(value == values[0] for value in values):
             return values[0]
         return None if len(borders) == count else cls(x, *borders, *values)
@@ -103,6 +98,17 @@ class Pieces(sympy.Function):
         return printer.doprint(self.as_known())
 
 
+def _is_above(x: Any, border: Any) -> bool | None:
+    """Whether x is above a border; None where it depends on what is not known."""
+    if not border.is_number:
+        return None
+    if x.is_number:
+        return bool(x >= border)
+    if x.is_Symbol and x.is_nonnegative and border <= 0:
+        return True
+    return False if x.is_Symbol and x.is_nonpositive and border > 0 else None
+
+
 @dataclass(frozen=True)
 class Division:
     """What divides modes: a function of the state and its borders, in ascending order.
@@ -146,6 +152,8 @@ Sides = tuple[int | None, ...]  # for each division a side; None where a mode do
 
 
 def _text(expression: Any) -> str:
+    if expression.is_Float:
+        return f"{float(expression):.15g}"
     return sympy.sstr(expression, full_prec=False)
 
 

@@ -10,6 +10,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from frictionlab.validation import abbreviate, check_choice, check_sequence
+
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
@@ -151,3 +153,76 @@ def maximum(a: Any, b: Any) -> Any:
     """The greater of two values."""
     a, b = (a, b) if hasattr(a, "free_symbols") else (b, a)
     return piecewise(a, (b,), (b, a)) if hasattr(a, "free_symbols") else _evaluate_two("maximum", a, b)
+
+
+TINY = 1e-300  # keeps a quotient of zeros from having no value
+
+
+def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip") -> Any:
+    """A curve through measured points: y at x, constant below the first point and above the last.
+
+    Parameters
+    ----------
+    x : float, array or Expr
+    xs, ys : sequence of float or Expr
+        The points, with ascending xs; they may be parameters.
+    kind : {"pchip", "linear"}
+        "pchip" is a monotone cubic between each two points, of continuous slope within the points: it does not
+        overshoot.  F. N. Fritsch, J. Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984)
+        300-304, with the end slopes of scipy's `PchipInterpolator`.
+
+    Raises
+    ------
+    ValueError
+        Unless there are as many xs as ys, two at least, and the xs ascend.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.functions.interpolate(1.5, (0.0, 1.0, 2.0), (0.3, 0.2, 0.2), kind="linear")
+    0.2
+    """
+    check_choice("kind", kind, ("pchip", "linear"))
+    xs, ys = (
+        [one if hasattr(one, "free_symbols") else float(one) for one in check_sequence(name, given, "give numbers")]
+        for name, given in {"xs": xs, "ys": ys}.items()
+    )
+    if len(xs) != len(ys) or len(xs) < 2:
+        raise ValueError(
+            f"ys must be as many as xs, and two at least, got {len(ys)} and {len(xs)}: give a point for each"
+        )
+    steps = [after - before for before, after in zip(xs, xs[1:])]
+    if any(step <= 0 for step in steps if not hasattr(step, "free_symbols")):
+        raise ValueError(f"xs must ascend, got {abbreviate(xs)}: sort the points by x, and leave out doubles")
+    chords = [(after - before) / step for before, after, step in zip(ys, ys[1:], steps)]
+    if kind == "linear" or len(xs) == 2:
+        between = [y + chord * (x - at) for at, y, chord in zip(xs, ys, chords)]
+        return piecewise(x, xs, [ys[0], *between, ys[-1]])
+    slopes = _monotone_slopes(steps, chords)
+    cubics = []
+    for i, (step, chord) in enumerate(zip(steps, chords)):
+        s, first, last = x - xs[i], slopes[i], slopes[i + 1]
+        square = (3 * chord - 2 * first - last) / step
+        cube = (first + last - 2 * chord) / step**2
+        cubics.append(ys[i] + s * (first + s * (square + s * cube)))
+    return piecewise(x, xs, [ys[0], *cubics, ys[-1]])
+
+
+def _monotone_slopes(steps: Sequence[Any], chords: Sequence[Any]) -> list[Any]:
+    """The slopes at the points: a weighted harmonic mean of those of the chords, or 0 at a turning point."""
+    inner = []
+    for before, after, one, other in zip(steps, steps[1:], chords, chords[1:]):
+        first, second = 2 * after + before, after + 2 * before
+        below = maximum(first * absolute(other) + second * absolute(one), TINY)
+        inner.append(piecewise(-one * other, (0,), ((first + second) * one * absolute(other) / below, 0)))
+    return [_end_slope(steps[:2], chords[:2]), *inner, _end_slope(steps[:-3:-1], chords[:-3:-1])]
+
+
+def _end_slope(steps: Sequence[Any], chords: Sequence[Any]) -> Any:
+    """The slope at an end by three points, limited so that the curve is monotone there."""
+    (near, far), (chord, other) = steps, chords
+    slope = ((2 * near + far) * chord - near * other) / (near + far)
+    turns = piecewise(-chord * other, (0,), (0, 1))  # the chords have different signs
+    steep = piecewise(absolute(slope) - 3 * absolute(chord), (0,), (0, 1))
+    slope = slope + turns * steep * (3 * chord - slope)
+    return piecewise(-slope * chord, (0,), (slope, 0))

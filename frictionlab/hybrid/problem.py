@@ -108,7 +108,8 @@ class Status(Enum):
     FINISHED = "finished: the end time was reached"
     NO_ADMISSIBLE_MODE = (
         "no admissible mode: after the last event no mode of the automaton could be entered; "
-        "check the model's laws there, or the initial state"
+        "check the model's laws there, or the initial state; a force that jumps where a velocity changes its "
+        "sign, and drives it back from either side, is dry friction, which needs a Friction contact"
     )
     STALLED = (
         "stalled: time no longer advances; the step or the dwell times fell below the resolution of time"

@@ -156,7 +156,8 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
             raise TypeError(
                 f"{law}.{name} must be a formula that takes symbols too, and fails with them "
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
-                "max, math or numpy; what changes at a value is a mode of its own"
+                "max, math or numpy; where a law changes write fl.functions.piecewise, minimum, maximum, "
+                "absolute or interpolate"
             ) from error
         if value is None and name not in MAY_BE_NONE:
             raise TypeError(

@@ -199,7 +199,7 @@ class TapeBuilder:
             return {self._after_rate(POWER, self.slot(expr.base), expr.exp): sp.S.One}
         if expr.func in function_table():
             return self._function(expr)
-        raise TapeError(f"the tape has no operation for {expr}: write it with {ALLOWED_OPERATIONS}")
+        raise TapeError(f"the tape has no operation for {expr}: {_cure(expr)}")
 
     def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
         """|a|^p as the power p/2 of the square of a, which is not negative."""
@@ -322,6 +322,19 @@ class ResetBuilder(TapeBuilder):
             slot = self.slot(expr.args[0])
             return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
         return super()._lower_new(expr)
+
+
+# What to write in place of functions with corners, whose borders are no events.
+IN_PIECES = {"Abs": "absolute", "sign": "sign", "Min": "minimum", "Max": "maximum"}
+
+
+def _cure(expr: Expr) -> str:
+    name = expr.func.__name__
+    if name in IN_PIECES:
+        return f"write fl.functions.{IN_PIECES[name]}, whose borders are events of the motion"
+    if name in ("Piecewise", "Heaviside"):
+        return "write fl.functions.piecewise(x, borders, values), whose borders are events of the motion"
+    return f"write it with {ALLOWED_OPERATIONS}"
 
 
 def _without_signs(factors: Sequence[Expr]) -> Sequence[Expr]:
