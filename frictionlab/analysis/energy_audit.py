@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ import sympy as sp
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.mode import JOINT
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.problem import evaluate_output
@@ -71,6 +73,8 @@ class ContactTerms:
     penetration, law : callable or None
         The penetration (m) as a function of states and parameters, and F_N (N) as one of penetration and
         parameters.
+    borders : tuple of callable
+        The penetrations (m) at which a law in pieces changes, as functions of the parameters.
     """
 
     number: str
@@ -83,6 +87,7 @@ class ContactTerms:
     travel: Callable[..., Any] | None = None
     penetration: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
+    borders: tuple[Callable[..., Any], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,10 +239,17 @@ class Balance:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
         law: Any = contact.law
         penetration = self._at(contact.penetration, states)
+        borders = sorted(float(border(*self._values)) for border in contact.borders)
+        borders = [border for border in borders if border > 0.0]
+        first = penetration if not borders else np.minimum(penetration, borders[0])
         # integrated over sqrt(penetration), in which penetration^1.5 is a polynomial too
         shares = (1.0 + CONTACT_NODES) / 2.0
-        at = (law(penetration * share**2, *self._values) * share for share in shares)
-        energy = penetration * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
+        at = (law(first * share**2, *self._values) * share for share in shares)
+        energy = first * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
+        for low, high in pairwise([*borders, np.inf] if borders else []):
+            half = np.maximum(np.minimum(penetration, high) - low, 0.0) / 2.0
+            for node, weight in zip(CONTACT_NODES, CONTACT_WEIGHTS, strict=True):
+                energy = energy + weight * half * law(low + half * (1.0 + node), *self._values)
         return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:
@@ -325,7 +337,15 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         travel=None if contact.normal is None else compiled(travel),
         penetration=compiled(contact.penetration),
         law=function_along_run([GAP, *parameter_symbols(key)], force),
+        borders=tuple(function_along_run(parameter_symbols(key), one) for one in _borders_of_law(force)),
     )
+
+
+def _borders_of_law(force: Any) -> set[Any]:
+    """The penetrations at which a law in pieces changes."""
+    pieces = module_of_pieces()
+    parts = () if pieces is None else sp.sympify(force, strict=True).atoms(pieces.Pieces)
+    return {border for part in parts if part.x == GAP for border in part.borders if not border.has(GAP)}
 
 
 def _motion_in_time(

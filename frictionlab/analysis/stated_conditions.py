@@ -211,7 +211,7 @@ class _Judge:
 
     def __init__(self, run: Trajectory, stated: StatedMechanics) -> None:
         self.run, self.stated, self.limit = run, stated, largest_violation(run)
-        self.regimes = [name.split(JOINT) if stated.contacts else [] for name in run.mode_names]
+        self.regimes = [name.split(JOINT)[: len(stated.contacts)] for name in run.mode_names]
         t = np.concatenate([np.linspace(0.0, run.raw.t, SAMPLES), *self._in_steps()])
         t = np.unique(t[t < run.raw.t])
         self.samples = Places(t, *run.states_and_modes(t))

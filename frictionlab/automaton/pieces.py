@@ -1,25 +1,34 @@
 """Functions in pieces, and modes with such functions as modes that are smooth.
 
-A function in pieces is a formula between each two neighbouring *borders* of some x, such as |x| on either side
-of x = 0.  Each mode in which it is becomes one mode for each piece.  Where x reaches a border there is an event,
-which resets nothing; so a Taylor step never crosses a kink.
+A function in pieces is a formula between each two neighbouring *borders* of some x, such as |x| on either
+side of x = 0.  Each mode that has it becomes one mode for each piece.  Where x reaches a border there is an
+event, which resets nothing; so a Taylor step never crosses a kink.
 
 A border that depends on parameters alone is no event: which piece holds is a number.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, product
+from itertools import islice, pairwise, product
 from math import prod
 from typing import Any
 
 import sympy
 
 from frictionlab.automaton.expressions import multiply_out
-from frictionlab.automaton.mode import JOINT, NO_PARTS, Combination, Event, Mode, ModeNames, ModesOnDemand, Regime, Reset
-from frictionlab.validation import abbreviate
+from frictionlab.automaton.mode import (
+    JOINT,
+    NO_PARTS,
+    Combination,
+    Event,
+    Mode,
+    ModeNames,
+    ModesOnDemand,
+    Regime,
+    Reset,
+)
 
 MOST_AT_ONCE = 27  # up to so many modes are all made; where there are more, each is when a run comes to it
 MOST_LISTED = 200  # targets that an event names
@@ -129,8 +138,12 @@ class Division:
     def names(self) -> tuple[str, ...]:
         """The names of the sides, one more than there are borders."""
         shown = [_text(border) for border in self.borders]
-        between = (f"{low} < {self.label} < {high}" for low, high in zip(shown, shown[1:]))
+        between = (f"{low} < {self.label} < {high}" for low, high in pairwise(shown))
         return (f"{self.label} < {shown[0]}", *between, f"{self.label} > {shown[-1]}")
+
+    def name_of_border(self, i: int) -> str:
+        """The name of a border, such as "x = d"."""
+        return f"{self.label} = {_text(self.borders[i])}"
 
     def bounds(self, side: int) -> Iterator[tuple[int, Any, int]]:
         """The borders of a side: index, the function that is positive on this side, and the side beyond."""
@@ -165,7 +178,9 @@ def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Div
         if not _moves(part, moving):
             continue
         numbers = all(border.is_number for border in part.borders)
-        known = (borders for (x, _), borders in found.items() if x == part.x and {*part.borders} <= {*borders})
+        known = (
+            borders for (x, _), borders in found.items() if x == part.x and {*part.borders} <= {*borders}
+        )
         if next(known, None) is None:
             key = part.x, True if numbers else part.borders
             found.setdefault(key, {}).update(dict.fromkeys(part.borders))
@@ -266,7 +281,7 @@ class _Split:
             for border, function, beyond in division.bounds(side) if side is not None else ():
                 if not any(_equal(guard, function) for guard in guards):
                     crossed = (*sides[:i], beyond, *sides[i + 1 :])
-                    name = f"{division.label} = {_text(division.borders[border])}"
+                    name = division.name_of_border(border)
                     events.append(Event(name, value(function), (names.name(mode, crossed),)))
         flow, constraints = tuple(map(value, mode.flow)), tuple(map(value, mode.constraints))
         outputs = {name: value(one) for name, one in mode.outputs.items()}
@@ -310,12 +325,20 @@ class _NamesOfAll(_Names):
         """The mode's name and those of the sides, where there are several."""
         about = zip(self._split.divisions, sides, self._split.sides(mode), strict=True)
         first = () if mode.name == NO_PARTS else (mode.name,)
-        return JOINT.join([*first, *(d.names[side] for d, side, all_ in about if side is not None and len(all_) > 1)]) or NO_PARTS
+        return (
+            JOINT.join(
+                [*first, *(d.names[side] for d, side, all_ in about if side is not None and len(all_) > 1)]
+            )
+            or NO_PARTS
+        )
 
     def targets(self, names: Sequence[str], sides: Sides) -> tuple[str, ...]:
         """As in the base class."""
         return tuple(
-            one for name in names for one, others in self._of.get(name, {name: sides}).items() if _agree(sides, others)
+            one
+            for name in names
+            for one, others in self._of.get(name, {name: sides}).items()
+            if _agree(sides, others)
         )
 
 
@@ -474,7 +497,12 @@ class _OnSides:
             return part.as_known()
         units = [[int(i == k) for k in range(len(part.values))] for i in range(len(part.values))]
         holds = [Pieces(part.x, *part.borders, *unit) for unit in units]
-        return sympy.Add(*(getattr(one, "as_known", lambda one=one: one)() * self(value) for one, value in zip(holds, part.values)))
+        return sympy.Add(
+            *(
+                getattr(one, "as_known", lambda one=one: one)() * self(value)
+                for one, value in zip(holds, part.values)
+            )
+        )
 
 
 def _on_sides(reset: Reset, value: Callable[[Any], Any]) -> Reset:

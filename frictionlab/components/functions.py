@@ -1,13 +1,14 @@
 """Functions for laws: of floats, arrays and sympy symbols alike.
 
-Some are in pieces: `piecewise`, `minimum`, `maximum`, `absolute`, `sign`, `interpolate`.  Where they depend on the
-state each of their borders is an event of the motion, so that they are as exact as smooth ones.
+Some are in pieces: `piecewise`, `minimum`, `maximum`, `absolute`, `sign`, `interpolate`.  Where they depend
+on the state, each of their borders is an event of the motion, so that they are as exact as smooth ones.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from frictionlab.validation import abbreviate, check_choice, check_sequence
@@ -86,7 +87,7 @@ def arcsinh(x: Any) -> Any:
 
 
 def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
-    """The first of some values where x is below the first border, the second up to the next border, and so on.
+    """The first value where x is below the first border, the second from there to the next, and so on.
 
     Parameters
     ----------
@@ -114,12 +115,14 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
     borders, values = [*borders], [*values]
     if not borders or len(values) != len(borders) + 1:
         raise ValueError(
-            "values must be one more than borders, and these one at least, got "
-            f"{len(values)} and {len(borders)}: give what holds on each side, piecewise(x, (0,), (below, above))"
+            f"values must be one more than borders, and these one at least, got {len(values)} and "
+            f"{len(borders)}: give what holds on each side, piecewise(x, (0,), (below, above))"
         )
-    for low, high in zip(borders, borders[1:]):
+    for low, high in pairwise(borders):
         if not (hasattr(low, "free_symbols") or hasattr(high, "free_symbols")) and not low < high:
-            raise ValueError(f"borders must ascend, got {high:g} after {low:g}: sort them, and the values too")
+            raise ValueError(
+                f"borders must ascend, got {high:g} after {low:g}: sort them, and the values too"
+            )
     if any(hasattr(one, "free_symbols") for one in (x, *borders, *values)):
         from frictionlab.automaton.pieces import Pieces  # it loads sympy, which is loaded already
 
@@ -137,8 +140,8 @@ def absolute(x: Any) -> Any:
 def sign(x: Any) -> Any:
     """1 where x is positive, -1 where it is negative.
 
-    A force that jumps where a velocity changes its sign is dry friction: that is a contact's, `fl.Friction`, which
-    also sticks.
+    A force that jumps where a velocity changes its sign is dry friction.  That is a contact's, `fl.Friction`,
+    which also sticks.
     """
     return piecewise(x, (0,), (-1, 1)) if hasattr(x, "free_symbols") else _evaluate("sign", x)
 
@@ -167,9 +170,9 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     xs, ys : sequence of float or Expr
         The points, with ascending xs; they may be parameters.
     kind : {"pchip", "linear"}
-        "pchip" is a monotone cubic between each two points, of continuous slope within the points: it does not
-        overshoot.  F. N. Fritsch, J. Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984)
-        300-304, with the end slopes of scipy's `PchipInterpolator`.
+        "pchip" is a monotone cubic between each two points, with a continuous slope: it does not overshoot.
+        F. N. Fritsch, J. Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984) 300-304,
+        with the end slopes of scipy's `PchipInterpolator`.
 
     Raises
     ------
@@ -184,14 +187,17 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     """
     check_choice("kind", kind, ("pchip", "linear"))
     xs, ys = (
-        [one if hasattr(one, "free_symbols") else float(one) for one in check_sequence(name, given, "give numbers")]
+        [
+            one if hasattr(one, "free_symbols") else float(one)
+            for one in check_sequence(name, given, "give numbers")
+        ]
         for name, given in {"xs": xs, "ys": ys}.items()
     )
     if len(xs) != len(ys) or len(xs) < 2:
         raise ValueError(
             f"ys must be as many as xs, and two at least, got {len(ys)} and {len(xs)}: give a point for each"
         )
-    steps = [after - before for before, after in zip(xs, xs[1:])]
+    steps = [after - before for before, after in pairwise(xs)]
     if any(step <= 0 for step in steps if not hasattr(step, "free_symbols")):
         raise ValueError(f"xs must ascend, got {abbreviate(xs)}: sort the points by x, and leave out doubles")
     chords = [(after - before) / step for before, after, step in zip(ys, ys[1:], steps)]

@@ -275,8 +275,28 @@ def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) 
 
 
 def mode_colours(run: Trajectory) -> dict[str, str]:
-    """A colour for every mode that a run knows, in the automaton's order."""
-    return colours_of_modes(sorted(zip(run.mode_places, run.mode_names, strict=True)))
+    """A colour for every mode that a run knows, in the automaton's order.
+
+    Modes that differ only in the pieces of laws have one colour, unless all modes do.
+    """
+    ordered = sorted(zip(run.mode_places, run.mode_names, strict=True))
+    wholes = whole_names(run)
+    if len({*wholes.values()}) == 1:
+        return colours_of_modes(ordered)
+    places = {name: place for place, name in enumerate(dict.fromkeys(wholes[name] for _, name in ordered))}
+    if len(places) == len(ordered):
+        return colours_of_modes(ordered)
+    colours = colours_of_modes((place, name) for name, place in places.items())
+    return {name: colours[wholes[name]] for _, name in ordered}
+
+
+def whole_names(run: Trajectory) -> dict[str, str]:
+    """For every mode that a run knows the name of that on all sides of borders of laws in pieces."""
+    automaton = run.automaton
+    if automaton.derivations is not None or automaton.whole is automaton:  # there are no such laws
+        return {name: name for name in run.mode_names}
+    wholes = {name: automaton.mode(name).whole for name in run.mode_names}
+    return {name: name if whole is None else whole.name for name, whole in wholes.items()}
 
 
 def colours_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, str]:

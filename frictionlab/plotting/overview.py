@@ -34,6 +34,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     mode_colours,
     pen,
+    whole_names,
 )
 from frictionlab.plotting.figure import (
     axes_or_new,
@@ -71,6 +72,8 @@ if TYPE_CHECKING:
 PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
 DECADES = 5
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
+MOST_IN_LEGEND = 6  # modes on sides of the borders of laws in pieces
+LONGEST_TITLE = 400  # characters of a model that are shown
 
 
 def plot_phase_plane(
@@ -290,14 +293,30 @@ def _title(figure: Figure, run: Trajectory) -> None:
     colours = mode_colours(run)
     # Modes that last a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
-    handles = [Patch(facecolor=legible(colours[name]), alpha=0.6, label=name) for name in modes]
+    labels = _modes_in_legend(run, modes)
+    handles = [
+        Patch(facecolor=legible(colours[name]), alpha=0.6, label=label) for label, name in labels.items()
+    ]
     what = "run" if run.source is None else repr(run.source)
+    if len(what) > LONGEST_TITLE:
+        what = type(run.source).__name__
     state = "" if run.status.ok else f" ({run.status.name.lower().replace('_', ' ')})"
     about = run.description.get("method", {})
     method = about.get("integrator", about.get("name", ""))
     size = font_size(FONT_SIZE + 3) / crowding()
     figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
+
+
+def _modes_in_legend(run: Trajectory, modes: list[str]) -> dict[str, str]:
+    """Labels, each with a mode: many that differ in the pieces of laws are listed as one, or in part."""
+    wholes = whole_names(run)
+    if len(modes) <= MOST_IN_LEGEND or all(name == whole for name, whole in wholes.items()):
+        return {name: name for name in modes}
+    labels: dict[str, str] = {}
+    for name in modes:
+        labels.setdefault(wholes[name], name)
+    return labels if len(labels) > 1 else {name: name for name in modes[:MOST_IN_LEGEND]}
 
 
 def plot_energies(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[Line2D]:

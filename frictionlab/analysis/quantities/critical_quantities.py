@@ -133,6 +133,12 @@ def _critical_slopes(
 ) -> tuple[Array, Array]:
     """Derivatives (P,) of the critical value and of the frequency there by all parameters."""
     place = problem.parameter_names.index(parameter)
+    if change.kind == StabilityKind.BORDER:
+        raise ValueError(
+            "stability must be lost by flutter or divergence for the critical value to have derivatives, got "
+            f"a border of a law in pieces at {parameter} = {change.value:.6g}, where eigenvalues jump: take "
+            "another range"
+        )
     if change.kind == StabilityKind.FOLD:
         raise ValueError(
             "stability must be lost by flutter or divergence for the critical value to have derivatives, "

@@ -368,8 +368,8 @@ def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further:
             raise
         raise TypeError(
             f"{type(model).__name__}.mechanics must be a formula of symbols, and fails with them ({error}): "
-            "write fl.functions.cos and the like, none of numpy or math, and no if, min or max of coordinates, "
-            "but fl.functions.piecewise, minimum, maximum, absolute or interpolate"
+            "write fl.functions.cos and the like, none of numpy or math, and no if, min or max of "
+            "coordinates; where a law changes write fl.functions.piecewise, minimum, maximum or interpolate"
         ) from error
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +46,7 @@ ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger
 # Share of a root, or of the bounds.  If an equilibrium does not exist so far beyond a root, it ends there.
 # When two equilibria annihilate each other, rounding lets one seem to exist up to some 1e-9 beyond the root.
 END_RTOL = 1e-8
+BORDER_RTOL = 1e-5  # share of the state by which an equilibrium may move over so short a way
 
 
 class StabilityKind(Kind):
@@ -54,6 +55,7 @@ class StabilityKind(Kind):
     FLUTTER = "flutter"
     DIVERGENCE = "divergence"
     FOLD = "fold"
+    BORDER = "border"
 
 
 @dataclass(frozen=True)
@@ -66,9 +68,10 @@ class StabilityChange:
         The parameter's.
     frequency : float
         Of the mode, Hz; zero for divergence.
-    kind : "flutter", "divergence" or "fold"
+    kind : "flutter", "divergence", "fold" or "border"
         Flutter: a complex pair crosses the imaginary axis, as where modes couple.  Divergence: a real
-        eigenvalue passes zero.  Fold: the equilibrium ends and another takes over.
+        eigenvalue passes zero.  Fold: the equilibrium ends and another takes over.  Border: it passes the
+        border of a law in pieces, where eigenvalues jump.
     direction : "loss" or "regain"
     unstable : (int, int)
         Number of growing pairs of eigenvalues below and above the value; two real ones count as a pair,
@@ -369,9 +372,28 @@ def changes_on_lines(
     columns: Any = (column[real] for column in brackets)
     brackets, roots = Brackets(*columns), roots[real]
     changes = _describe_changes(evaluate, brackets, roots, bounds)
+    for i, line in enumerate(brackets.line):
+        if changes[i].kind == StabilityKind.FOLD:
+            at = {name: column[[line]] for name, column in fixed.items()}
+            if _goes_on(problem, changes[i].value, parameter, at, bounds):
+                changes[i] = replace(changes[i], kind=StabilityKind.BORDER)
     return [
         tuple(c for c, line in zip(changes, brackets.line, strict=True) if line == i) for i in range(count)
     ]
+
+
+def _goes_on(
+    problem: EquilibriumProblem,
+    value: float,
+    parameter: str,
+    fixed: Mapping[str, Array],
+    bounds: tuple[float, float],
+) -> bool:
+    """Whether an equilibrium is the same on both sides of a value at which a growth rate jumps."""
+    step = END_RTOL * max(abs(value), bounds[1] - bounds[0])
+    sides = np.clip(value + step * np.array([-1.0, 1.0]), *bounds)
+    x = problem.solve(*problem.at({**{name: one.repeat(2) for name, one in fixed.items()}, parameter: sides}))
+    return bool(np.abs(x[:, 1] - x[:, 0]).max() <= BORDER_RTOL * np.abs(x).max())
 
 
 def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> Array:

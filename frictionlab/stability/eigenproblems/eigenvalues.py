@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any, TypeVar, overload
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
+from frictionlab.stability.equilibrium_points.borders import borders_at
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.large_system import LargeSystem
@@ -140,6 +142,11 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     ValueError
         If there is no sliding equilibrium with F_N > 0, or the belt rests.
 
+    Warns
+    -----
+    RuntimeWarning
+        Where the equilibrium is on a border of a law in pieces, on whose sides eigenvalues differ.
+
     Examples
     --------
     >>> import frictionlab as fl
@@ -154,6 +161,13 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     if isinstance(model, LargeSystem):
         return model.find_eigenvalues()
     point = equilibrium(model)
+    if borders := borders_at(model, point.state):
+        warnings.warn(
+            f"the equilibrium is on the border {borders[0]} of a law in pieces: the eigenvalues are those "
+            "above it, and others hold below",
+            RuntimeWarning,
+            2,
+        )
     problem = equilibrium_problem(model)
     matrix = problem.without_following(jacobian(model, point.state))
     values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
