@@ -100,6 +100,8 @@ from .components import Stribeck as Stribeck
 from .components import WeakeningStrengthening as WeakeningStrengthening
 from .components import functions as functions
 from .components import parameter as parameter
+from .components import ramp as ramp
+from .components import table as table
 from .hybrid.methods.base import Method as Method
 from .hybrid.methods.one_step import RK4 as RK4
 from .hybrid.methods.one_step import OneStepMethod as OneStepMethod

@@ -31,6 +31,7 @@ OUTPUT_UNITS = {
     "reaction": "N",
     "relative_velocity": "m/s",
 }
+TIME = "t"  # the state of models that depend on time otherwise, s
 CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
 
 
@@ -72,6 +73,8 @@ def is_angle(name: str) -> bool:
 
 def state_unit(name: str) -> str:
     """SI unit of a coordinate or of its rate."""
+    if name == TIME:
+        return "s"
     length = "rad" if is_angle(name) or name == CLOCK else "m"
     return f"{length}/s" if name.endswith("'") else length
 

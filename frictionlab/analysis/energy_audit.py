@@ -358,7 +358,7 @@ def _motion_in_time(
         directions = [*system.normal(contact), *system.direction(contact)]
     else:
         directions = [*system.direction(contact)]
-    if not system.phase:
+    if not system.clocks:
         return {}
     return {
         "moved": None if moved == 0 else compiled(moved),

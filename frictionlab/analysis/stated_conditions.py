@@ -495,8 +495,10 @@ class _Judge:
         others = start[
             2 * n : 2 * n + len(self.stated.statement.others)
         ]  # without the states of friction laws
-        phase = (*others[: len(others) - further], 0.0)[0]
-        about = mechanics_at(model, start[:n], start[n : 2 * n], phase, others[len(others) - further :])
+        known = dict(zip(self.run.names, start))
+        clocks = (known.get(name, 0.0) for name in ("phase", "t"))
+        phase, time = clocks
+        about = mechanics_at(model, start[:n], start[n : 2 * n], phase, others[len(others) - further :], time)
         laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]
         return [None if law is None else law.reduced() for law in laws]
 

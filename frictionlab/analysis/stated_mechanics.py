@@ -13,10 +13,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
+from frictionlab.models.mechanical.equations_of_motion import time_of
 from frictionlab.models.mechanical.mechanics import Friction, Stop, mechanics_at
 from frictionlab.models.symbols import (
     parameter_symbols,
@@ -89,11 +91,13 @@ def _statement_of(key: StructureKey) -> Statement:
     names = tuple(copy.coordinates)
     q, v = ([symbol(name + prime) for name in names] for prime in ("", "'"))
     phase, further = symbol("phase"), [*map(symbol, copy.states)]
-    about = mechanics_at(copy, q, v, phase, further)
+    time = time_of(copy)
+    about = mechanics_at(copy, q, v, phase, further, *time)
+    time = [one for one in time if about.depends_on(one)]
     in_time = about.frequency is not None
     of_laws = [tuple(map(symbol, names)) for names in about.law_states]
-    states = [*q, *v, *([phase] if in_time else []), *further, *(one for some in of_laws for one in some)]
-    others = [*([about.frequency] if in_time else []), *(about.rates[name] for name in copy.states)]
+    states = [*q, *v, *([phase] if in_time else []), *time, *further, *(one for some in of_laws for one in some)]
+    others = [*([about.frequency] if in_time else []), *(sp.S.One for _ in time), *(about.rates[name] for name in copy.states)]
 
     def compiled(expression: Any) -> StateFunction:
         return function_along_run([*states, *parameter_symbols(key)], expression)

@@ -177,7 +177,7 @@ class HybridAutomaton:
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
         changed = {symbols[name]: value for name, value in changes.items()}
-        kind = WholeAutomaton if isinstance(self, WholeAutomaton) else HybridAutomaton
+        kind = type(self) if isinstance(self, WholeAutomaton) else HybridAutomaton
         return kind(self.states, self.modes, {**self.parameters, **changed}, self.coordinates, self.cyclic)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long

@@ -3,7 +3,8 @@
 `component` is the base of all, a frozen dataclass whose fields are parameters with unit, symbol and range.
 `contact`, `friction` and `impact` hold the laws, `dynamic_friction` those of friction with states of their
 own.  `contact` also has the regimes of contact (`Interface`), and the coordinates and directions of the
-contact forces (`Geometry`).  `functions` has exp, tanh and the like for laws.  Nothing here imports sympy;
+contact forces (`Geometry`).  `functions` has exp, tanh and the like for laws, also
+those in pieces.  Nothing here imports sympy;
 numpy is imported only inside functions.
 """
 
@@ -35,6 +36,7 @@ from .friction import (
     Stribeck,
     WeakeningStrengthening,
 )
+from .functions import ramp, table
 from .impact import FrictionalImpact, ImpactLaw, PlasticImpact, RestitutionImpact
 
 __all__ = [
@@ -70,4 +72,6 @@ __all__ = [
     "WeakeningStrengthening",
     "functions",
     "parameter",
+    "ramp",
+    "table",
 ]

@@ -7,7 +7,7 @@ on the state, each of their borders is an event of the motion, so that they are 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -232,3 +232,54 @@ def _end_slope(steps: Sequence[Any], chords: Sequence[Any]) -> Any:
     steep = piecewise(absolute(slope) - 3 * absolute(chord), (0,), (0, 1))
     slope = slope + turns * steep * (3 * chord - slope)
     return piecewise(-slope * chord, (0,), (slope, 0))
+
+
+def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
+    """A value that goes linearly from `start` at t = 0 to `end` at t = `duration`, and stays there.
+
+    Parameters
+    ----------
+    t : float, array or Expr
+        The time ``q.t``, or ``q.t - 5.0`` for a ramp that begins at 5 s.
+    start, end : float or Expr
+    duration : float or Expr
+        s, above 0.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.ramp(2.0, start=0.0, end=1.0, duration=8.0)
+    0.25
+    """
+    return piecewise(t, (0, duration), (start, start + (end - start) * t / duration, end))
+
+
+def table(t: Any, values: Any, kind: str = "pchip") -> Any:
+    """A value that is given at some times, and interpolated between them.
+
+    Parameters
+    ----------
+    t : float, array or Expr
+        The time ``q.t``.
+    values : mapping, or sequence of pairs
+        The value at each time, ``{0.0: 1.0, 5.0: 0.2}`` or ``[(0.0, 1.0), (5.0, 0.2)]``.
+    kind : {"pchip", "linear"}
+        As of :func:`interpolate`.
+
+    Raises
+    ------
+    ValueError
+        Unless there are two pairs at least, by ascending times.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.table(1.0, {0.0: 1.0, 5.0: 0.0}, kind="linear")
+    0.8
+    """
+    pairs = list(values.items() if isinstance(values, Mapping) else values)
+    if any(not hasattr(pair, "__len__") or len(pair) != 2 for pair in pairs):
+        raise ValueError(
+            f"values must give a value for each time, got {abbreviate(values)}: write {{0.0: 1.0, 5.0: 0.2}}"
+        )
+    return interpolate(t, [time for time, _ in pairs], [value for _, value in pairs], kind)

@@ -180,6 +180,7 @@ def _functions(system: LagrangeSystem) -> dict[Any, Any]:
     functions = time_functions((*system.q, *system.v, *system.further, *of_laws), len(system.q))
     if system.phase:
         functions[system.phase[0]] = system.mechanics.frequency * TIME
+    functions |= dict.fromkeys(system.time, TIME)
     return functions
 
 

@@ -18,7 +18,7 @@ from frictionlab.components.contact import Interface
 from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
 
 from .common_directions import RUBBING, CommonDirection, common_directions
-from .contact_regimes import PHASE, ContactRegime, regimes_of_contact
+from .contact_regimes import PHASE, TIME, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
 from .dynamic_laws import limit_of_state
 from .meaning import check_linear, check_mechanics, mass_matrix
@@ -67,6 +67,7 @@ class LagrangeSystem:
     loads: tuple[Any, ...]
     further: tuple[Any, ...] = ()
     of_laws: tuple[tuple[Any, ...], ...] = ()
+    time: tuple[Any, ...] = ()
 
     @cached_property
     def inverse(self) -> Any:
@@ -221,19 +222,25 @@ class LagrangeSystem:
 
     @property
     def phase(self) -> tuple[Any, ...]:
-        """The phase as a state, where something depends on time."""
+        """The phase of a periodic load as a state, where there is one."""
         return () if self.mechanics.frequency is None else (symbol(PHASE),)
 
     @property
+    def clocks(self) -> tuple[Any, ...]:
+        """The states that time moves: the phase of a periodic load, and the time itself where it is used."""
+        return (*self.phase, *self.time)
+
+    @property
     def other_rates(self) -> tuple[Any, ...]:
-        """The rates of the phase, where something depends on time, and of the further states."""
+        """The rates of the clocks and of the further states."""
         phase = tuple(self.mechanics.frequency for _ in self.phase)
-        return (*phase, *(self.mechanics.rates[str(one)] for one in self.further))
+        time = tuple(sympy.S.One for _ in self.time)
+        return (*phase, *time, *(self.mechanics.rates[str(one)] for one in self.further))
 
     @property
     def states(self) -> tuple[Any, ...]:
-        """Coordinates, velocities, phase, further states, states of friction laws."""
-        return (*self.q, *self.v, *self.phase, *self.further, *(one for some in self.of_laws for one in some))
+        """Coordinates, velocities, phase, time, further states, states of friction laws."""
+        return (*self.q, *self.v, *self.clocks, *self.further, *(one for some in self.of_laws for one in some))
 
     def law_states(self, contact: Friction | Stop) -> tuple[Any, ...]:
         """The states of a contact's friction law."""
@@ -246,13 +253,13 @@ class LagrangeSystem:
     def rate(self, expression: Any) -> Any:
         """Time derivative of a function of all states but velocities and those of friction laws; of one of
         velocities too, the part of its time derivative that has no accelerations."""
-        moving = (*self.q, *self.phase, *self.further)
+        moving = (*self.q, *self.clocks, *self.further)
         return _dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
     def explicit_rate(self, expression: Any) -> Any:
         """The part of a time derivative that is there with all coordinates and velocities at rest, of what
-        does not depend on further states: that by the phase."""
-        return _dot(self.gradient(expression, self.phase), self.other_rates[: len(self.phase)])
+        does not depend on further states: that by the clocks."""
+        return _dot(self.gradient(expression, self.clocks), self.other_rates[: len(self.clocks)])
 
     def varies(self, expression: Any) -> bool:
         """Whether an expression depends on the state."""
@@ -265,8 +272,8 @@ class LagrangeSystem:
         return expression.subs({rate: 0 for rate in self.v if rate in there})
 
     def speed_at_origin(self, contact: Friction) -> Any:
-        """The speed of the belt, v_r at rest, where coordinates, phase and further states are zero."""
-        origin = dict.fromkeys((*self.q, *self.phase, *self.further), 0)
+        """The speed of the belt, v_r at rest, where coordinates, clocks and further states are zero."""
+        origin = dict.fromkeys((*self.q, *self.clocks, *self.further), 0)
         return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
 
     def sliding_sign(self, contact: Friction) -> Any:
@@ -342,17 +349,25 @@ def system_of(key: StructureKey) -> LagrangeSystem:
 def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names, further = model.coordinates, tuple(map(symbol, model.states))
-    about = check_mechanics(_stated(model, q, v, further), model, q, v)
-    about = _in_regimes(about, model, (*q, *v, symbol(PHASE), *further))
+    about, time = _stated(model, q, v, further), time_of(model)
+    time = tuple(one for one in time if isinstance(about, Mechanics) and about.depends_on(one))
+    about = check_mechanics(about, model, q, v)
+    about = _in_regimes(about, model, (*q, *v, symbol(PHASE), *time, *further))
     about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
     # In matrix form where the statics need K; the form determines the last bits of equilibria.
     linear = model.statics is not None
     if linear:
         check_linear(about, model, q, v)
-    internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v)
+    internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v, time)
     of_laws = tuple(tuple(map(symbol, some)) for some in about.law_states)
-    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further, of_laws)
+    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further, of_laws, time)
+
+
+def time_of(model: MechanicalModel) -> tuple[Any, ...]:
+    """The symbol of the time, unless the model gives the name to something else."""
+    own = {*model.coordinates, *model.states, *model.structure_key.parameters}
+    return () if TIME in own else (symbol(TIME),)
 
 
 # How numpy, math and sympy begin their errors where a number is wanted of a symbol.
@@ -362,7 +377,7 @@ NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "can
 def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further: Sequence[Any]) -> Mechanics:
     """What `mechanics` returns; TypeError, with the cure, where it takes symbols for numbers."""
     try:
-        return mechanics_at(model, q, v, symbol(PHASE), further)
+        return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model))
     except TypeError as error:
         if not str(error).startswith(NO_NUMBER):
             raise
@@ -430,9 +445,13 @@ def is_law(contact: Friction, states: Sequence[Any]) -> bool:
     )
 
 
-def _internal(about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any]) -> Any:
+def _internal(
+    about: Mechanics, momenta: Sequence[Any], q: Sequence[Any], v: Sequence[Any], time: Sequence[Any]
+) -> Any:
     """Forces of energies and dampers, for each coordinate: d/dt (dT/dv) less M v', less the slopes of T."""
     turning = [_rate(momentum, about, q, v) for momentum in momenta]
+    for one in time:
+        turning = [moved + gradient(momentum, [one])[0] for moved, momentum in zip(turning, momenta)]
     slopes = gradient(about.stored - about.kinetic, q)
     damping = gradient(about.dissipation, v)
     return tuple(map(sympy.factor_terms, map(sum, zip(turning, slopes, damping, strict=True))))

@@ -91,7 +91,8 @@ def _function(
 
     def masses(place: Array, phase: float) -> Array:
         mass = np.zeros((len(place), len(place)))
-        entries = formulas.numbers(*map(float, place), float(phase), *numbers)
+        at_start = [0.0] if about["timed"] else []
+        entries = formulas.numbers(*map(float, place), float(phase), *at_start, *numbers)
         for (i, j), entry in zip(about["places"], entries, strict=True):
             mass[i, j] = mass[j, i] = entry
         return mass
@@ -119,6 +120,7 @@ def _about_masses(key: StructureKey) -> dict[str, Any]:
         "parameters": [name for name in key.parameters if symbol(name) in there],
         "in place": not there.isdisjoint(system.q),
         "in time": symbol("phase") in there,
+        "timed": bool(system.time),
     }
 
 
@@ -126,7 +128,7 @@ def _mass_formulas(key: StructureKey, about: Mapping[str, Any]) -> Formulas:
     from .equations_of_motion import system_of
 
     system = system_of(key)
-    inputs = [*system.q, symbol("phase"), *map(symbol, about["parameters"])]
+    inputs = [*system.q, symbol("phase"), *system.time, *map(symbol, about["parameters"])]
     return formulas_of(inputs, [system.mass[i, j] for i, j in about["places"]])
 
 

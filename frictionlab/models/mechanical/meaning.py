@@ -18,7 +18,7 @@ from frictionlab.automaton.expressions import integer_exponent, multiply_out, re
 from frictionlab.models.symbols import gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
-from .contact_regimes import PHASE
+from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import Friction, Mechanics, Stop
@@ -89,7 +89,7 @@ class _Check:
     ) -> None:
         self.of, self.q, self.v = of, q, v
         self.names, self.further = model.structure_key.parameters, tuple(map(symbol, model.states))
-        self.states = {*q, *v, *self.further, *([symbol(PHASE)] if in_time else [])}
+        self.states = {*q, *v, *self.further, *([symbol(PHASE)] if in_time else []), symbol(TIME)}
         self.moving = (*v, *self.further)
 
     def expression(self, what: str, given: Any, states: Any = None) -> Any:
@@ -288,13 +288,15 @@ def _structurally_without(mass: Any) -> list[int]:
 
 def check_linear(about: Mechanics, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> None:
     """Raise ValueError unless all but the contact is linear, and constant in time, as `statics` needs."""
-    fixed = {*q, *v, symbol(PHASE), *map(symbol, model.states)}
+    parameters = {*map(symbol, model.structure_key.parameters)}
+    fixed = {*q, *v, symbol(PHASE), symbol(TIME), *map(symbol, model.states)}
     still = dict.fromkeys(v, sympy.S.Zero)
     momenta = gradient(about.kinetic, v)
     others = [one.xreplace(still) for one in (sympy.sympify(about.kinetic, strict=True), *momenta)]
     checks = {
         "kinetic": [*(one for p in momenta for one in gradient(p, (*q, symbol(PHASE)))), *others],
         "frequency": [] if about.frequency is None else [symbol(PHASE)],
+        "q.t": [symbol(TIME)] if symbol(TIME) not in parameters and about.depends_on(symbol(TIME)) else [],
         "rates": [*map(symbol, model.states)],
     }
     curved = {"potential": (about.stored, q), "dissipation": (about.dissipation, v)}

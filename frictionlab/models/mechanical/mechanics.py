@@ -107,8 +107,9 @@ class Stop:
 class Mechanics:
     """Energies, loads and contacts.
 
-    All of them may depend on ``q.phase``, that is on time, and on place: what a base, a hoop or a ground that
-    moves does to T, V and the contacts is in the equations.
+    All of them may depend on ``q.phase`` and on ``q.t``, that is on time, and on place: what a base, a hoop or
+    a ground that moves does to T, V and the contacts is in the equations.  The phase of a periodic load starts
+    again after each period; ``q.t`` is the time since the start, for ramps and tables.
 
     Parameters
     ----------
@@ -171,6 +172,18 @@ class Mechanics:
             for contact, number in zip(self.contacts, numbers)
         )
 
+    def depends_on(self, symbol: Any) -> bool:
+        """Whether any of it depends on a symbol."""
+        potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
+        given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), *self.rates.values()]
+        for contact in self.contacts:
+            if isinstance(contact, Stop):
+                given.append(contact.distance)
+            else:
+                given += [contact.relative_velocity, contact.penetration, *(contact.normal or ())]
+                given.append(contact.pressing)
+        return any(symbol in getattr(one, "free_symbols", ()) for one in given)
+
     @property
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
@@ -186,10 +199,15 @@ class _Named(SimpleNamespace):
 
 
 def mechanics_at(
-    model: MechanicalModel, q: Iterable[Any], v: Iterable[Any], phase: Any, further: Iterable[Any]
+    model: MechanicalModel,
+    q: Iterable[Any],
+    v: Iterable[Any],
+    phase: Any,
+    further: Iterable[Any],
+    time: Any = 0.0,
 ) -> Mechanics:
-    """What a model states at coordinates, velocities, a phase and further states: symbols or numbers."""
-    at = _Named(**dict(zip(model.coordinates, q, strict=True)), phase=phase)
+    """What a model states at coordinates, velocities, a phase, further states and a time: symbols or numbers."""
+    at = _Named(**{"t": time, **dict(zip(model.coordinates, q, strict=True))}, phase=phase)
     moving = _Named(**dict(zip(model.coordinates, v, strict=True)))
     others = _Named(**dict(zip(model.states, further, strict=True)))
     return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import ModelOrAutomaton
-from frictionlab.presentation import Drawable, count, dataframe, dataset, span
+from frictionlab.models.model import Model, ModelOrAutomaton
+from frictionlab.presentation import TIME, Drawable, count, dataframe, dataset, span
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
+from frictionlab.stability.equilibrium_points.frozen_time import depends_on_time, frozen_in_time
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
 from frictionlab.stability.state_matrices import (
     eigenpairs_of_matrices,
@@ -333,6 +334,7 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     ----------
     model : Model or HybridAutomaton
     parameter : str
+        "t" for a model that depends on time: eigenvalues of the system as it is at each of these times.
     values : array_like (N,)
         Along a path: each mode is followed from one value to the next.
 
@@ -354,6 +356,8 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     >>> locus.values.shape, [bool(rates.max() < 0) for rates in locus.growth_rates]
     ((3, 5), [True, True, False])
     """
+    if parameter == TIME and isinstance(model, Model) and depends_on_time(model):
+        model = frozen_in_time(model)
     problem = equilibrium_problem(model)
     at = check_path(problem, parameter, values)
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
+from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
     Statics,
@@ -97,8 +98,8 @@ def _nearest_equilibrium_problem(
     ValueError
         If no mode has one.
     """
-    automaton = automaton_of(model).whole
-    mode, points, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
+    automaton = automaton_at_rest(model)
+    mode, points, *_ = first_mode_equilibria(automaton, is_sliding(model))
     if not points.size:
         raise _no_equilibrium_error(model)
     offsets = points if closest_to is None else points - closest_to[:, None]
@@ -126,7 +127,7 @@ def _problem_from_equilibrium(
 
 def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
-    automaton, sliding = automaton_of(model).whole, isinstance(model, Model)
+    automaton, sliding = automaton_at_rest(model), is_sliding(model)
     modes = [each.name for each in steady_modes(automaton, sliding)]
     what = type(model).__name__ if sliding else "the automaton"
     search = first_mode_equilibria(automaton, sliding)
@@ -158,14 +159,14 @@ def equilibrium_branches(
     """
     if by_penetration(model):
         return [equilibrium_problem(model)]
-    automaton = automaton_of(model).whole
+    automaton = automaton_at_rest(model)
     at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
     modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
     for i, value in enumerate(at):
         changed = {parameter: float(value)}
-        mode, points, *_ = first_mode_equilibria(automaton.replace(**changed), isinstance(model, Model))
+        mode, points, *_ = first_mode_equilibria(automaton.replace(**changed), is_sliding(model))
         for x in points.T:
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
@@ -359,8 +360,8 @@ def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
 
 
 def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
-    automaton = automaton_of(model).whole
-    mode, points, why = first_mode_equilibria(automaton, isinstance(model, Model))
+    automaton = automaton_at_rest(model)
+    mode, points, why = first_mode_equilibria(automaton, is_sliding(model))
     values, names = parameter_values(automaton), _state_names(automaton)
     members = (
         Equilibrium(
