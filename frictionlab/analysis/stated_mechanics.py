@@ -96,8 +96,19 @@ def _statement_of(key: StructureKey) -> Statement:
     time = [one for one in time if about.depends_on(one)]
     in_time = about.frequency is not None
     of_laws = [tuple(map(symbol, names)) for names in about.law_states]
-    states = [*q, *v, *([phase] if in_time else []), *time, *further, *(one for some in of_laws for one in some)]
-    others = [*([about.frequency] if in_time else []), *(sp.S.One for _ in time), *(about.rates[name] for name in copy.states)]
+    states = [
+        *q,
+        *v,
+        *([phase] if in_time else []),
+        *time,
+        *further,
+        *(one for some in of_laws for one in some),
+    ]
+    others = [
+        *([about.frequency] if in_time else []),
+        *(sp.S.One for _ in time),
+        *(about.rates[name] for name in copy.states),
+    ]
 
     def compiled(expression: Any) -> StateFunction:
         return function_along_run([*states, *parameter_symbols(key)], expression)

@@ -194,7 +194,7 @@ def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Div
 
 def has_pieces(expressions: Iterable[Any]) -> bool:
     """Whether any of the expressions has a function in pieces."""
-    return any(getattr(one, "has", bool)(Pieces) for one in expressions)
+    return any(hasattr(one, "has") and one.has(Pieces) for one in expressions)
 
 
 def mode_expressions(mode: Mode) -> Iterator[Any]:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from frictionlab.validation import abbreviate, check_choice, check_sequence
+from frictionlab.validation import abbreviate, check_choice, check_sequence, float_array, is_sequence
 
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
@@ -23,12 +23,6 @@ def _evaluate(name: str, x: Any) -> Any:
     import numpy  # imported here, as the command line reads the laws' parameters and should start quickly
 
     return getattr(numpy, NAMES_IN_NUMPY.get(name, name))(x)
-
-
-def _evaluate_two(name: str, a: Any, b: Any) -> Any:
-    import numpy
-
-    return getattr(numpy, name)(a, b)
 
 
 def exp(x: Any) -> Any:
@@ -112,24 +106,42 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
     >>> force(0.6), force(0.05)
     (2.0, 0.0)
     """
-    borders, values = [*borders], [*values]
+    cure = "give what holds on each side, piecewise(x, (0.0,), (below, above))"
+    x = _number_or_expression("x", x)
+    borders = [_number_or_expression("borders", one) for one in check_sequence("borders", borders, cure)]
+    values = [_number_or_expression("values", one) for one in check_sequence("values", values, cure)]
     if not borders or len(values) != len(borders) + 1:
         raise ValueError(
             f"values must be one more than borders, and these one at least, got {len(values)} and "
-            f"{len(borders)}: give what holds on each side, piecewise(x, (0,), (below, above))"
+            f"{len(borders)}: {cure}"
         )
     for low, high in pairwise(borders):
-        if not (hasattr(low, "free_symbols") or hasattr(high, "free_symbols")) and not low < high:
+        if not _are_expressions(low, high) and not low < high:
             raise ValueError(
                 f"borders must ascend, got {high:g} after {low:g}: sort them, and the values too"
             )
-    if any(hasattr(one, "free_symbols") for one in (x, *borders, *values)):
+    if _are_expressions(x, *borders, *values):
         from frictionlab.automaton.pieces import Pieces  # it loads sympy, which is loaded already
 
         return Pieces(x, *borders, *values)
     import numpy
 
-    return numpy.select([numpy.less(x, one) for one in borders], values[:-1], values[-1])[()]
+    return _plain(numpy.select([numpy.less(x, one) for one in borders], values[:-1], values[-1]))
+
+
+def _are_expressions(*given: Any) -> bool:
+    return any(hasattr(one, "free_symbols") for one in given)
+
+
+def _number_or_expression(name: str, given: Any) -> Any:
+    """An expression and a plain number as they are; other numbers as a float or an array of floats."""
+    if hasattr(given, "free_symbols") or type(given) is float or (type(given) is int and abs(given) < 2**53):
+        return given
+    return _plain(float_array(name, given, "give a number, an array or an expression"))
+
+
+def _plain(numbers: Any) -> Any:
+    return numbers if numbers.ndim else numbers.item()
 
 
 def absolute(x: Any) -> Any:
@@ -148,14 +160,22 @@ def sign(x: Any) -> Any:
 
 def minimum(a: Any, b: Any) -> Any:
     """The smaller of two values."""
-    a, b = (a, b) if hasattr(a, "free_symbols") else (b, a)
-    return piecewise(a, (b,), (a, b)) if hasattr(a, "free_symbols") else _evaluate_two("minimum", a, b)
+    return _of_two("minimum", a, b)
 
 
 def maximum(a: Any, b: Any) -> Any:
     """The greater of two values."""
-    a, b = (a, b) if hasattr(a, "free_symbols") else (b, a)
-    return piecewise(a, (b,), (b, a)) if hasattr(a, "free_symbols") else _evaluate_two("maximum", a, b)
+    return _of_two("maximum", a, b)
+
+
+def _of_two(name: str, a: Any, b: Any) -> Any:
+    a, b = _number_or_expression("a", a), _number_or_expression("b", b)
+    if not _are_expressions(a, b):
+        import numpy
+
+        return _plain(getattr(numpy, name)(a, b))
+    a, b = (a, b) if _are_expressions(a) else (b, a)
+    return piecewise(a, (b,), (a, b) if name == "minimum" else (b, a))
 
 
 TINY = 1e-300  # keeps a quotient of zeros from having no value
@@ -186,10 +206,11 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     0.2
     """
     check_choice("kind", kind, ("pchip", "linear"))
+    x = _number_or_expression("x", x)
     xs, ys = (
         [
-            one if hasattr(one, "free_symbols") else float(one)
-            for one in check_sequence(name, given, "give numbers")
+            _number_or_expression(name, one)
+            for one in check_sequence(name, given, "give a number for each point")
         ]
         for name, given in {"xs": xs, "ys": ys}.items()
     )
@@ -198,7 +219,7 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
             f"ys must be as many as xs, and two at least, got {len(ys)} and {len(xs)}: give a point for each"
         )
     steps = [after - before for before, after in pairwise(xs)]
-    if any(step <= 0 for step in steps if not hasattr(step, "free_symbols")):
+    if any(not step > 0 for step in steps if not _are_expressions(step)):
         raise ValueError(f"xs must ascend, got {abbreviate(xs)}: sort the points by x, and leave out doubles")
     chords = [(after - before) / step for before, after, step in zip(ys, ys[1:], steps)]
     if kind == "linear" or len(xs) == 2:
@@ -251,7 +272,11 @@ def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
     >>> fl.ramp(2.0, start=0.0, end=1.0, duration=8.0)
     0.25
     """
-    return piecewise(t, (0, duration), (start, start + (end - start) * t / duration, end))
+    t, start, end, duration = (
+        _number_or_expression(name, given)
+        for name, given in {"t": t, "start": start, "end": end, "duration": duration}.items()
+    )
+    return piecewise(t, (0.0, duration), (start, start + (end - start) * t / duration, end))
 
 
 def table(t: Any, values: Any, kind: str = "pchip") -> Any:
@@ -277,9 +302,8 @@ def table(t: Any, values: Any, kind: str = "pchip") -> Any:
     >>> fl.table(1.0, {0.0: 1.0, 5.0: 0.0}, kind="linear")
     0.8
     """
-    pairs = list(values.items() if isinstance(values, Mapping) else values)
-    if any(not hasattr(pair, "__len__") or len(pair) != 2 for pair in pairs):
-        raise ValueError(
-            f"values must give a value for each time, got {abbreviate(values)}: write {{0.0: 1.0, 5.0: 0.2}}"
-        )
+    cure = "write {0.0: 1.0, 5.0: 0.2}, a value for each time"
+    pairs = list(values.items() if isinstance(values, Mapping) else check_sequence("values", values, cure))
+    if any(not is_sequence(pair) or len(pair) != 2 for pair in pairs):
+        raise ValueError(f"values must give a value for each time, got {abbreviate(values)}: {cure}")
     return interpolate(t, [time for time, _ in pairs], [value for _, value in pairs], kind)

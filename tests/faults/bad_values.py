@@ -268,6 +268,8 @@ def doors() -> dict[str, Door]:
         "list_models": Door(fl.list_models),
         "model": Door(fl.model, {"cls": type("Mine", (fl.MechanicalModel,), {})}),
         "quadratic_form": Door(fl.quadratic_form, {"matrix": np.eye(2), "x": (1.0, 2.0)}),
+        "ramp": Door(fl.ramp, {"t": 1.0, "start": 0.0, "end": 1.0, "duration": 2.0}),
+        "table": Door(fl.table, {"t": 1.0, "values": {0.0: 1.0, 2.0: 0.5}}),
         "parameter": Door(
             fl.parameter,
             {"default": 1.0},

@@ -33,6 +33,7 @@ from frictionlab.hybrid.variational.tangent_flow import tangent_flow
 from frictionlab.hybrid.variational.tangent_jets import SaltationError
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import abbreviate, check_number, is_sequence
 
 PERIOD_DIVISORS = (2, 3, 5, 7)
@@ -159,6 +160,7 @@ def periodic_orbit(
     """
     automaton = automaton_of(model)
     _check(model, guess, period, t_max, tolerance)
+    refuse_time(model, "a periodic orbit")
     given = guess if isinstance(guess, (SteadyState, Trajectory)) else initial_state_of(model, guess)
     start = _start_in_free_mode(automaton, *state_and_period(automaton, given, period, t_max))
     shot = shoot(automaton, start, tolerance)

@@ -240,7 +240,13 @@ class LagrangeSystem:
     @property
     def states(self) -> tuple[Any, ...]:
         """Coordinates, velocities, phase, time, further states, states of friction laws."""
-        return (*self.q, *self.v, *self.clocks, *self.further, *(one for some in self.of_laws for one in some))
+        return (
+            *self.q,
+            *self.v,
+            *self.clocks,
+            *self.further,
+            *(one for some in self.of_laws for one in some),
+        )
 
     def law_states(self, contact: Friction | Stop) -> tuple[Any, ...]:
         """The states of a contact's friction law."""

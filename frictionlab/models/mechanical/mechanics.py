@@ -107,8 +107,8 @@ class Stop:
 class Mechanics:
     """Energies, loads and contacts.
 
-    All of them may depend on ``q.phase`` and on ``q.t``, that is on time, and on place: what a base, a hoop or
-    a ground that moves does to T, V and the contacts is in the equations.  The phase of a periodic load starts
+    All of them may depend on ``q.phase`` and ``q.t``, that is on time, and on place: what a base, a hoop or a
+    ground that moves does to T, V and the contacts is in the equations.  The phase of a periodic load starts
     again after each period; ``q.t`` is the time since the start, for ramps and tables.
 
     Parameters
@@ -206,7 +206,7 @@ def mechanics_at(
     further: Iterable[Any],
     time: Any = 0.0,
 ) -> Mechanics:
-    """What a model states at coordinates, velocities, a phase, further states and a time: symbols or numbers."""
+    """What a model states at coordinates, velocities, phase, further states and time: symbols or numbers."""
     at = _Named(**{"t": time, **dict(zip(model.coordinates, q, strict=True))}, phase=phase)
     moving = _Named(**dict(zip(model.coordinates, v, strict=True)))
     others = _Named(**dict(zip(model.states, further, strict=True)))

@@ -1,7 +1,7 @@
 """The automaton of a model that depends on time, with time frozen: a parameter in place of the state t.
 
-A belt that brakes, or a preload that grows, has no equilibrium.  Where it changes slowly beside the vibrations,
-equilibria and eigenvalues at each instant tell when these begin to grow.
+A belt that brakes, or a preload that grows, has no equilibrium.  Where it changes slowly beside the
+vibrations, equilibria and eigenvalues at each instant tell when these begin to grow.
 """
 
 from __future__ import annotations
@@ -38,13 +38,18 @@ def automaton_at_rest(model: ModelOrAutomaton) -> HybridAutomaton:
     ValueError
         Where the model depends on time.
     """
+    refuse_time(model, "an equilibrium")
+    return automaton_of(model).whole
+
+
+def refuse_time(model: ModelOrAutomaton, what: str) -> None:
+    """Raise ValueError where a model depends on time, for `what` of it."""
     if depends_on_time(model):
         raise ValueError(
-            f"{type(model).__name__} must not depend on the time q.t for what has equilibria: "
-            'root_locus(model, "t", times) gives the eigenvalues with time frozen at each of these times, and '
-            "simulate the motion"
+            f"{type(model).__name__} must not depend on the time q.t to have {what}: simulate its motion, "
+            'ask root_locus(model, "t", times) for eigenvalues with time frozen at each of these times, or '
+            "write what is periodic with q.phase"
         )
-    return automaton_of(model).whole
 
 
 def is_sliding(model: ModelOrAutomaton) -> bool:
