@@ -79,6 +79,11 @@ class CachedAutomaton(HybridAutomaton):
         return self._derived
 
     @property
+    def whole(self) -> HybridAutomaton:
+        """The automaton itself: structures with laws in pieces are not cached."""
+        return self
+
+    @property
     def states(self) -> tuple[Symbol, ...]:
         """Coordinates first, then their velocities, then other states."""
         return self._derived.states
@@ -180,7 +185,7 @@ def _outline(key: StructureKey, derivations: Derivations) -> Outline | None:
     about = derivations.get("automaton")
     if about is None:
         derived = automaton_of_structure(key)
-        if not derivations.keeps or _has_many_modes(derived):
+        if not derivations.keeps or _has_many_modes(derived) or derived.whole is not derived:
             return None
         about = _outline_data(derived)
         derivations.keep("automaton", about)

@@ -58,7 +58,7 @@ def structure_data(model: Model) -> dict[str, Any]:
     if count > MAX_MODES:
         raise ValueError(
             f"a page holds at most {MAX_MODES} modes, and {type(model).__name__} has {count}: "
-            "take a model with fewer contacts"
+            "take a model with fewer contacts, or laws of fewer pieces"
         )
     modes = tuple(automaton.modes)
     program, _ = program_of(automaton)
