@@ -51,12 +51,12 @@ def models_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
 
 
 def _all_models() -> tuple[dict[str, Any], str]:
-    from frictionlab.models.library.catalogue import MODEL_ROWS
+    from frictionlab.models.library.catalogue import list_models
 
-    rows = [{**row._asdict(), "call": row.call.replace("fl.", "")} for row in MODEL_ROWS]
-    lines = [f"{row['call']}\n    {row['about']}\n    {row['reference']}" for row in rows]
+    table = list_models()
+    rows = [{**row._asdict(), "call": row.call.replace("fl.", "")} for row in table]
     hint = "\nRun one: frictionlab run --model DenHartog; its parameters: frictionlab models DenHartog"
-    return {"models": rows}, "\n".join([*lines, hint])
+    return {"models": rows}, f"{table!r}".replace("fl.", "") + f"\n{hint}"
 
 
 def _one_model(name: str) -> tuple[dict[str, Any], str]:

@@ -207,10 +207,11 @@ def model_of(text: str) -> Any:
     ValueError, TypeError
         For names that are no models or laws, and for values that the model refuses.
     """
+    from frictionlab.models.library.catalogue import CLASSICS
     from frictionlab.validation import did_you_mean
 
-    name, known = text.partition("(")[0].strip().removeprefix("fl."), model_names()
-    if name not in known:
+    name, known = text.partition("(")[0].strip().removeprefix("fl."), model_names(CLASSICS)
+    if name not in known and name not in (known := model_names()):  # only now the zoo is loaded
         listed = ", ".join(known)
         hint = did_you_mean(name, known) or ": `frictionlab models` says what each is"
         raise ValueError(f"--model must be one of {listed}, got {name!r}{hint}")
@@ -221,11 +222,11 @@ def model_of(text: str) -> Any:
     return _component(node, text)
 
 
-def model_names() -> list[str]:
-    """Names of the package's models, in the order of their table."""
-    from frictionlab.models.library.catalogue import MODEL_ROWS
+def model_names(topic: str | None = None) -> list[str]:
+    """Names of the package's models, or of those of a topic, in the order of their table."""
+    from frictionlab.models.library.catalogue import list_models
 
-    return list(dict.fromkeys(row.call.partition("(")[0] for row in MODEL_ROWS))
+    return list(dict.fromkeys(row.call.partition("(")[0] for row in list_models(topic)))
 
 
 def _component(node: ast.expr, text: str) -> Any:

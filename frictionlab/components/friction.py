@@ -171,6 +171,25 @@ class ExponentialDecay(Coulomb):
 
 
 @dataclass(frozen=True, repr=False)
+class HyperbolicDecay(Coulomb):
+    """Friction that falls with speed as a hyperbola: mu = mu_k + (mu_s - mu_k)/(1 + |v_r|/v_s).
+
+    Parameters
+    ----------
+    mu_k, mu_s : float
+        Coefficients of friction at high speed and at rest, 0 <= mu_k <= mu_s.
+    v_s : float
+        Speed at which half of the fall is over, m/s, above 0.
+    """
+
+    v_s: float = _decay_speed()
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        return (self.mu_k + (self.mu_s - self.mu_k) / (1 + speed / self.v_s)) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
 class Stribeck(Coulomb):
     """Stribeck's curve with viscous friction: mu = mu_k + (mu_s - mu_k) exp(-(v_r/v_s)^2) + mu_v |v_r|.
 

@@ -110,6 +110,9 @@ def value_from_data(data: Any) -> Any:
 
 def loaded_class(name: object, base: type) -> type:
     """The subclass of `base` whose :func:`class_path` is `name`; ValueError where none is loaded."""
+    home, _, public = str(name).partition(":")
+    if home == "frictionlab" and public in frictionlab.__all__:
+        getattr(frictionlab, public)  # names of the library are loaded when they are first used
     # The last one wins: a notebook cell that ran twice has defined its class twice.
     matching = [cls for cls in _subclasses(base) if class_path(cls) == name]
     if matching:

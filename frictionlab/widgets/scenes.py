@@ -13,7 +13,8 @@ from urllib.parse import parse_qsl, urlencode
 
 import ipywidgets
 
-from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
+from frictionlab.models.library.catalogue import CLASSICS, PRESETS, ROW_MODELS, list_models
+from frictionlab.models.zoo.topics import TOPICS
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .explorer import Explorer, explore
@@ -31,8 +32,10 @@ LINK_VARIABLE = "QUERY_STRING"  # environment variable in which Voila tells a ke
 def scene_models() -> dict[str, tuple[Any, str]]:
     """Model and description of every scene, by its name: the scenes worth seeing, then all models."""
     scenes = {preset.name: (preset.model, preset.about) for preset in PRESETS}
-    models = {row.call: (model, row.about) for row, model in zip(list_models(), ROW_MODELS, strict=True)}
-    return scenes | models
+    rows = list_models(CLASSICS)
+    classics = {row.call: (model, row.about) for row, model in zip(rows, ROW_MODELS, strict=True)}
+    zoo = {f"{cls.__name__}()": (cls(), cls.about) for classes in TOPICS.values() for cls in classes}
+    return scenes | classics | zoo
 
 
 class Scenes:

@@ -81,7 +81,7 @@ def made(i, model):
     explorer.parameters.widget.children[1].selected_index = 0
     display(told, explorer)
 
-for i, row in enumerate(fl.list_models()):
+for i, row in enumerate(fl.list_models("classics")):
     made(i, eval(f"fl.{row.call}", {"fl": fl}))
 """
 

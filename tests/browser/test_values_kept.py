@@ -10,7 +10,7 @@ from tests.browser.screen import PATIENCE
 from tests.browser.servers import EVERY_MODEL, free_port, serving, write_notebook
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-COUNT = len(fl.list_models())
+COUNT = len(fl.list_models("classics"))
 
 # Move each slider by one position, away from the end it may be at, and back; what the fields show before and
 # after.
@@ -59,7 +59,7 @@ def test_showing_changes_no_value_of_any_model(page):
     assert [told(page, i) for i in range(COUNT)] == ["0 same"] * COUNT
 
 
-@pytest.mark.parametrize("i", range(COUNT), ids=[row.call for row in fl.list_models()])
+@pytest.mark.parametrize("i", range(COUNT), ids=[row.call for row in fl.list_models("classics")])
 def test_a_round_trip_of_every_number_gives_it_back(page, i):
     shown = page.evaluate(ROUND_TRIP, f".model-{i}")
     assert len(shown["before"]) > 3

@@ -26,4 +26,4 @@ def pixels(explorer, panel):
 
 
 # Every model of the package, by the call that makes it.
-MODELS = {row.call: eval(f"fl.{row.call}", {"fl": fl}) for row in fl.list_models()}
+MODELS = {row.call: eval(f"fl.{row.call}", {"fl": fl}) for row in fl.list_models("classics")}

@@ -30,5 +30,5 @@ def test_a_run_has_the_bits_it_has_everywhere(case):
 
 def test_all_models_are_there():
     there = {type(model).__name__ for model, _, _ in MODELS.values()} | {"SliderOnBelt"}
-    assert {row.call.split("(")[0] for row in fl.list_models()} == there
+    assert {row.call.split("(")[0] for row in fl.list_models("classics")} == there
     assert {case.values[0].name for case in CASES} == set(KNOWN)

@@ -12,7 +12,7 @@ from frictionlab.models.symbols import symbol
 from tests.helpers.cases import slow_but
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
-CALLS = [row.call for row in fl.list_models() if row.call != "SliderOnBelt()"]
+CALLS = [row.call for row in fl.list_models("classics") if row.call != "SliderOnBelt()"]
 OTHER_LAWS = [call for call in CALLS if "friction=" in call]  # of models that are there without them too
 VARIED = ("v", "Omega", "h", "x_0")
 FORCED = ("DenHartog", "ImpactOscillator", "FreeCoulomb", "BouncingBall")
@@ -55,7 +55,7 @@ def varied(model):
 
 
 def test_the_table_of_models_prints():
-    table = fl.list_models()
+    table = fl.list_models("classics")
     assert len(table) == 11
     assert all(row.about and row.reference for row in table)
     assert "fl.DenHartog()" in repr(table)

@@ -82,7 +82,7 @@ def found_of(model):
     values = modes if isinstance(modes, str) else [modes.values.real.tolist(), modes.values.imag.tolist()]
     moments = [run.events.t.tolist(), list(run.events.target), dict(run.time_in_mode)]
     return [repr(model), run.final_state.tolist(), moments, outputs, repr(shown), values, repr(changes)]
-rows = [found_of(model_of(row.call)) for row in fl.list_models()]
+rows = [found_of(model_of(row.call)) for row in fl.list_models("classics")]
 print(json.dumps(["sympy.core" in sys.modules, rows]))
 """
 
@@ -93,7 +93,7 @@ def test_no_model_of_the_table_needs_sympy_in_a_second_process(tmp_path):
     again, second = in_a_process(TABLE, tmp_path)
     assert (derived, again) == (True, False)
     assert second == first
-    assert len(first) == len(fl.list_models())
+    assert len(first) == len(fl.list_models("classics"))
     eigenvalues = [row[-2] for row in first]
     assert sum(isinstance(values, list) for values in eigenvalues) > 5
 
@@ -195,7 +195,7 @@ def damaged(path):
 
 def test_a_wheel_carries_the_models_of_the_table():
     """With their switches."""
-    calls = [row.call for row in fl.list_models()]
+    calls = [row.call for row in fl.list_models("classics")]
     chosen = [repr(model) for model in shipped_models()]
     assert len(chosen) == len({*chosen}) > 2 * len(calls)
     assert sum(text.startswith("SliderOnBelt(") for text in chosen) == 2**3

@@ -19,7 +19,7 @@ from tests.helpers.own_models import Chain, Fitted
 MODEL = fl.MassOnBelt(c=0.05, mu_k=0.5, mu_s=1.0)
 LISTED = [
     eval(row.call, {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()} | {"fl": fl})
-    for row in fl.list_models()
+    for row in fl.list_models("classics")
 ]
 OWN = [Chain(masses=3, friction=Fitted()), fl.MassOnBelt(friction=Fitted(shares=(0.3,), pairs=(("x", 2),)))]
 MODELS = {f"{type(model).__name__} {i}": model for i, model in enumerate([*LISTED, *OWN])}

@@ -17,6 +17,7 @@ LAWS = [
     fl.PolynomialContact(a2=1e4, a3=1e5, a5=1e7),
     fl.Coulomb(),
     fl.ExponentialDecay(),
+    fl.HyperbolicDecay(),
     fl.Stribeck(mu_v=0.05),
     fl.WeakeningStrengthening(),
     fl.PressureDependent(),

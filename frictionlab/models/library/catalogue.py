@@ -1,14 +1,19 @@
-"""`fl.list_models`: the models of the package, with a line and a reference each; and presets of explorers."""
+"""`fl.list_models`: the models of the package by topic, with a line and a reference each; and presets.
+
+The classics are listed here.  Other topics are those of the zoo, which is loaded when its rows are asked for.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from typing import NamedTuple
 
 from frictionlab.components.friction import Stribeck, WeakeningStrengthening
 from frictionlab.models.model import Model
+from frictionlab.validation import check_choice
 
 from .dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
 from .impact_oscillators import BouncingBall, ImpactOscillator
@@ -33,17 +38,21 @@ ROW_MODELS: tuple[Model, ...] = (
 )
 
 
+CLASSICS = "classics"  # the topic of the models that are listed here
+
+
 class ModelRow(NamedTuple):
-    """A model: Python that makes it, what it shows, where it comes from."""
+    """A model: Python that makes it, what it shows, where it comes from, what it is about."""
 
     call: str
     about: str
     reference: str
+    topic: str = CLASSICS
 
 
 @dataclass(frozen=True, repr=False)
 class ModelTable:
-    """Rows of a call, a line and a reference; prints as a table."""
+    """Rows of a call, a line, a reference and a topic; prints as a table, a heading for each topic."""
 
     rows: tuple[ModelRow, ...]
 
@@ -53,13 +62,24 @@ class ModelTable:
     def __len__(self) -> int:
         return len(self.rows)
 
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics of the rows, in their order."""
+        return tuple(dict.fromkeys(row.topic for row in self.rows))
+
     def __repr__(self) -> str:
-        return "\n".join(f"fl.{row.call}\n    {row.about}\n    {row.reference}" for row in self.rows)
+        lines = []
+        for topic in self.topics:
+            lines.append(f"# {topic}")
+            rows = (row for row in self.rows if row.topic == topic)
+            lines += (f"fl.{row.call}\n    {row.about}\n    {row.reference}" for row in rows)
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{name}</th>" for name in ("model", "what it shows", "reference"))
+        head = "".join(f"<th>{name}</th>" for name in ("model", "what it shows", "reference", "topic"))
         cells = (
-            (f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference)) for r in self.rows
+            (f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference), escape(r.topic))
+            for r in self.rows
         )
         body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in cells)
         return f"<table><tr>{head}</tr>{body}</table>"
@@ -132,20 +152,50 @@ PRESETS = (
 )
 
 
-def list_models() -> ModelTable:
-    """The models of the package.
+@cache
+def rows_of_the_zoo() -> tuple[ModelRow, ...]:
+    """The systems of the literature, by topic."""
+    from frictionlab.models.zoo.topics import TOPICS
+
+    return tuple(
+        ModelRow(f"{cls.__name__}()", cls.about, cls.reference, topic)
+        for topic, classes in TOPICS.items()
+        for cls in classes
+    )
+
+
+def list_models(topic: str | None = None) -> ModelTable:
+    """The models of the package, by topic.
+
+    Parameters
+    ----------
+    topic : str or None
+        "classics", or a topic of the systems of the literature, such as "impacts"; None for all.
 
     Returns
     -------
     ModelTable
-        Rows of Python that makes the model, a line on what it shows, and a reference; prints as a table.
+        Rows of Python that makes the model, a line on what it shows, a reference, and the topic; prints as a
+        table.
+
+    Raises
+    ------
+    ValueError
+        For another topic.
 
     Examples
     --------
     >>> import frictionlab as fl
-    >>> len(fl.list_models())
-    11
-    >>> next(iter(fl.list_models())).call
+    >>> fl.list_models().topics[:3]
+    ('classics', 'oscillators on a belt', 'mode coupling')
+    >>> next(iter(fl.list_models("classics"))).call
     'SliderOnBelt()'
     """
-    return ModelTable(MODEL_ROWS)
+    if topic == CLASSICS:
+        return ModelTable(MODEL_ROWS)
+    rows = (*MODEL_ROWS, *rows_of_the_zoo())
+    if topic is None:
+        return ModelTable(rows)
+    topics = ModelTable(rows).topics
+    check_choice("topic", topic, topics, "leave it out for all")
+    return ModelTable(tuple(row for row in rows if row.topic == topic))

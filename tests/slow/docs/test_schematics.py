@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
 PAGES = [path for path in sorted((ROOT / "docs" / "models").glob("*.md")) if path.stem != "index"]
-MODELS = sorted({row.call.partition("(")[0] for row in fl.list_models()})
+MODELS = sorted({row.call.partition("(")[0] for row in fl.list_models("classics")})
 
 
 @pytest.fixture(scope="module")

@@ -61,7 +61,7 @@ def test_critical_values_are_the_closed_form(said):
     assert "no change of stability" in said("critical", "mu_k", "0", "0.1")
 
 
-@pytest.mark.parametrize("name", model_names())
+@pytest.mark.parametrize("name", model_names("classics"))
 def test_every_model_runs_and_tells_its_summary_as_json(name, said):
     found = json.loads(said("run", "--model", name, "--t-end", "0.5", "--json"))
     begin = {"mu_k": 1.4} if name == "SliderOnBelt" else {}

@@ -10,7 +10,7 @@ from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
 from tests.helpers.cases import slow_but
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
-CALLS = [row.call for row in fl.list_models()]
+CALLS = [row.call for row in fl.list_models("classics")]
 ON_THE_GROUND = fl.DenHartog, fl.FreeCoulomb  # at rest, so that sliding only would have no direction
 
 

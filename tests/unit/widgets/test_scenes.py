@@ -13,7 +13,7 @@ MODEL = {preset.name: preset.model for preset in PRESETS}
 
 def test_the_menu_has_the_scenes_worth_seeing_and_all_models():
     found = scene_models()
-    assert list(found) == [*MODEL, *MODELS]
+    assert list(found) == [*MODEL, *(row.call for row in fl.list_models())]
     assert all(found[name][0] == model for name, model in {**MODEL, **MODELS}.items())
     assert all(about for _, about in found.values())
 

@@ -1,0 +1,11 @@
+"""The zoo: systems of the literature, each a class of a few lines, a topic in a file.
+
+They are loaded when one of them, or their table, is first asked for: ``fl.list_models("impacts")``.
+
+``zoo_model``
+    The base of all, and how their parameters are written.
+``belt_oscillators``, ``mode_couplings``, ``rotating_systems``, ``bristles_and_states``, ``impacts``
+    The models.
+``topics``
+    Which models a topic has, in the order of the table.
+"""

@@ -1,0 +1,304 @@
+"""Oscillators on a belt: falling friction, a base that moves, rows of masses, a belt that brakes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from math import pi
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, HyperbolicDecay
+from frictionlab.components.functions import cos
+from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.mechanical.mechanics import Friction, Mechanics
+from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, held_block
+from frictionlab.models.model import model
+from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, of_either_sign, positive
+
+
+@model
+class PoppStelter(ZooModel):
+    """A mass on a belt with friction that falls as a hyperbola: m x'' + c x' + k x = F_T.
+
+    The slope of the friction curve is a negative damper.  Steady sliding is stable where the belt is faster
+    than
+
+        v_H = v_s (sqrt((mu_s - mu_k) N/(c v_s)) - 1),
+
+    and loses its stability there at the angular frequency sqrt(k/m).  Hyperbolas of this kind are those of
+    Popp and Stelter; the numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> (change,) = fl.stability_changes(fl.PoppStelter(), "v", bounds=(0.2, 5.0))
+    >>> abs(change.value - 0.5 * (10**0.5 - 1)) < 1e-9
+    True
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
+    k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.5, 3.0, "m/s", "v", "speed of the belt")
+    friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
+    coordinates = ("x",)
+
+    about = "friction that falls as a hyperbola: steady sliding above a belt speed, stick-slip below it"
+    reference = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
+
+    @property
+    def period(self) -> float:
+        """That of the mass on its spring, s."""
+        return natural_period(self.k, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a belt, on a spring."""
+        return Mechanism(Belt("v"), *held_block("x"))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact."""
+        rubbing = Friction(self.v - v.x, self.N, self.friction)
+        return Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2, contacts=(rubbing,))
+
+
+@model
+class ExcitedBeltOscillator(ZooModel):
+    """A mass on a belt whose spring hangs on a base that moves: m x'' + c x' + k (x - u cos(Omega t)) = F_T.
+
+    As long as the mass slides without stick on a faster belt, Coulomb's friction is a constant force.  With
+    r = Omega/sqrt(k/m) and D = c/(2 sqrt(k m)) the amplitude is then that of the linear oscillator,
+
+        u/sqrt((1 - r^2)^2 + (2 D r)^2).
+
+    On a slower belt it sticks, with motions of one, two and more periods of the base, and chaos.  The system
+    is that of Hinrichs, Oestreich and Popp; the numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    u, Omega : float
+        Amplitude (m) and angular frequency (rad/s) of the base.
+    friction : FrictionLaw
+
+    References
+    ----------
+    N. Hinrichs, M. Oestreich, K. Popp, Journal of Sound and Vibration 216 (1998) 435-459.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> import numpy as np
+    >>> model = fl.ExcitedBeltOscillator(v=3.0)
+    >>> orbit = fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
+    >>> swing = orbit.trajectory(np.linspace(0.0, orbit.period, 1001))[:, 0]
+    >>> bool(abs(swing.max() - 0.5 - 0.5 / np.hypot(0.75, 0.05)) < 1e-4)
+    True
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
+    k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.3, 3.0, "m/s", "v", "speed of the belt")
+    u: float = not_negative(0.5, 2.0, "m", "u", "amplitude of the base")
+    Omega: float = positive(0.5, "rad/s", r"\Omega", "angular frequency of the base")
+    friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.8)
+    coordinates = ("x",)
+
+    about = "a base that moves beside a belt that runs: linear while it slides, stick-slip and chaos below"
+    reference = "N. Hinrichs, M. Oestreich, K. Popp, J. Sound and Vibration 216 (1998) 435-459"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+
+    @property
+    def period(self) -> float:
+        """That of the base, s."""
+        return 2 * pi / self.Omega
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a belt, on a spring."""
+        return Mechanism(Belt("v"), *held_block("x"))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact, one base."""
+        stretch = q.x - self.u * cos(q.phase)
+        rubbing = Friction(self.v - v.x, self.N, self.friction)
+        dampers, springs = self.c * v.x**2 / 2, self.k * stretch**2 / 2
+        return Mechanics(self.m * v.x**2 / 2, springs, dampers, contacts=(rubbing,), frequency=self.Omega)
+
+
+@model
+class OscillatorChain(ZooModel):
+    """A ring of equal masses on a belt, each with a spring of its own and one to either neighbour.
+
+        m x_i'' + c x_i' + k x_i + k_c (2 x_i - x_(i-1) - x_(i+1)) = F_Ti
+
+    Where friction falls with speed a part of the masses may vibrate while the others slide: there are many
+    steady states beside steady sliding.  About the latter each of the n waves has
+
+        lambda^2 + (c + N mu'(v))/m lambda + (k + 4 k_c sin^2(pi j/n))/m = 0,   j = 0, ..., n - 1,
+
+    so that all lose their stability at one speed of the belt.  The numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Masses, kg, above 0.
+    c, k, k_c : float
+        Damper (N s/m) and spring (N/m) of each mass, springs between neighbours.
+    N : float
+        Normal force on each mass, N.
+    v : float
+        Speed of the belt, m/s.
+    masses : int
+        n.
+    friction : FrictionLaw
+
+    References
+    ----------
+    A. Papangelo, N. Hoffmann, A. Grolet, M. Stender, M. Ciavarella, Journal of Sound and Vibration 417 (2018)
+    56-64.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> values = fl.eigenvalues(fl.OscillatorChain()).values
+    >>> (abs(values) ** 2).round(9).tolist()  # k/m, and twice (k + 3 k_c)/m
+    [1.0, 1.0, 1.6, 1.6, 1.6, 1.6]
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
+    k: float = positive(1.0, "N/m", "k", "stiffness of each mass's spring")
+    k_c: float = not_negative(0.2, 2.0, "N/m", r"k_{\mathrm{c}}", "stiffness between neighbours")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.9, 3.0, "m/s", "v", "speed of the belt")
+    friction: FrictionLaw = ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
+    masses: int = 3
+
+    about = "a ring of masses on a belt: one, some or all of them vibrate"
+    reference = "A. Papangelo et al., J. Sound and Vibration 417 (2018) 56-64"
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """x1, x2, ..."""
+        return tuple(f"x{i + 1}" for i in range(self.masses))
+
+    @property
+    def period(self) -> float:
+        """That of a mass on its own spring, s."""
+        return natural_period(self.k, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Blocks in a row on a belt, with springs between them."""
+        places = [Point(1.4 * i, 0.2, right=name) for i, name in enumerate(self.coordinates)]
+        between = [Spring(a.beside(0.3), b.beside(-0.3)) for a, b in pairwise(places)]
+        parts = [part for i, at in enumerate(places) for part in (Block(at), Forces(at, f"_{i + 1}"))]
+        return Mechanism(Belt("v", start=-0.8, end=1.4 * self.masses - 0.6), *between, *parts)
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """n masses, n contacts."""
+        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
+        between = sum((a - b) ** 2 for a, b in zip(x, [*x[1:], x[0]], strict=True))
+        springs = (self.k * sum(a**2 for a in x) + self.k_c * between) / 2
+        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in rates)
+        squares = sum(rate**2 for rate in rates)
+        return Mechanics(self.m * squares / 2, springs, self.c * squares / 2, contacts=rubbing)
+
+
+@model
+class DoubleLayerPad(ZooModel):
+    """A brake pad of two layers, of which the lower one rubs on the disc; the disc is a belt.
+
+        m1 x1'' + c1 (x1' - x2') + k1 (x1 - x2) = F_T
+        m2 x2'' + c1 (x2' - x1') + c2 x2' + k1 (x2 - x1) + k2 x2 = 0
+
+    Both layers vibrate together, or against each other.  The system is of the kind of Wei and others; the
+    numbers are this package's.
+
+    Parameters
+    ----------
+    m1, m2 : float
+        Masses of the lower and the upper layer, kg, above 0.
+    c1, k1 : float
+        Damper (N s/m) and spring (N/m) between the layers.
+    c2, k2 : float
+        Damper and spring of the upper layer.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    D. Wei, J. Song, Y. Nan, W. Zhu, Mechanical Systems and Signal Processing 118 (2019).
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.steady_state(fl.DoubleLayerPad(), progress=False).kind
+    'periodic'
+    """
+
+    m1: float = positive(1.0, "kg", "m_1", "mass of the lower layer")
+    m2: float = positive(1.0, "kg", "m_2", "mass of the upper layer")
+    c1: float = not_negative(0.05, 1.0, "N s/m", "c_1", "damping between the layers")
+    c2: float = not_negative(0.05, 1.0, "N s/m", "c_2", "damping of the upper layer")
+    k1: float = positive(2.0, "N/m", "k_1", "stiffness between the layers")
+    k2: float = positive(1.0, "N/m", "k_2", "stiffness of the upper layer's spring")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.4, 3.0, "m/s", "v", "speed of the belt")
+    friction: FrictionLaw = ExponentialDecay(mu_k=0.3, mu_s=0.6, v_s=0.5)
+    coordinates = ("x1", "x2")
+
+    about = "a pad of two layers on a belt: two modes that falling friction feeds"
+    reference = "D. Wei, J. Song, Y. Nan, W. Zhu, Mech. Systems and Signal Processing 118 (2019)"
+
+    @property
+    def period(self) -> float:
+        """That of both layers on the upper spring, s."""
+        return natural_period(self.k2, self.m1 + self.m2)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Two blocks on each other, each with a spring at its side."""
+        lower, upper = Point(0.0, 0.2, right="x1"), Point(0.0, 0.8, right="x2")
+        between = Spring(lower.beside(0.3, 0.1), upper.beside(0.3, -0.1))
+        held = Spring(Point(-1.6, 0.8), upper.beside(-0.3)), Wall((-1.6, 0.5), (-1.6, 1.1))
+        return Mechanism(Belt("v"), *held, between, Block(lower), Block(upper), Forces(lower))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Two masses, one contact."""
+        rubbing = Friction(self.v - v.x1, self.N, self.friction)
+        springs = (self.k1 * (q.x1 - q.x2) ** 2 + self.k2 * q.x2**2) / 2
+        dampers = (self.c1 * (v.x1 - v.x2) ** 2 + self.c2 * v.x2**2) / 2
+        kinetic = (self.m1 * v.x1**2 + self.m2 * v.x2**2) / 2
+        return Mechanics(kinetic, springs, dampers, contacts=(rubbing,))

@@ -1,0 +1,234 @@
+"""What turns: a disc that wobbles between its pads, a drill string, a pendulum on a shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+from typing import Any
+
+from frictionlab.components.friction import ExponentialDecay, FrictionLaw, Stribeck
+from frictionlab.components.functions import cos
+from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.mechanical.mechanics import Friction, Mechanics
+from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
+from frictionlab.models.model import model
+from frictionlab.models.zoo.zoo_model import ZooModel, not_negative, of_either_sign, positive
+
+
+@model
+class WobblingDisc(ZooModel):
+    """A rigid disc on an elastic hub that turns between two pads, for small tilts q1 and q2.
+
+        J q1'' + d q1' + 2 J Omega q2' + (k_t + 2 k r^2) q1 = 0
+        J q2'' + d q2' - 2 J Omega q1' + k_t q2 - mu k h r q1 = 0
+
+    The pads are springs k on both sides at the radius r.  Where the disc tilts towards one of them, that pad
+    presses more and the other less, and their friction forces are a couple with the lever h, the thickness.
+    Gyroscopic forces and this circulating one make steady rotation unstable for every mu where there is no
+    damper, although friction does not fall with speed.
+
+    The system is of the kind of von Wagner, Hochlenert and Hagedorn, without what the preload adds; the
+    numbers are this package's.
+
+    Parameters
+    ----------
+    J : float
+        Inertia about a diameter, kg m^2, above 0.
+    d, k_t : float
+        Rotational damper (N m s) and spring (N m) of the hub.
+    k : float
+        Spring of a pad, N/m.
+    r, h : float
+        Radius of the pads and thickness of the disc, m.
+    Omega : float
+        Angular velocity, rad/s.
+    mu : float
+        Coefficient of friction.
+
+    References
+    ----------
+    U. von Wagner, D. Hochlenert, P. Hagedorn, Journal of Sound and Vibration 302 (2007) 527-539.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> [fl.eigenvalues(fl.WobblingDisc(d=d)).stable for d in (0.0, 0.5)]
+    [False, True]
+    """
+
+    J: float = positive(0.16, "kg m^2", "J", "inertia about a diameter")
+    d: float = not_negative(0.1, 2.0, "N m s", "d", "damping of the hub")
+    k_t: float = positive(1.88e4, "N m", r"k_{\mathrm{t}}", "stiffness of the hub")
+    k: float = positive(6e5, "N/m", "k", "stiffness of a pad")
+    r: float = positive(0.13, "m", "r", "radius of the pads")
+    h: float = positive(0.02, "m", "h", "thickness of the disc")
+    Omega: float = of_either_sign(10.0, 100.0, "rad/s", r"\Omega", "angular velocity")
+    mu: float = not_negative(0.6, 2.0, "", r"\mu", "coefficient of friction")
+    coordinates = ("q1", "q2")
+
+    about = "a disc that turns between pads: gyroscopic and circulating forces make it wobble"
+    reference = "U. von Wagner, D. Hochlenert, P. Hagedorn, J. Sound and Vibration 302 (2007) 527-539"
+
+    @property
+    def period(self) -> float:
+        """That of a tilt on the hub alone, s."""
+        return natural_period(self.k_t, self.J)
+
+    def release(self) -> Mapping[str, float]:
+        """With a small tilt."""
+        return {"q1": 1e-3}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The rim between both pads; a height stands for a tilt."""
+        rim = Point(0.0, 0.0, up="q1")
+        upper, lower = (Spring(Point(0.0, y), rim.beside(0.0, 0.1 * y)) for y in (1.0, -1.0))
+        walls = Wall((-0.5, 1.0), (0.5, 1.0)), Wall((-0.5, -1.0), (0.5, -1.0))
+        return Mechanism(*walls, upper, lower, Block(rim, 1.6, 0.2))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Two tilts; the moments of gyroscopic forces and of friction are loads."""
+        kinetic, dampers = self.J * (v.q1**2 + v.q2**2) / 2, self.d * (v.q1**2 + v.q2**2) / 2
+        springs = self.k_t * (q.q1**2 + q.q2**2) / 2 + self.k * (self.r * q.q1) ** 2
+        spin, couple = 2 * self.J * self.Omega, self.mu * self.k * self.h * self.r
+        return Mechanics(
+            kinetic, springs, dampers, loads={"q1": -spin * v.q2, "q2": spin * v.q1 + couple * q.q1}
+        )
+
+
+@model
+class DrillString(ZooModel):
+    """A drill string of two inertias: a table with a motor, a shaft, and a bit that rubs on the rock.
+
+        J phi1'' + d (phi1' - phi2') + k (phi1 - phi2) = c_m (Omega - phi1')
+        J_b phi2'' + d (phi2' - phi1') + k (phi2 - phi1) = -mu(phi2') T
+
+    The bit's torque falls with its speed.  Steady rotation, an equilibrium of what turns for ever, is stable
+    above a speed, and below it the bit stops and is torn loose again and again.  The numbers are this
+    package's.
+
+    Parameters
+    ----------
+    J, J_b : float
+        Inertias of table and bit, kg m^2, above 0.
+    k, d : float
+        Spring (N m) and damper (N m s) of the shaft.
+    c_m : float
+        Slope of the motor's torque, N m s.
+    Omega : float
+        Speed of the motor without a load, rad/s.
+    T : float
+        Torque of the bit at mu = 1, N m.
+    friction : FrictionLaw
+
+    References
+    ----------
+    J. D. Jansen, L. van den Steen, Journal of Sound and Vibration 179 (1995) 647-668.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> [fl.eigenvalues(fl.DrillString(Omega=speed)).stable for speed in (6.0, 25.0)]
+    [False, True]
+    """
+
+    J: float = positive(2000.0, "kg m^2", "J", "inertia of the table")
+    J_b: float = positive(400.0, "kg m^2", r"J_{\mathrm{b}}", "inertia of the bit")
+    k: float = positive(500.0, "N m", "k", "stiffness of the shaft")
+    d: float = not_negative(50.0, 500.0, "N m s", "d", "damping of the shaft")
+    c_m: float = positive(400.0, "N m s", r"c_{\mathrm{m}}", "slope of the motor's torque")
+    Omega: float = of_either_sign(6.0, 30.0, "rad/s", r"\Omega", "speed of the motor without a load")
+    T: float = not_negative(2000.0, 10000.0, "N m", "T", "torque of the bit")
+    friction: FrictionLaw = ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=3.0)
+    coordinates = ("phi1", "phi2")
+    cyclic = ("phi1", "phi2")
+
+    about = "a drill string that turns steadily, or whose bit stops and goes"
+    reference = "J. D. Jansen, L. van den Steen, J. Sound and Vibration 179 (1995) 647-668"
+
+    @property
+    def period(self) -> float:
+        """That of the bit on the shaft, s."""
+        return natural_period(self.k, self.J_b)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Table and bit; what moves them aside is how far they have turned."""
+        table, bit = Point(0.0, 1.2, right="phi1"), Point(0.0, 0.2, right="phi2")
+        ground, shaft = Wall((-1.0, 0.0), (1.0, 0.0)), Spring(table.beside(0.0, -0.1), bit.beside(0.0, 0.2))
+        return Mechanism(ground, shaft, Block(table, 1.2, 0.2), Block(bit, 0.4, 0.4))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Two inertias, one contact."""
+        kinetic = (self.J * v.phi1**2 + self.J_b * v.phi2**2) / 2
+        motor, shaft = self.c_m * (v.phi1 - self.Omega) ** 2 / 2, self.d * (v.phi1 - v.phi2) ** 2 / 2
+        rubbing = Friction(-v.phi2, self.T, self.friction)
+        return Mechanics(kinetic, self.k * (q.phi1 - q.phi2) ** 2 / 2, motor + shaft, contacts=(rubbing,))
+
+
+@model
+class FroudePendulum(ZooModel):
+    """A pendulum on a shaft that turns and takes it along: m l^2 theta'' + m g l sin theta = r F_T.
+
+    F_T = mu(v_r) N with v_r = r (Omega - theta').  It hangs aside at sin theta = r mu(r Omega) N/(m g l), and
+    swings where friction falls with speed.
+
+    Parameters
+    ----------
+    m, l : float
+        Mass (kg) and length (m) of the pendulum, above 0.
+    g : float
+        Gravity, m/s^2.
+    r : float
+        Radius of the shaft, m.
+    N : float
+        Normal force of the sleeve, N.
+    Omega : float
+        Speed of the shaft, rad/s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    A. A. Andronov, A. A. Vitt, S. E. Khaikin, Theory of Oscillators, Pergamon 1966.
+
+    Examples
+    --------
+    >>> import math
+    >>> import frictionlab as fl
+    >>> model = fl.FroudePendulum(friction=fl.Coulomb(mu_k=0.5, mu_s=0.8))
+    >>> torque = 0.5 * model.N * model.r
+    >>> aside = math.asin(torque / (model.m * model.g * model.l))
+    >>> bool(abs(fl.equilibrium(model).q[0] - aside) < 1e-12)
+    True
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass of the pendulum")
+    l: float = positive(0.3, "m", "l", "length of the pendulum")  # as in every textbook
+    g: float = positive(9.81, "m/s^2", "g", "gravity")
+    r: float = positive(0.02, "m", "r", "radius of the shaft")
+    N: float = not_negative(40.0, 200.0, "N", "N", "normal force of the sleeve")
+    Omega: float = of_either_sign(5.0, 20.0, "rad/s", r"\Omega", "speed of the shaft")
+    friction: FrictionLaw = Stribeck(mu_k=0.5, mu_s=0.8, v_s=0.1)
+    coordinates = ("theta",)
+
+    about = "a pendulum that a turning shaft takes along"
+    reference = "A. A. Andronov, A. A. Vitt, S. E. Khaikin, Theory of Oscillators, Pergamon 1966"
+
+    @property
+    def period(self) -> float:
+        """That of small swings, s."""
+        return 2 * pi * (self.l / self.g) ** 0.5
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The bob on its string; it moves aside by its angle."""
+        bob, pivot = Point(0.0, 0.0, right="theta"), Point(0.0, 1.2)
+        return Mechanism(
+            Block(pivot, 0.3, 0.3, disc=True), Spring(pivot, bob), Block(bob, 0.4, 0.4, disc=True)
+        )
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One pendulum, one contact."""
+        kinetic, weight = self.m * (self.l * v.theta) ** 2 / 2, self.m * self.g * self.l * (1 - cos(q.theta))
+        rubbing = Friction(self.r * (self.Omega - v.theta), self.N, self.friction)
+        return Mechanics(kinetic, weight, contacts=(rubbing,))

@@ -1,0 +1,23 @@
+"""Which models a topic of the zoo has, in the order of the table that `fl.list_models` shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from .belt_oscillators import DoubleLayerPad, ExcitedBeltOscillator, OscillatorChain, PoppStelter
+from .bristles_and_states import JenkinsOscillator, LuGreOscillator, SpringSlider
+from .impacts import BallOnTable, NewtonsCradle, RattlingGear, RockingBlock
+from .mode_couplings import HultenOscillator
+from .rotating_systems import DrillString, FroudePendulum, WobblingDisc
+from .zoo_model import ZooModel
+
+TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
+    {
+        "oscillators on a belt": (PoppStelter, ExcitedBeltOscillator, OscillatorChain, DoubleLayerPad),
+        "mode coupling": (HultenOscillator,),
+        "rotating systems": (WobblingDisc, DrillString, FroudePendulum),
+        "dynamic friction": (LuGreOscillator, SpringSlider, JenkinsOscillator),
+        "impacts": (BallOnTable, RockingBlock, RattlingGear, NewtonsCradle),
+    }
+)

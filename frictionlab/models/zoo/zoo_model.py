@@ -1,0 +1,42 @@
+"""`ZooModel`, the base of the systems of the literature, and how their parameters are written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from frictionlab.components.component import parameter
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
+RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
+NO_EQUILIBRIUM = "The force depends on time, so there is no equilibrium."
+
+
+class ZooModel(MechanicalModel):
+    """Base of the systems of the literature.
+
+    `about` says what the system shows, `reference` where it comes from.  `not_applicable` has a sentence for
+    each analysis that it does not take, by the analysis' name.
+    """
+
+    about: ClassVar[str] = ""
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+
+def positive(default: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter above 0, such as a mass; its slider is logarithmic."""
+    around = (default / RANGE, default * RANGE)
+    return parameter(
+        default, unit=unit, symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=around, log=True
+    )
+
+
+def not_negative(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter of at least 0, such as a damper; its slider goes up to `most`."""
+    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, most))
+
+
+def of_either_sign(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter of either sign, such as a speed; its slider goes from -`most` to `most`."""
+    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, range=(-most, most))

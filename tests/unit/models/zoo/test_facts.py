@@ -1,0 +1,283 @@
+"""Each system of the zoo shows what is known of it: closed forms, and integrations that share no code."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frictionlab as fl
+
+
+def sorted_values(values):
+    return sorted(values, key=lambda one: (round(one.real, 9), one.imag))
+
+
+# --- oscillators on a belt
+
+
+def test_popp_and_stelter_hopf_point():
+    model = fl.PoppStelter(c=0.07, N=1.3, k=2.0)
+    speed = model.v_s * (math.sqrt((model.mu_s - model.mu_k) * model.N / (model.c * model.v_s)) - 1)
+    point = fl.hopf(model, "v", bounds=(0.2, 6.0))
+    assert point.value == pytest.approx(speed, rel=1e-10)
+    assert 2 * math.pi * point.frequency == pytest.approx(math.sqrt(2.0), rel=1e-10)
+
+
+@pytest.mark.parametrize("omega", [0.5, 0.8, 1.7])
+def test_a_mass_that_slides_on_an_excited_spring_is_linear(omega):
+    model = fl.ExcitedBeltOscillator(Omega=omega, v=3.0, c=0.2)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 120.0, progress=False))
+    exact = model.u / math.hypot(1 - omega**2, 0.2 * omega)
+    t = np.linspace(0.0, orbit.period, 4001)
+    assert np.ptp(orbit.trajectory(t)[:, 0]) / 2 == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("masses", [2, 4])
+def test_waves_of_a_ring_have_its_eigenvalues(masses):
+    model = fl.OscillatorChain(masses=masses, v=0.7)
+    slope = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-model.v / model.v_s)
+    exact = []
+    for j in range(masses):
+        stiffness = model.k + 4 * model.k_c * math.sin(math.pi * j / masses) ** 2
+        exact += list(np.roots([model.m, model.c + model.N * slope, stiffness]))
+    assert sorted_values(fl.eigenvalues(model).values) == pytest.approx(sorted_values(exact), abs=1e-7)
+
+
+def test_both_layers_of_a_pad_have_the_eigenvalues_of_their_matrices():
+    model = fl.DoubleLayerPad(m1=0.7, k2=1.4)
+    slope = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-model.v / model.v_s) * model.N
+    between, damped = np.array([[1, -1], [-1, 1]]), model.c1 * np.array([[1, -1], [-1, 1]])
+    K = model.k1 * between + np.diag([0.0, model.k2])
+    C = damped + np.diag([slope, model.c2])
+    M = np.diag([model.m1, model.m2])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    found = fl.eigenvalues(model).values
+    assert sorted_values(found) == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-12)
+
+
+# --- mode coupling
+
+
+def test_hulten_modes_coalesce():
+    model = fl.HultenOscillator(c1=0.0, c2=0.0, k1=2.3, m=1.4)
+    (change,) = fl.stability_changes(model, "mu", bounds=(0.0, 1.0))
+    assert change.value == pytest.approx(1.3 / (2 * math.sqrt(2.3)), rel=1e-9)
+    assert 2 * math.pi * change.frequency == pytest.approx(math.sqrt(3.3 / 2.8), rel=1e-6)
+
+
+def test_one_sided_damping_lowers_the_critical_friction():
+    """Routh and Hurwitz: l^4 + a l^3 + b l^2 + d l + e has a pair on the axis at a b d = d^2 + a^2 e."""
+    for c1, c2 in ((0.05, 0.05), (0.3, 0.01)):
+        model = fl.HultenOscillator(c1=c1, c2=c2)
+        k1, k2 = model.k1, model.k2
+        a, b, d = c1 + c2, k1 + k2 + c1 * c2, c1 * k2 + c2 * k1
+        e = (a * b * d - d**2) / a**2  # which is k1 k2 (1 + mu^2)
+        exact = math.sqrt(e / (k1 * k2) - 1)
+        assert fl.critical_value(model, "mu", bounds=(0.0, 1.0)) == pytest.approx(exact, rel=1e-9)
+    assert exact < model.critical_friction
+
+
+# --- rotating systems
+
+
+def disc_matrix(model):
+    G = 2 * model.J * model.Omega * np.array([[0, 1], [-1, 0]])
+    K = np.diag([model.k_t + 2 * model.k * model.r**2, model.k_t])
+    K[1, 0] = -model.mu * model.k * model.h * model.r
+    A = np.zeros((4, 4))
+    A[:2, 2:], A[2:, :2], A[2:, 2:] = np.eye(2), -K / model.J, -(G + model.d * np.eye(2)) / model.J
+    return A
+
+
+@pytest.mark.parametrize("speed", [2.0, 20.0])
+def test_a_disc_wobbles_with_the_eigenvalues_of_its_matrices(speed):
+    model = fl.WobblingDisc(Omega=speed)
+    exact = sorted_values(np.linalg.eigvals(disc_matrix(model)))
+    assert sorted_values(fl.eigenvalues(model).values) == pytest.approx(exact, rel=1e-9, abs=1e-7)
+
+
+@pytest.mark.parametrize("mu", [0.01, 0.6])
+def test_without_a_damper_a_disc_wobbles_at_every_friction(mu):
+    assert not fl.eigenvalues(fl.WobblingDisc(d=0.0, mu=mu)).stable
+
+
+def drill_matrix(model, speed):
+    """Of the twist and both speeds."""
+    fall = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-speed / model.v_s) * model.T
+    table = [-model.k, -model.d - model.c_m, model.d]
+    bit = [model.k, model.d, -model.d - fall]
+    return np.array([[0.0, 1.0, -1.0], np.array(table) / model.J, np.array(bit) / model.J_b])
+
+
+def test_a_drill_string_turns_steadily_above_a_speed():
+    model = fl.DrillString()
+    point = fl.equilibrium(model.replace(Omega=12.0))
+    torque = model.T * (0.5 + 0.5 * math.exp(-point.state[2] / 3.0))
+    assert model.c_m * (12.0 - point.state[2]) == pytest.approx(torque, rel=1e-10)
+    for Omega in (6.0, 12.0):
+        slow = model.replace(Omega=Omega)
+        exact = np.linalg.eigvals(drill_matrix(slow, fl.equilibrium(slow).state[2]))
+        found = [one for one in fl.eigenvalues(slow).values if abs(one) > 1e-9]
+        assert sorted_values(found) == pytest.approx(sorted_values(exact), abs=1e-9)
+
+
+def test_a_bit_that_stops_has_the_period_of_another_integrator():
+    """Slip by DOP853; in stick the bit rests until the shaft's torque is the static one."""
+    model = fl.DrillString()
+    orbit = fl.periodic_orbit(model, fl.steady_state(model, transient=300.0, window=60.0, progress=False))
+
+    def rates(t, z, sticks):
+        twist, table, bit = z
+        shaft = model.k * twist + model.d * (table - bit)
+        rubbing = model.T * (0.5 + 0.5 * math.exp(-bit / 3.0))
+        turned = [
+            (model.c_m * (model.Omega - table) - shaft) / model.J,
+            0.0 if sticks else (shaft - rubbing) / model.J_b,
+        ]
+        return [table - bit, *turned]
+
+    def loose(t, z, sticks):
+        return model.k * z[0] + model.d * z[1] - model.T
+
+    def stops(t, z, sticks):
+        return z[2]
+
+    loose.terminal = stops.terminal = True
+    loose.direction, stops.direction = 1, -1
+    z, period, last = np.array([0.5, 2.0, 0.0]), 0.0, None
+    for _ in range(60):
+        period = 0.0
+        for sticks, event in ((True, loose), (False, stops)):
+            found = solve_ivp(
+                rates, (0.0, 60.0), z, "DOP853", args=(sticks,), events=event, rtol=1e-12, atol=1e-12
+            )
+            z, period = found.y[:, -1].copy(), period + found.t[-1]
+            z[2] = 0.0
+        if last is not None and abs(period - last) < 1e-12:
+            break
+        last = period
+    assert orbit.period == pytest.approx(period, rel=1e-9)
+
+
+def test_a_pendulum_on_a_shaft_hangs_aside():
+    model = fl.FroudePendulum(v_s=0.2)
+    mu = model.mu_k + (model.mu_s - model.mu_k) * math.exp(-((model.r * model.Omega / 0.2) ** 2))
+    aside = math.asin(mu * model.N * model.r / (model.m * model.g * model.l))
+    assert fl.equilibrium(model).q[0] == pytest.approx(aside, rel=1e-12)
+
+
+# --- dynamic friction
+
+
+def test_lugre_has_the_eigenvalues_of_its_jacobian():
+    model = fl.LuGreOscillator(sigma_0=50.0, sigma_1=3.0, v_s=0.2, sigma_2=0.1)
+    v, s0, s1, s2 = model.v, 50.0, 3.0, 0.1
+    decay = 0.5 * math.exp(-((v / 0.2) ** 2))
+    mu, slope = 1.0 + decay, -decay * 2 * v / 0.2**2
+    z = mu / s0
+    z_z, z_v = -s0 * v / mu, 1 - s0 * z / mu + s0 * v * z / mu**2 * slope  # of z' by z and by v_r
+    A = [[0, 1, 0], [-model.k, -(s1 * z_v + s2), s0 + s1 * z_z], [0, -z_v, z_z]]
+    found = sorted_values(fl.eigenvalues(model).values)
+    assert found == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-10)
+
+
+def test_lugre_stick_slip_is_that_of_another_integrator():
+    model = fl.LuGreOscillator(sigma_0=1e3, sigma_1=1e3**0.5, v_s=1e-2)
+
+    def rates(t, state):
+        x, u, z = state
+        v_r = model.v - u
+        mu = 1.0 + 0.5 * math.exp(-((v_r / 1e-2) ** 2))
+        bristle = v_r - 1e3 * abs(v_r) / mu * z
+        return [u, 1e3 * z + 1e3**0.5 * bristle + 0.4 * v_r - 2.0 * x, bristle]
+
+    end = solve_ivp(rates, (0.0, 12.0), [0.0, 0.1, 0.0], "LSODA", rtol=1e-11, atol=1e-13).y[:, -1]
+    run = fl.simulate(model, 12.0, x0=[0.0, 0.1], progress=False)
+    assert run.final_state == pytest.approx(end, abs=1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.1, 0.5])
+def test_rate_and_state_has_the_critical_stiffness_of_rice_and_ruina(speed):
+    model = fl.SpringSlider(v=speed, v_0=0.05, N=1.3, mu_0=1.0)
+    assert model.critical_stiffness == pytest.approx(
+        0.03 * 1.3 / 0.1 * (1 + speed**2 / (0.05 * 1.3 * 0.1)), rel=1e-12
+    )
+    bounds = (0.5 * model.critical_stiffness, 2 * model.critical_stiffness)
+    (change,) = fl.stability_changes(model, "k", bounds=bounds)
+    assert change.value == pytest.approx(model.critical_stiffness, rel=1e-9)
+
+
+def test_a_jenkins_element_takes_the_work_of_its_loop():
+    model = fl.JenkinsOscillator()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
+    run = fl.simulate(model, orbit.period, x0=orbit.state, progress=False)
+    t = np.linspace(0.0, orbit.period, 4001)
+    z = run(t)
+    X = np.ptp(z[:, 0]) / 2
+    taken = -fl.energy_audit(run, progress=False).works["friction"][-1]
+    assert taken == pytest.approx(4 * 0.3 * (X - 0.3 / model.k_t), rel=1e-6)
+
+
+# --- impacts
+
+
+def test_a_ball_strikes_its_table_at_the_phase_of_the_closed_form():
+    model = fl.BallOnTable(e=0.55, A=1.1, h=12.0)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
+    strike = orbit.trajectory.events
+    exact = math.acos(math.pi * 0.45 / (1.55 * 1.1))
+    phases = [state[2] for state, guard in zip(strike.state, strike.guard, strict=True) if "impact" in guard]
+    assert phases == pytest.approx([exact], abs=1e-9)
+
+
+def test_bounces_of_one_period_double_where_the_closed_form_says():
+    e = 0.6
+    model = fl.BallOnTable(e=e)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
+    a = -model.A * math.sin(model.impact_phase)  # of the table at the impact, over g
+    trace = 1 + e**2 + (1 + e) ** 2 * a
+    assert sorted_values(orbit.multipliers) == pytest.approx(
+        sorted_values([1.0, *np.roots([1.0, -trace, e**2])]), abs=1e-8
+    )
+    doubled = math.hypot(math.pi * (1 - e) / (1 + e), 2 * (1 + e**2) / (1 + e) ** 2)
+    for share, stable in ((0.999, True), (1.001, False)):
+        near = model.replace(A=share * doubled)
+        guess = fl.periodic_orbit(near, orbit.state)
+        assert guess.stable == stable
+
+
+def test_a_block_rocks_as_housner_says():
+    model = fl.RockingBlock(e=0.9)
+    p, share = math.sqrt(0.75 * model.g / model.R), model.theta_0 / model.alpha
+    quarters = [math.acosh(1 / (1 - share)) / p]
+    for n in range(1, 5):
+        turn = 1 - math.sqrt(1 - 0.9 ** (2 * n) * (1 - (1 - share) ** 2))
+        quarters += 2 * [math.acosh(1 / (1 - turn)) / p]
+    run = fl.simulate(model, 3.0, progress=False)
+    assert run.events.t[:5] == pytest.approx(np.cumsum(quarters)[::2], rel=1e-11)
+    assert fl.eigenvalues(model).values == pytest.approx([-p, p], rel=1e-12)
+
+
+def test_a_gear_rattles_from_flank_to_flank():
+    """u from (b - pi u/Omega)^2 + (2 u (1 - e)/((1 + e) Omega))^2 = 4 A^2."""
+    model = fl.RattlingGear()
+    share = 2 * (1 - model.e) / (1 + model.e)
+    u = max(np.roots([math.pi**2 + share**2, -2 * math.pi * model.b, model.b**2 - 4 * model.A**2]))
+    phase = math.atan2(-share * u / 2, (model.b - math.pi * u) / 2) % (2 * math.pi)
+    start = [math.cos(phase) + 1e-12, u, phase]
+    orbit = fl.periodic_orbit(model, start)
+    assert orbit.period == pytest.approx(2 * math.pi, rel=1e-12)
+    assert np.abs(orbit.trajectory.v).max() == pytest.approx(u, rel=1e-9)
+
+
+@pytest.mark.parametrize("e", [1.0, 0.7])
+@pytest.mark.parametrize("balls", [2, 3, 4])
+def test_the_last_ball_of_a_cradle_flies(balls, e):
+    model = fl.NewtonsCradle(balls=balls, e=e)
+    run = fl.simulate(model, 0.3 * model.period, progress=False)
+    assert run.events.t[0] == pytest.approx(model.period / 4, rel=1e-12)
+    speed = model.a * math.sqrt(model.g / model.l) * ((1 + e) / 2) ** (balls - 1)
+    at = run.t > 0.26 * model.period
+    reached = np.hypot(run.q[at, -1], run.v[at, -1])  # of a ball on its string, for g = l
+    assert reached == pytest.approx(np.full(at.sum(), speed), rel=1e-9)
