@@ -132,6 +132,7 @@ def test_the_panels_of_one_figure_use_the_locus():
             assert any(np.array_equal(locus.frequencies[:, mode], y) for y in drawn)
 
 
+@pytest.mark.slow
 def test_a_curve_that_is_given_out_again_cannot_be_changed():
     again = fl.paper.figure(5).data.curves["with GN"]
     with pytest.raises(ValueError, match="read-only"):
