@@ -160,11 +160,16 @@ def write_rate_changes(system, count, run, scratch):
 
 
 @inlined
-def is_greater(rates, j, i):
-    """Whether impact j is coupled with impact i, and its jump has the greater energy."""
-    one, other = rates[i, i] * rates[j, i], rates[j, j] * rates[i, j]
-    coupled = abs(rates[i, j] * rates[j, i]) > COUPLED_SHARE * abs(rates[i, i] * rates[j, j])
-    return coupled and abs(other) > (1.0 + EQUAL_SHARE) * abs(one)
+def is_greater(rates, count, j, i):
+    """Whether impact j is coupled with impact i, and its jump has the greater energy.
+
+    What impact i does to the rate of guard j may be lost in the rounding of that rate, where impact j is far
+    greater.  It is no more than that rounding then.
+    """
+    change = abs(rates[j, i]) + COEFFICIENT_ROUNDING * abs(rates[j, count])
+    one, other = abs(rates[i, i]) * change, abs(rates[j, j] * rates[i, j])
+    coupled = abs(rates[i, j]) * change > COUPLED_SHARE * abs(rates[i, i] * rates[j, j])
+    return coupled and other > (1.0 + EQUAL_SHARE) * one
 
 
 @kernel
@@ -174,7 +179,7 @@ def choose_greatest(count, impacts):
     for i in range(count):
         beaten = False
         for j in range(count):
-            beaten = beaten or is_greater(rates, j, i)
+            beaten = beaten or is_greater(rates, count, j, i)
         if not beaten:
             places[left] = i
             left += 1
@@ -247,7 +252,10 @@ def set_common_zeros(code, count, scratch):
 
 @kernel
 def apply_impacts(system, count, run, record, scratch):
-    """Apply several impacts at once, each by its share; the state between any two of them is recorded."""
+    """Apply several impacts at once, each by its share; the state between any two of them is recorded.
+
+    Coordinates have no share in an impulse: resets only take rounding errors of the distances out of them.
+    """
     code, z, impacts, first = system.code, scratch.states, scratch.impacts, run.counts[EVENTS]
     total = impacts.total
     copy_vector(run.state, total)
@@ -256,7 +264,8 @@ def apply_impacts(system, count, run, record, scratch):
         copy_vector(run.state, z)
         apply_reset(system, code.resets[impacts.guards[i], impacts.closing[i]], z, scratch.jets)
         for k in range(z.shape[0]):
-            total[k] += impacts.shares[i] * (z[k] - run.state[k])
+            share = 1.0 if k < code.groups[1] else impacts.shares[i]
+            total[k] += share * (z[k] - run.state[k])
         copy_vector(total, record.event_states[first + i, 1])
     copy_vector(total, run.state)
     set_common_zeros(code, count, scratch)

@@ -83,6 +83,27 @@ def test_newtons_cradle(count):
     assert two == pytest.approx([0.0] * (count - 2) + [1.0, 1.0], abs=1e-14)
 
 
+def test_an_impact_with_the_rate_of_a_rounding_error_waits_for_a_great_one():
+    """The last ball of a cradle on strings comes back; the others stand still but for 1e-33 m/s."""
+
+    @fl.model
+    class Cradle(fl.MechanicalModel):
+        """Five equal balls on strings of one length, which touch at rest."""
+
+        impact: fl.ImpactLaw = fl.RestitutionImpact(e=1.0)
+        coordinates = tuple(f"x{i}" for i in range(5))
+
+        def mechanics(self, q, v):
+            x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
+            stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(x))
+            return Mechanics(sum(u**2 for u in rates) / 2, sum(a**2 for a in x) / 2, contacts=stops)
+
+    start = [-0.2, *[0.0] * 9]
+    run = fl.simulate(Cradle(), 2.25 * np.pi, x0=start, progress=False)
+    assert run.status.ok
+    assert run.q[-1] == pytest.approx([-0.2 * np.cos(np.pi / 4), 0.0, 0.0, 0.0, 0.0], abs=1e-12)
+
+
 @pytest.mark.parametrize("ratio", [0.3, 1.0, 3.0, 100.0, 1e4])
 def test_a_ball_between_a_ball_and_a_wall(ratio):
     """With e = 1 the angle atan2(v2, sqrt(ratio) v1) turns by 2 atan(1/sqrt(ratio)) in two impacts.
