@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import islice, pairwise, product
 from math import prod
 from typing import Any
@@ -113,9 +114,11 @@ def _is_above(x: Any, border: Any) -> bool | None:
         return None
     if x.is_number:
         return bool(x >= border)
-    if x.is_Symbol and x.is_nonnegative and border <= 0:
+    if not (x.is_Symbol or (-x).is_Symbol):  # of sums it would take long to know
+        return None
+    if x.is_nonnegative and border <= 0:
         return True
-    return False if x.is_Symbol and x.is_nonpositive and border > 0 else None
+    return False if x.is_nonpositive and border > 0 else None
 
 
 @dataclass(frozen=True)
@@ -194,7 +197,7 @@ def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Div
 
 def has_pieces(expressions: Iterable[Any]) -> bool:
     """Whether any of the expressions has a function in pieces."""
-    return any(hasattr(one, "has") and one.has(Pieces) for one in expressions)
+    return any(map(_parts, expressions))
 
 
 def mode_expressions(mode: Mode) -> Iterator[Any]:
@@ -259,7 +262,7 @@ class _Split:
         for side in sides:
             for _, function, beyond in division.bounds(side):
                 if any(_equal(guard, function) for guard in guards):
-                    sides = [one for one in sides if (one >= side) == (side > beyond)]
+                    sides = [one for one in sides if (one <= side if beyond > side else one >= side)]
         return tuple(sides)
 
     def smooth(self, mode: Mode, sides: Sides, names: _Names) -> Mode:
@@ -455,8 +458,9 @@ def _equal(one: Any, other: Any) -> bool:
     return one == other or (one.free_symbols == other.free_symbols and multiply_out(one - other) == 0)
 
 
-def _parts(expression: Any) -> Iterable[Any]:
-    return expression.atoms(Pieces) if hasattr(expression, "atoms") else ()
+@lru_cache(maxsize=4096)
+def _parts(expression: Any) -> frozenset[Any]:
+    return frozenset(expression.atoms(Pieces) if hasattr(expression, "atoms") else ())
 
 
 def _moves(part: Pieces, moving: frozenset[Any]) -> bool:

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.hybrid.problem import RunData
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
@@ -61,7 +62,9 @@ def formulas_of_rate(automaton: HybridAutomaton) -> Formulas:
     """The rate (1/s) at which the motion of the limit modes changes, of the automaton's parameters."""
 
     def derive() -> Formulas:
-        rates = [rate_of_change(mode, automaton.states) for mode in automaton.modes if mode.limit]
+        modes = automaton.modes
+        modes = modes.known().modes if isinstance(modes, ModesOnDemand) else modes  # limit modes are derived
+        rates = [rate_of_change(mode, automaton.states) for mode in modes if mode.limit]
         return formulas_of([*automaton.parameters], [sp.Add(*rates)])
 
     return kept_formulas(automaton.derivations, "rate of the limit mode", derive)

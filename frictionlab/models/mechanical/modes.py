@@ -65,7 +65,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
         if limit is not None:
             modes, numbers = (*modes, limit), {CHATTER_TIME: 0.0}
     pieces = module_of_pieces()
-    if pieces is not None and pieces.has_pieces(expressions := list(_all_expressions(system))):
+    if pieces is not None and pieces.has_pieces(expressions := list(expressions_of(system))):
         modes = pieces.split_modes(modes, system.states, expressions, *_again(key))
     return HybridAutomaton(system.states, modes, numbers, len(system.q), model.cyclic)
 
@@ -75,7 +75,7 @@ def _again(key: StructureKey) -> tuple[Any, Any]:
     return (modes_of_structure, (key,)), lambda: structure_to_data(key)
 
 
-def _all_expressions(system: LagrangeSystem) -> Iterator[Any]:
+def expressions_of(system: LagrangeSystem) -> Iterator[Any]:
     """All that modes are made of, in which functions in pieces are looked for."""
     yield from (*system.internal, *system.loads, *system.other_rates, *system.mass)
     for contact, regimes in zip(system.mechanics.contacts, system.regimes, strict=True):

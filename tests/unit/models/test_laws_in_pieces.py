@@ -357,6 +357,56 @@ def test_several_contacts_have_modes_of_all_sides():
     assert pickle.loads(pickle.dumps(motion)).time_in_mode == motion.time_in_mode
 
 
+def test_borders_ascend_at_the_values_of_parameters():
+    with pytest.raises(ValueError, match=r"x - y = -d, which is 0.1, before d, which is -0.1"):
+        Machine(d=-0.1).automaton()
+    with pytest.raises(ValueError, match="borders must ascend, got 0 after 1"):
+        functions.piecewise(0.5, (1, 0), (1.0, 2.0, 3.0))
+    assert run(Machine(d=0.0), 1.0, [1.0, -0.2, 0.3, 0.0, 0.0]).status.ok  # a backlash without play
+
+
+def test_a_dynamic_law_with_its_absolute_value():
+    """v_r = 0 is an event of the contact already: no other border is there."""
+
+    @dataclass(frozen=True)
+    class Bristles(fl.FrictionLaw):
+        mu_k: float = 0.4
+        sigma_0: float = 100.0
+        states = ("z",)
+
+        def force(self, normal_force, relative_velocity, z):
+            return self.sigma_0 * z * normal_force
+
+        def rates(self, normal_force, relative_velocity, z):
+            decay = self.sigma_0 * functions.absolute(relative_velocity) / self.mu_k
+            return {"z": relative_velocity - decay * z}
+
+    model = fl.MassOnBelt(friction=Bristles(), c=0.1)
+    assert model.automaton().names == ("slip+", "slip-")
+    known = model.replace(friction=fl.Dahl(mu_k=0.4, sigma_0=100.0))
+    assert run(model, 5.0, "rest").final_state == pytest.approx(
+        run(known, 5.0, "rest").final_state, rel=1e-12
+    )
+
+
+def test_a_restitution_that_depends_on_the_speed():
+    """A ball falls from h, at the speed u = (2 g h)^(1/2), and rises with e(u) u."""
+
+    @dataclass(frozen=True)
+    class Softening(fl.ImpactLaw):
+        def impulse(self, material_rate, penetration_rate, compliance):
+            e = functions.interpolate(penetration_rate, (0.0, 4.0, 8.0), (0.9, 0.5, 0.3), kind="linear")
+            return (1 + e) * penetration_rate / compliance
+
+    model = fl.BouncingBall(impact=Softening())
+    motion = run(model, 1.0, "rest")
+    first = motion.events[motion.events.guard == "impact"]
+    before, after = first.before[0], first.state[0]
+    u = abs(before[1])
+    e = float(np.interp(u, [0.0, 4.0, 8.0], [0.9, 0.5, 0.3]))
+    assert abs(after[1]) == pytest.approx(e * u, rel=1e-12)
+
+
 def test_an_automaton_of_ones_own():
     x, v, k = sympy.symbols("x v k", real=True)
     swing = fl.HybridAutomaton(
