@@ -331,7 +331,7 @@ def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None, **line: A
 
 
 def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
-    known = np.flatnonzero(np.isfinite(locus.values[:, modes]).all(axis=1))
+    known = np.flatnonzero(np.isfinite(locus.values[:, modes]).any(axis=1))
     for row, marker in (known[0], "o"), (known[-1], "x"):
         ends, name = (
             locus.values[row, modes],

@@ -57,6 +57,13 @@ class ParametricMatrix:
         """The matrix at values of the parameters."""
         return self._sum(self._formulas.numbers(*(values[name] for name in self.parameters)))
 
+    def stack(self, values: Mapping[str, Any], count: int) -> Any:
+        """Full matrices (count, n, n) at arrays (count,) of the parameters."""
+        factors = self._formulas.arrays(*(values[name] for name in self.parameters))
+        columns = (np.broadcast_to(np.asarray(factor, dtype=float), (count,)) for factor in factors)
+        pairs = zip(columns, self.matrices, strict=True)
+        return sum(column[:, None, None] * matrix.toarray() for column, matrix in pairs)
+
     def derivative(self, parameter: str, values: Mapping[str, float]) -> Matrix:
         """Its derivative by a parameter."""
         factors = np.zeros(len(self.matrices))

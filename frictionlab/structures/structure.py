@@ -15,6 +15,8 @@ from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.presentation import count, shorten
+from frictionlab.stability.boundaries.stability_changes import StabilityChange
+from frictionlab.stability.eigenproblems.root_locus import RootLocus
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.structures.damping import RayleighDamping
@@ -81,7 +83,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
 
     See Also
     --------
-    frictionlab.eigenvalues, frictionlab.equilibrium
+    frictionlab.eigenvalues, frictionlab.root_locus, frictionlab.critical_value, frictionlab.equilibrium
 
     Examples
     --------
@@ -98,6 +100,8 @@ class Structure(LargeSystem[WindowEigenvalues]):
     Structure(2 freedoms, mu=0.6)
     >>> fl.eigenvalues(structure).stable
     False
+    >>> round(fl.critical_value(structure, "mu", (0, 1)), 8)
+    0.5
     """
 
     M: Any
@@ -206,8 +210,21 @@ class Structure(LargeSystem[WindowEigenvalues]):
     def find_eigenvalues(self) -> WindowEigenvalues:
         return window_eigenvalues(self, self.find_equilibrium())
 
+    def follow_modes(self, parameter: str, values: Any) -> RootLocus:
+        from frictionlab.structures.mode_paths import follow_modes
+
+        return follow_modes(self, parameter, values)
+
+    def find_stability_changes(self, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
+        from frictionlab.structures.mode_paths import find_stability_changes
+
+        return find_stability_changes(self, parameter, bounds)
+
+    def count_growing(self, parameter: str, value: float) -> int:
+        return len(self.replace(**{parameter: value}).find_eigenvalues().growing)
+
     @property
-    def _terms(self) -> tuple[tuple[ParametricMatrix, ...], ...]:
+    def terms(self) -> tuple[tuple[ParametricMatrix, ...], ...]:
         """What adds up to M, to C + G and to K + N."""
         damping = self.C
         if isinstance(damping, RayleighDamping):
@@ -217,7 +234,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
 
     def _pencil(self, value: Callable[[ParametricMatrix], Matrix]) -> QuadraticPencil:
         zero: Any = sparse.csc_array((self.size, self.size))
-        return QuadraticPencil(*(sum(map(value, terms), zero) for terms in self._terms))
+        return QuadraticPencil(*(sum(map(value, terms), zero) for terms in self.terms))
 
     def _checked_parameters(self) -> Mapping[str, float]:
         given = {} if self.parameters is None else self.parameters
@@ -242,7 +259,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 )
 
     def _check_use_of_parameters(self) -> None:
-        used = {name for terms in self._terms for one in terms for name in one.parameters}
+        used = {name for terms in self.terms for one in terms for name in one.parameters}
         for name in self.parameters:
             if name not in used:
                 raise ValueError(

@@ -158,21 +158,33 @@ def _spectrum(pencil: QuadraticPencil, window: tuple[float, float] | None) -> Sp
 
 def dense_spectrum(pencil: QuadraticPencil) -> Spectrum:
     """All finite eigenvalues of a small pencil, from a full matrix of twice its size."""
-    M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
-    n = len(M)
-    unit, zero = np.eye(n), np.zeros((n, n))
+    n = pencil.size
     try:
-        accelerations = np.linalg.solve(M, np.hstack([-K, -C]))
-        pairs: Any = eigenpairs_of_matrices(np.vstack([np.hstack([zero, unit]), accelerations])[None])
-        values, vectors = (part[0] for part in pairs)
+        values, vectors = (part[0] for part in eigenpairs_of_matrices(state_matrix(pencil)[None]))
     except np.linalg.LinAlgError:  # freedoms without mass
-        pairs = linalg.eig(np.block([[zero, unit], [-K, -C]]), np.block([[unit, zero], [zero, M]]))
+        M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
+        unit, zero = np.eye(n), np.zeros((n, n))
+        pairs: Any = linalg.eig(np.block([[zero, unit], [-K, -C]]), np.block([[unit, zero], [zero, M]]))
         values, vectors = pairs
         sizes = np.abs(values)
         finite = np.isfinite(sizes)
         finite &= sizes <= INFINITE * np.median(sizes[finite])
         values, vectors = values[finite], vectors[:, finite]
     return Spectrum(values.astype(complex), vectors[:n].astype(complex))
+
+
+def state_matrix(pencil: QuadraticPencil) -> Array:
+    """The matrix (2n, 2n) of (q, v)' = A (q, v).
+
+    Raises
+    ------
+    LinAlgError
+        Where M is singular.
+    """
+    n = pencil.size
+    M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
+    accelerations = np.linalg.solve(M, np.hstack([-K, -C]))
+    return np.vstack([np.eye(n, 2 * n, n), accelerations])
 
 
 def _in_window(spectrum: Spectrum, structure: Structure) -> Spectrum:

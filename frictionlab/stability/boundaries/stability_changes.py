@@ -5,7 +5,7 @@ range, or the first loss for each of many values of other parameters.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from frictionlab.stability.equilibrium_problem import (
     check_bounds,
     check_parameter,
 )
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, growth_scales, unstable_pairs
 from frictionlab.validation import abbreviate, check_pair, float_array
 
@@ -86,7 +87,11 @@ class StabilityChange:
 
 
 def stability_changes(
-    model: ModelOrAutomaton, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+    model: ModelOrAutomaton | LargeSystem[Any],
+    parameter: str,
+    bounds: Any,
+    *,
+    equilibrium: Equilibrium | None = None,
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
@@ -98,7 +103,9 @@ def stability_changes(
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
+        Of a large structure the modes within its window are looked at, at 9 values first, then finer where
+        modes cannot be told apart or growth rates come near zero; a shorter instability may be missed.
     parameter : str
     bounds : (float, float)
     equilibrium : Equilibrium, optional
@@ -125,13 +132,19 @@ def stability_changes(
     >>> [f"{c.kind} at {c.value:.5f}" for c in fl.stability_changes(fl.SliderOnBelt(), "mu_k", (0, 3))]
     ['flutter at 1.51378']
     """
+    if isinstance(model, LargeSystem):
+        return model.find_stability_changes(parameter, bounds)
     problem = equilibrium_problem(model, equilibrium)
     low, high = check_bounds(problem.model, parameter, bounds)
     return changes_on_lines(problem, parameter, (low, high), {})[0]
 
 
 def critical_value(
-    model: ModelOrAutomaton, parameter: str, bounds: Any, *, equilibrium: Equilibrium | None = None
+    model: ModelOrAutomaton | LargeSystem[Any],
+    parameter: str,
+    bounds: Any,
+    *,
+    equilibrium: Equilibrium | None = None,
 ) -> float | None:
     """The first value at which one equilibrium loses stability as a parameter grows.
 
@@ -141,7 +154,7 @@ def critical_value(
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
     parameter : str
     bounds : (float, float)
     equilibrium : Equilibrium, optional
@@ -163,11 +176,16 @@ def critical_value(
     >>> round(fl.critical_value(fl.SliderOnBelt(), "mu_k", bounds=(0, 4)), 8)
     1.51378354
     """
-    problem = equilibrium_problem(model, equilibrium)
-    limits = check_bounds(problem.model, parameter, bounds)
-    changes = changes_on_lines(problem, parameter, limits, {})[0]
+    if isinstance(model, LargeSystem):
+        changes = model.find_stability_changes(parameter, bounds)
+        why = _growth_from_the_start(model.count_growing, parameter, bounds[0], changes)
+    else:
+        problem = equilibrium_problem(model, equilibrium)
+        limits = check_bounds(problem.model, parameter, bounds)
+        changes = changes_on_lines(problem, parameter, limits, {})[0]
+        why = unstable_from_the_start(problem, parameter, limits, changes)
     loss = first_loss(changes)
-    if loss is None and (why := unstable_from_the_start(problem, parameter, limits, changes)):
+    if loss is None and why:
         warnings.warn(
             f"{why}: critical_value gives losses of stability, and there is none", RuntimeWarning, 2
         )
@@ -181,14 +199,25 @@ def unstable_from_the_start(
     changes: tuple[StabilityChange, ...],
 ) -> str:
     """What to say of an equilibrium that is unstable at the lower bound; "" where it is stable there."""
-    growing = (
-        changes[0].unstable[0] if changes else unstable_pairs(problem.spectra({parameter: bounds[0]}))[0]
-    )
+
+    def count_growing(name: str, value: float) -> int:
+        return int(unstable_pairs(problem.spectra({name: value}))[0])
+
+    return _growth_from_the_start(count_growing, parameter, bounds[0], changes)
+
+
+def _growth_from_the_start(
+    count_growing: Callable[[str, float], int],
+    parameter: str,
+    low: float,
+    changes: tuple[StabilityChange, ...],
+) -> str:
+    growing = changes[0].unstable[0] if changes else count_growing(parameter, low)
     if not growing:
         return ""
     regain = next((c.value for c in changes if c.unstable[1] == 0), None)
     then = "in all of the range" if regain is None else f"and becomes stable at {regain:.6g}"
-    return f"the equilibrium is unstable from {parameter} = {bounds[0]:g} on, {then}"
+    return f"the equilibrium is unstable from {parameter} = {low:g} on, {then}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,7 @@ from frictionlab.stability.eigenproblems.eigenvalues import UNITS, mode_shapes, 
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.frozen_time import depends_on_time, frozen_in_time
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_path
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import (
     eigenpairs_of_matrices,
     equal_eigenvalues,
@@ -256,8 +257,8 @@ class RootLocus(Drawable):
     at : array (N,)
         Its values.
     values : complex array (N, n)
-        1/s, with Im >= 0; NaN where there is no equilibrium.  Of an overdamped mode's two real eigenvalues
-        it is the less stable one.
+        1/s, with Im >= 0; NaN where there is no equilibrium, or outside the window of a structure.  Of an
+        overdamped mode's two real eigenvalues it is the less stable one.
     coordinates : tuple of str
     shapes : complex array (N, n, n)
         Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
@@ -324,7 +325,7 @@ class RootLocus(Drawable):
         return f"RootLocus({path}, {count(self.values.shape[1], 'mode')}, {growing})"
 
 
-def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocus:
+def root_locus(model: ModelOrAutomaton | LargeSystem[Any], parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and
@@ -332,7 +333,9 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
+        Modes of a large structure are followed by their shapes as long as they are within its window, and
+        the locus has no shapes.
     parameter : str
         "t" for a model that depends on time: eigenvalues of the system as it is at each of these times.
     values : array_like (N,)
@@ -356,6 +359,8 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     >>> locus.values.shape, [bool(rates.max() < 0) for rates in locus.growth_rates]
     ((3, 5), [True, True, False])
     """
+    if isinstance(model, LargeSystem):
+        return model.follow_modes(parameter, values)
     if parameter == TIME and isinstance(model, Model) and depends_on_time(model):
         model = frozen_in_time(model)
     problem = equilibrium_problem(model)

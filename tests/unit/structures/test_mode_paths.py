@@ -1,0 +1,99 @@
+"""Modes of structures along a parameter: closed forms, models, and the two ways in which they are found."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from tests.helpers.finite_elements import unsymmetric_chain
+
+# Two modes that friction couples.  K = [[2, mu], [-mu, 1]] has the eigenvalues (3 -+ sqrt(1 - 4 mu^2))/2.
+COUPLED = {
+    "M": np.eye(2),
+    "K": np.diag([2.0, 1.0]),
+    "circulatory": [("mu", [[0.0, 1.0], [-1.0, 0.0]])],
+    "parameters": {"mu": 0.0},
+}
+WITH_DAMPING = COUPLED | {"C": 0.1 * np.eye(2)}
+
+
+def exact(mu, damping=0.0):
+    roots: Any = np.sqrt(
+        np.array(-((3 + np.array([-1, 1]) * np.sqrt(1 - 4 * mu**2 + 0j)) / 2 - damping**2 / 4))
+    )
+    return np.sort_complex(1j * np.abs(roots.imag) + roots.real * np.sign(roots.imag) - damping / 2)
+
+
+def test_critical_friction_of_two_modes():
+    structure = fl.Structure(**COUPLED)
+    (change,) = fl.stability_changes(structure, "mu", (0.0, 1.0))
+    assert (change.kind, change.direction, change.unstable) == ("flutter", "loss", (0, 1))
+    assert np.isclose(change.value, 0.5, rtol=1e-9)
+    assert np.isclose(change.frequency, np.sqrt(1.5) / (2 * np.pi), rtol=1e-4)
+
+
+def test_critical_friction_with_damping():
+    """Where the closed form of the eigenvalues is on the imaginary axis."""
+    found = fl.critical_value(fl.Structure(**WITH_DAMPING), "mu", (0.0, 1.0))
+    assert found is not None
+    assert abs(exact(found, 0.1).real.max()) < 1e-9
+
+
+def test_root_locus_of_two_modes():
+    at = np.array([0.0, 0.2, 0.4, 0.6, 0.8])
+    locus = fl.root_locus(fl.Structure(**COUPLED), "mu", at)
+    for mu, values in zip(at, locus.values):
+        assert np.allclose(np.sort_complex(values), exact(mu), atol=1e-7)
+    assert locus.unstable.tolist() == [0, 0, 0, 1, 1]
+    assert locus.shapes.shape == (5, 2, 2)
+
+
+def test_a_warning_where_it_is_unstable_from_the_start():
+    structure = fl.Structure(**COUPLED)
+    with pytest.warns(RuntimeWarning, match="unstable from mu = 0.6 on, in all of the range"):
+        assert fl.critical_value(structure, "mu", (0.6, 1.0)) is None
+    assert fl.critical_value(structure, "mu", (0.0, 0.4)) is None
+
+
+@pytest.fixture
+def chain():
+    M, C, K, G, N = unsymmetric_chain(24, coupling=1.0, damping=0.02)
+    return fl.Structure(
+        M, K, C, gyroscopic=G, circulatory=[("mu", N)], parameters={"mu": 0.3}, window=(0.0, 0.7)
+    )
+
+
+def test_large_structures_change_where_small_ones_do(chain, monkeypatch):
+    expected = [c for c in fl.stability_changes(chain, "mu", (0.0, 0.5)) if c.frequency < 0.7]
+    monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", 10)
+    found = fl.stability_changes(chain, "mu", (0.0, 0.5))
+    assert len(found) == len(expected) > 2
+    assert np.allclose([c.value for c in found], [c.value for c in expected], rtol=1e-9)
+    assert np.allclose([c.frequency for c in found], [c.frequency for c in expected], rtol=1e-7)
+    assert [(c.direction, c.unstable) for c in found] == [
+        (c.direction, tuple(found[0].unstable[0] + (k - expected[0].unstable[0]) for k in c.unstable))
+        for c in expected
+    ]
+
+
+def test_modes_of_large_structures_stay_in_their_columns(chain, monkeypatch):
+    at = np.linspace(0.0, 0.5, 6)
+    whole = fl.root_locus(chain, "mu", at)
+    monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", 10)
+    locus = fl.root_locus(chain, "mu", at)
+    assert locus.shapes.shape[1] == 0
+    for column in locus.values.T:
+        known = np.isfinite(column)
+        distances = np.abs(whole.values[known] - column[known, None]).max(axis=0)
+        assert distances.min() < 1e-8
+
+
+def test_refused():
+    structure = fl.Structure(**COUPLED)
+    with pytest.raises(TypeError, match="Structure has no parameter 'r'"):
+        fl.root_locus(structure, "r", [1.0])
+    with pytest.raises(ValueError, match="values must be one number or more"):
+        fl.root_locus(structure, "mu", [])
+    with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
+        fl.critical_value(structure, "mu", (1.0, 0.0))
