@@ -133,8 +133,8 @@ def check_mode(
 def _cure_of_unknown(strange: set[Any]) -> str:
     if any(str(each) in TIME_NAMES for each in strange):  # as a parameter, time would stand still
         return (
-            "for a force that depends on time give Mechanics its frequency, and write cos(q.phase); in an "
-            "automaton add a state whose rate is 1, or the angular frequency"
+            "for a force that depends on time give Mechanics its frequency, and write cos(q.phase), or q.t; "
+            "in an automaton add a state whose rate is 1, or the angular frequency"
         )
     return "add it to the automaton's parameters"
 

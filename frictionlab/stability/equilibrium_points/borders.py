@@ -1,12 +1,19 @@
-"""Equilibria on a border of a law in pieces: the motion near them has other eigenvalues on either side."""
+"""Borders of laws in pieces near an equilibrium.
+
+On a border the eigenvalues of either side differ; what holds near the equilibrium holds as far as a border.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.mode import ModesOnDemand
+from frictionlab.lazy_names import sympy
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.tape.formulas import formulas_of
 
@@ -31,3 +38,10 @@ def borders_at(model: ModelOrAutomaton, state: NDArray[np.float64]) -> list[str]
     size = np.fmax(np.abs(numbers).max(axis=1), np.abs(state).max(initial=0.0))
     on = np.abs(numbers[:, 0] - numbers[:, 1]) <= ON_BORDER_RTOL * size
     return [name for name, there in zip(names, on, strict=True) if there]
+
+
+def distances_from_borders(states: Sequence[Any], expressions: Iterable[Any]) -> list[Any]:
+    """How far x is from each border of the laws in pieces in some expressions of the states."""
+    pieces = module_of_pieces()
+    divisions = () if pieces is None else pieces.divisions_of(states, list(expressions))
+    return [sympy.Abs(one.x - border) for one in divisions for border in one.borders]

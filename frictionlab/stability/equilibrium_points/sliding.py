@@ -24,6 +24,7 @@ from frictionlab.models import Model
 from frictionlab.models.kept_structures import Derivations, derivations_of
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
+from frictionlab.stability.equilibrium_points.borders import distances_from_borders
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero
 from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.root_boxes import (
@@ -236,7 +237,8 @@ def _guards_of_slip(system: LagrangeSystem, forwards: bool) -> list[Any]:
     contact = system.rubbing
     name = "slip" if "slip" in contact.modes else "slip+" if forwards else "slip-"
     slip = regime(contact, name, system)
-    return [end.function for end in slip.ends(slip.force, slip.limit)]
+    borders = distances_from_borders(system.states, _rates_of_slip(system))
+    return [*(end.function for end in slip.ends(slip.force, slip.limit)), *borders]
 
 
 @cache

@@ -19,6 +19,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
+from frictionlab.stability.equilibrium_points.borders import distances_from_borders
 from frictionlab.stability.equilibrium_points.newton import find_zeros
 from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
 from frictionlab.stability.flow import Flow
@@ -60,8 +61,14 @@ class SteadyMode:
 
     @property
     def guards(self) -> Formulas:
-        """The event functions."""
-        return self._formulas("guards", lambda: [event.function for event in self.derive().events])
+        """The event functions, and the distances from borders of laws in pieces."""
+
+        def guards() -> list[Any]:
+            mode, states = self.derive(), self.inputs()[: self.flow.size]
+            borders = distances_from_borders(states, [*mode.flow, *mode.outputs.values()])
+            return [*(event.function for event in mode.events), *borders]
+
+        return self._formulas("guards", guards)
 
     def shown(self, x: Array, values: Sequence[float]) -> tuple[float, ...]:
         """The outputs `SHOWN` at a state (m,); NaN where the mode has no such output."""

@@ -85,6 +85,44 @@ def test_equilibria_and_eigenvalues_of_each_piece():
     assert np.abs(locus) == pytest.approx([1.0, 1.0, 2.0, 2.0], rel=1e-14)
 
 
+def test_a_hopf_points_amplitude_holds_as_far_as_a_border():
+    """x'' = mu x' - x'^3 - x - max(x - d, 0): the amplitude (4 mu/3)^(1/2) comes to d at mu = 3 d^2/4."""
+
+    @fl.model
+    class SelfExcited(fl.MechanicalModel):
+        mu: float = -0.1
+        d: float = 0.2
+        coordinates = ("x",)
+        period = 6.0
+
+        def mechanics(self, q, v):
+            bumper = functions.maximum(q.x - self.d, 0)
+            return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, loads={"x": self.mu * v.x - v.x**3 - bumper})
+
+    assert fl.hopf(SelfExcited(), "mu", (-0.3, 0.4)).valid_until == pytest.approx(0.03, rel=1e-9)
+
+
+def test_multipliers_with_borders_obey_liouville():
+    """Their product is exp of the integral of the divergence: a border of a continuous law adds no factor."""
+
+    @fl.model
+    class Bumpers(fl.MechanicalModel):
+        coordinates = ("x",)
+        period = 6.0
+
+        def mechanics(self, q, v):
+            bumpers = functions.piecewise(q.x, (-0.5, 0.5), (q.x + 0.5, 0, q.x - 0.5))
+            return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, loads={"x": 0.2 * v.x - v.x**3 - 3 * bumpers})
+
+    model = Bumpers()
+    orbit = fl.periodic_orbit(model, run(model, 100.0, [0.6, 0.0]).final_state, t_max=20.0)
+    square = {"v^2": model.automaton().states[1] ** 2}
+    turn = fl.simulate(model, orbit.period, x0=orbit.state, quadratures=square, progress=False)
+    expected = math.exp(0.2 * orbit.period - 3.0 * turn.quadratures["v^2"])
+    assert len(turn.events) == 4
+    assert np.prod(orbit.multipliers).real == pytest.approx(expected, rel=1e-11)
+
+
 def test_all_equilibria_are_found_on_all_sides():
     snap = one_mass(lambda x, v: -functions.piecewise(x, (-1, 1), (2 * x + 3, -x, 2 * x - 3)) - v / 10)
     found = fl.equilibria(snap)
