@@ -180,33 +180,41 @@ def _first_mode_equilibria(key: SearchKey) -> ModeEquilibria:
     return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), why)
 
 
-# --- modes of which functions are cached on disk
-
-
 def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Iterator[SteadyMode]:
     names = derivations.value(
         "steady modes", lambda: [m.name for m in automaton.modes if is_free(automaton, m)]
     )
-    modes = (_cached_mode(ModeKey(derivations, name, automaton)) for name in names)
+    modes = (_steady_mode(ModeKey(derivations, name, automaton)) for name in names)
     return (mode for mode in modes if _can_last_at_rest(automaton, mode)) if automaton.on_demand else modes
+
+
+def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
+    structure = mode, automaton.states, tuple(automaton.parameters), automaton.coordinates, automaton.cyclic
+    return _steady_mode(ModeKey(structure, mode.name, automaton))
 
 
 @dataclass(frozen=True)
 class ModeKey:
-    """The key of a cached mode: its structure and name; the automaton may be any of that structure."""
+    """The key of a mode's functions: its structure and name; the automaton may be any of that structure.
 
-    derivations: Derivations
+    The structure is what is cached on disk of a model's, whose modes are derived only if they are not there;
+    of an automaton that is nowhere on disk it is the mode itself.
+    """
+
+    structure: Any
     name: str
     automaton: HybridAutomaton = field(compare=False)
 
 
 @lru_cache(maxsize=256)
-def _cached_mode(key: ModeKey) -> SteadyMode:
+def _steady_mode(key: ModeKey) -> SteadyMode:
     automaton, derive = key.automaton, partial(key.automaton.mode, key.name)
+    on_disk = isinstance(key.structure, Derivations)
+    derivations = key.structure if on_disk else Derivations(None)
 
     def formulas(what: str, expressions: Callable[[Mode], Sequence[Any]]) -> Formulas:
         return kept_formulas(
-            key.derivations,
+            derivations,
             f"{what} in {key.name}",
             lambda: formulas_of(_inputs(automaton), expressions(derive())),
         )
@@ -216,9 +224,9 @@ def _cached_mode(key: ModeKey) -> SteadyMode:
     following: tuple[int, ...] = ()
     if automaton.cyclic or len(automaton.state_names) > 2 * automaton.coordinates:
         name = f"following states in {key.name}"
-        following = tuple(key.derivations.value(name, lambda: steady_rates(automaton, derive()).following))
-    inputs = partial(_inputs, automaton)
-    return SteadyMode(key.name, False, flow, key.derivations, derive, inputs, following)
+        following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive()).following))
+    holds = not on_disk and derive().holds  # those on disk are free
+    return SteadyMode(key.name, holds, flow, derivations, derive, partial(_inputs, automaton), following)
 
 
 def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
@@ -242,34 +250,12 @@ def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
     return not any(value < 0 for value in formulas.arrays(*zeros, *parameter_values(automaton)))
 
 
-# --- modes that are derived
-
-
 def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
     if isinstance(automaton.modes, ModesOnDemand):
         return automaton.modes.select(
             lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
         )
     return (mode for mode in automaton.modes if not sliding or is_free(automaton, mode))
-
-
-def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
-    key = automaton.states, automaton.coordinates, automaton.cyclic
-    return _steady_mode(mode, key, tuple(automaton.parameters))
-
-
-@lru_cache(maxsize=256)
-def _steady_mode(
-    mode: Mode, about: tuple[tuple[Any, ...], int, tuple[str, ...]], parameters: tuple[Any, ...]
-) -> SteadyMode:
-    states, coordinates, cyclic = about
-    inputs = (*states, *parameters)
-    names = tuple(str(symbol) for symbol in parameters)
-    steady = steady_rates(HybridAutomaton(states, (mode,), {}, coordinates, cyclic), mode)
-    flow = Flow(names, formulas_of(inputs, steady.rates), formulas_of(inputs, _margins(mode)))
-    return SteadyMode(
-        mode.name, mode.holds, flow, Derivations(None), lambda: mode, lambda: inputs, steady.following
-    )
 
 
 def _margins(mode: Mode) -> tuple[Any, ...]:
