@@ -49,31 +49,31 @@ def broken_statement(run: Trajectory) -> str:
 
     There is none to break where the run is of an automaton, or has states that the statement does not know.
     """
-    judge = _judge_of(run)
-    if judge is None or not judge.knows_run:
+    check = _check_of(run)
+    if check is None or not check.knows_run:
         return ""
-    checks = (judge.claims, judge.balance, judge.breakaway, judge.impacts)
-    return next((words for check in checks if (words := check())), "")
+    rules = (check.claims, check.balance, check.breakaway, check.impacts)
+    return next((words for broken_rule in rules if (words := broken_rule())), "")
 
 
 def unjudged_statement(run: Trajectory) -> str:
-    """Which part of its model's statement a run was not judged by; an empty text where there is none."""
-    judge = _judge_of(run)
-    if judge is None:
+    """Which part of its model's statement a run was not compared with; an empty text where there is none."""
+    check = _check_of(run)
+    if check is None:
         return ""
-    if not judge.knows_run:
+    if not check.knows_run:
         return "What the model states was not compared: the run has other states or modes."
-    if judge.stated.n > MOST_COORDINATES:
+    if check.stated.n > MOST_COORDINATES:
         return f"Lagrange's equations were not compared: there are more than {MOST_COORDINATES} coordinates."
     return ""
 
 
-def _judge_of(run: Trajectory) -> _Judge | None:
-    """The judge of a run by its mechanical model; None for other runs."""
+def _check_of(run: Trajectory) -> _StatementCheck | None:
+    """The check of a run by its mechanical model; None for other runs."""
     model = run.source
     if not isinstance(model, MechanicalModel) or not len(run.raw.step_modes):
         return None
-    return _Judge(run, StatedMechanics(model, motion_size(run)))
+    return _StatementCheck(run, StatedMechanics(model, motion_size(run)))
 
 
 class Places(NamedTuple):
@@ -206,7 +206,7 @@ def can_hold(matrix: Array, right: Array, least: Array, most: Array) -> bool:
     return bool(np.abs(matrix[:, free] @ forces - right).max() <= 1e-8 * scale)
 
 
-class _Judge:
+class _StatementCheck:
     """Compares a run with the statement of its model."""
 
     def __init__(self, run: Trajectory, stated: StatedMechanics) -> None:

@@ -25,10 +25,10 @@ from frictionlab.analysis.fitting.data import (
 )
 from frictionlab.analysis.fitting.plausibility import doubts_about
 from frictionlab.analysis.fitting.predictions import (
+    FitProblem,
     Misfit,
-    Pieces,
-    Task,
-    even_pieces,
+    Segments,
+    even_segments,
     first_run,
     first_states,
     frequency_misfit,
@@ -266,24 +266,24 @@ def fit(
     1.2
     """
     segments = check_number("segments", segments, integer=True, least=1, most=MAX_SEGMENTS, cure="8 is usual")
-    task = _check(model, data, parameters, x0, unknown, bounds)
-    if not task.moving:
-        return _result(task, _solve(task, None, task.first(), "one run"), None)
-    run = first_run(task)
-    for doubt in doubts_about(task.data, run) if run.status.ok else ():
+    problem = _check(model, data, parameters, x0, unknown, bounds)
+    if not problem.moving:
+        return _result(problem, _solve(problem, None, problem.first(), "one run"), None)
+    run = first_run(problem)
+    for doubt in doubts_about(problem.data, run) if run.status.ok else ():
         warnings.warn(doubt, RuntimeWarning, 2)
-    unknowns, pieces = task.first(), even_pieces(task, run, segments)
+    unknowns, pieces = problem.first(), even_segments(problem, run, segments)
     if segments > 1:
-        unknowns = np.concatenate([unknowns, (first_states(task, run, pieces) / pieces.size).ravel()])
+        unknowns = np.concatenate([unknowns, (first_states(problem, run, pieces) / pieces.size).ravel()])
         for weight in WEIGHTS:
-            pieces = replace(pieces, weight=weight * inverse_error(task, pieces))
-            unknowns = _solve(task, pieces, unknowns, "the segments").x
+            pieces = replace(pieces, weight=weight * inverse_error(problem, pieces))
+            unknowns = _solve(problem, pieces, unknowns, "the segments").x
     single = replace(pieces, edges=pieces.edges[[0, -1]])
-    count = len(task.names) + len(task.unknown)
-    return _result(task, _solve(task, single, unknowns[:count], "one run"), single)
+    count = len(problem.names) + len(problem.unknown)
+    return _result(problem, _solve(problem, single, unknowns[:count], "one run"), single)
 
 
-def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> Task:
+def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> FitProblem:
     require_model(model, cure="write fit(model, data, parameters), the model made")
     records, names = as_data(data), _names("parameters", parameters)
     if not names:
@@ -299,7 +299,7 @@ def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, boun
     _check_distinct("parameters", names)
     _check_distinct("unknown", unknown)
     places = tuple(states.index(name) for name in unknown)
-    return Task(model, records, names, initial_state_of(model, x0), places, limits)
+    return FitProblem(model, records, names, initial_state_of(model, x0), places, limits)
 
 
 def _names(what: str, given: Any) -> tuple[str, ...]:
@@ -340,7 +340,7 @@ class _Solution(NamedTuple):
     message: str
 
 
-def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solution:
+def _solve(problem: FitProblem, pieces: Segments | None, first: Array, what: str) -> _Solution:
     """Least squares from a start.
 
     Raises
@@ -348,7 +348,7 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
     ValueError
         Where there is no run at the start.
     """
-    evaluate = _misfit_function(task, pieces)
+    evaluate = _misfit_function(problem, pieces)
     begin = evaluate(first)
     if not np.isfinite(begin.values).all():
         raise ValueError(
@@ -356,9 +356,9 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
             "change the model's values or x0"
         )
     low, high = np.full(len(first), -np.inf), np.full(len(first), np.inf)
-    for i, name in enumerate(task.names):
-        if name in task.bounds:
-            low[i], high[i] = np.asarray(task.bounds[name], dtype=float) / task.scales[i]
+    for i, name in enumerate(problem.names):
+        if name in problem.bounds:
+            low[i], high[i] = np.asarray(problem.bounds[name], dtype=float) / problem.scales[i]
     derivatives: Any = lambda x: evaluate(x).slopes  # noqa: E731 - scipy's types allow a text only
     solution: Any = least_squares(
         lambda x: evaluate(x).values,
@@ -374,64 +374,64 @@ def _solve(task: Task, pieces: Pieces | None, first: Array, what: str) -> _Solut
     return _Solution(solution.x, evaluate(solution.x), str(solution.message))
 
 
-def _misfit_function(task: Task, pieces: Pieces | None) -> Callable[[Array], Misfit]:
+def _misfit_function(problem: FitProblem, pieces: Segments | None) -> Callable[[Array], Misfit]:
     """Residuals and derivatives at unknowns (u,); the last are kept, as the solver asks for each in turn."""
     known: list[tuple[bytes, Misfit]] = []
 
     def evaluate(x: Array) -> Misfit:
         key = x.tobytes()
         if not known or known[0][0] != key:
-            known[:] = [(key, _misfit(task, pieces, x))]
+            known[:] = [(key, _misfit(problem, pieces, x))]
         return known[0][1]
 
     return evaluate
 
 
-def _misfit(task: Task, pieces: Pieces | None, x: Array) -> Misfit:
+def _misfit(problem: FitProblem, pieces: Segments | None, x: Array) -> Misfit:
     try:
-        model = task.at(x)
-        parts = [frequency_misfit(model, task.names, task.data, len(x))]
+        model = problem.at(x)
+        parts = [frequency_misfit(model, problem.names, problem.data, len(x))]
         if pieces is not None:
-            starts = _starts(task, pieces, x)
-            parts.append(motion_misfit(model, task.names, task.data, pieces, starts))
+            starts = _starts(problem, pieces, x)
+            parts.append(motion_misfit(model, problem.names, problem.data, pieces, starts))
     except ValueError:  # a value that breaks its rule, a run that ends early: the solver takes a shorter step
-        count = sum(one.count for one in task.data)
+        count = sum(one.count for one in problem.data)
         count += 0 if pieces is None else (pieces.count - 1) * len(pieces.size)
         return Misfit(np.full(count, np.inf), np.zeros((count, len(x))))
     values, slopes = (np.concatenate(both) for both in zip(*parts))
     scales = np.ones(len(x))
-    scales[: len(task.names)] = task.scales
+    scales[: len(problem.names)] = problem.scales
     if pieces is not None:
-        later = len(task.names) + len(task.unknown)
+        later = len(problem.names) + len(problem.unknown)
         scales[later:] = np.tile(pieces.size, pieces.count - 1)
     return Misfit(values, slopes * scales)
 
 
-def _starts(task: Task, pieces: Pieces, x: Array) -> Array:
+def _starts(problem: FitProblem, pieces: Segments, x: Array) -> Array:
     """States (S, n) at the start of all pieces."""
-    count = len(task.names)
-    start = task.start.copy()
-    start[list(task.unknown)] = x[count : count + len(task.unknown)]
-    later = x[count + len(task.unknown) :].reshape(-1, len(start)) * pieces.size
+    count = len(problem.names)
+    start = problem.start.copy()
+    start[list(problem.unknown)] = x[count : count + len(problem.unknown)]
+    later = x[count + len(problem.unknown) :].reshape(-1, len(start)) * pieces.size
     return np.vstack([start, later])
 
 
-def _result(task: Task, solution: _Solution, pieces: Pieces | None) -> Fit:
-    states = automaton_of(task.model).state_names
-    names = (*task.names, *(f"{states[i]} at 0" for i in task.unknown))
-    sizes = np.ones(len(task.unknown)) if pieces is None else pieces.size[list(task.unknown)]
-    scales = np.concatenate([task.scales, sizes])
+def _result(problem: FitProblem, solution: _Solution, pieces: Segments | None) -> Fit:
+    states = automaton_of(problem.model).state_names
+    names = (*problem.names, *(f"{states[i]} at 0" for i in problem.unknown))
+    sizes = np.ones(len(problem.unknown)) if pieces is None else pieces.size[list(problem.unknown)]
+    scales = np.concatenate([problem.scales, sizes])
     values = solution.x.copy()
-    values[: len(task.names)] *= task.scales
+    values[: len(problem.names)] *= problem.scales
     slopes = solution.misfit.slopes.copy()
-    slopes[:, : len(task.names)] /= task.scales
+    slopes[:, : len(problem.names)] /= problem.scales
     covariance, rank, undetermined = covariance_of(slopes, names, scales)
-    times = [np.full(one.count, np.nan) for one in of_kind(task.data, Frequencies)]
-    times += [np.tile(one.t, len(one.values)) for one in of_kind(task.data, TimeRecord)]
-    times += [one.t for one in of_kind(task.data, EventTimes)]
-    times += [np.full(one.count, np.nan) for one in of_kind(task.data, SpectrumRecord)]
+    times = [np.full(one.count, np.nan) for one in of_kind(problem.data, Frequencies)]
+    times += [np.tile(one.t, len(one.values)) for one in of_kind(problem.data, TimeRecord)]
+    times += [one.t for one in of_kind(problem.data, EventTimes)]
+    times += [np.full(one.count, np.nan) for one in of_kind(problem.data, SpectrumRecord)]
     return Fit(
-        model=task.at(solution.x),
+        model=problem.at(solution.x),
         parameters=names,
         values=values,
         covariance=covariance,

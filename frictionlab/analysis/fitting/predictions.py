@@ -35,7 +35,7 @@ class Misfit(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Pieces:
+class Segments:
     """How the time of the measurements is cut.
 
     Parameters
@@ -64,7 +64,7 @@ class Pieces:
         return len(self.edges) - 1
 
 
-class Task(NamedTuple):
+class FitProblem(NamedTuple):
     """The checked arguments of a fit."""
 
     model: Model
@@ -95,30 +95,30 @@ class Task(NamedTuple):
         return self.model.replace(**dict(zip(self.names, map(float, values))))
 
 
-def first_run(task: Task) -> Trajectory:
+def first_run(problem: FitProblem) -> Trajectory:
     """The model's motion where the search begins, a little longer than the data."""
-    last = max(float(one.t[-1]) for one in task.data if not isinstance(one, Frequencies))
+    last = max(float(one.t[-1]) for one in problem.data if not isinstance(one, Frequencies))
     # Measured events have to happen within the run, even if they come later with the first parameters.
-    margin = 0.05 if of_kind(task.data, EventTimes) else END_MARGIN
+    margin = 0.05 if of_kind(problem.data, EventTimes) else END_MARGIN
     end = last * (1.0 + margin)
-    return solve(automaton_of(task.model), end, x0=task.start, progress=False)
+    return solve(automaton_of(problem.model), end, x0=problem.start, progress=False)
 
 
-def even_pieces(task: Task, run: Trajectory, segments: int) -> Pieces:
+def even_segments(problem: FitProblem, run: Trajectory, segments: int) -> Segments:
     """The time of the data in even pieces, and the motion's size, from a run and from time records."""
     end = run.problem.t_end
     size = state_scales(run.states, run.automaton.coordinates)
-    for record in of_kind(task.data, TimeRecord):
+    for record in of_kind(problem.data, TimeRecord):
         for name, column in record.values.items():
             i = run.names.index(name)
             size[i] = max(size[i], float(np.ptp(column)))
-    return Pieces(np.linspace(0.0, end, segments + 1), task.unknown, task.start, size, 1.0)
+    return Segments(np.linspace(0.0, end, segments + 1), problem.unknown, problem.start, size, 1.0)
 
 
-def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
+def first_states(problem: FitProblem, run: Trajectory, pieces: Segments) -> Array:
     """States (S - 1, n) at the start of the later pieces: from time records, else from a run of the model."""
     states, n = run(pieces.edges[1:-1]).copy(), run.automaton.coordinates
-    for record in of_kind(task.data, TimeRecord):
+    for record in of_kind(problem.data, TimeRecord):
         measured = {run.names.index(name): column for name, column in record.values.items()}
         for i, column in measured.items():
             states[:, i] = np.interp(pieces.edges[1:-1], record.t, column)
@@ -127,12 +127,12 @@ def first_states(task: Task, run: Trajectory, pieces: Pieces) -> Array:
     return states
 
 
-def inverse_error(task: Task, pieces: Pieces) -> float:
+def inverse_error(problem: FitProblem, pieces: Segments) -> float:
     """Size of the motion over the measurement's error, the median over all measured states."""
-    names = automaton_of(task.model).state_names
+    names = automaton_of(problem.model).state_names
     shares = [
         one.error[name] / pieces.size[names.index(name)]
-        for one in task.data
+        for one in problem.data
         if isinstance(one, (TimeRecord, SpectrumRecord))
         for name in one.values
     ] or [1e-3]
@@ -140,7 +140,7 @@ def inverse_error(task: Task, pieces: Pieces) -> float:
 
 
 def motion_misfit(
-    model: Model, names: tuple[str, ...], data: Sequence[Any], pieces: Pieces, starts: Array
+    model: Model, names: tuple[str, ...], data: Sequence[Any], pieces: Segments, starts: Array
 ) -> Misfit:
     """Residuals of records, event times and spectra, over their errors, and the mismatch between pieces.
 
@@ -195,7 +195,7 @@ def motion_misfit(
     return Misfit(np.concatenate(rows), np.concatenate(slopes))
 
 
-def _columns_of(piece: int, pieces: Pieces, count: int) -> tuple[list[int], slice]:
+def _columns_of(piece: int, pieces: Segments, count: int) -> tuple[list[int], slice]:
     """Which states at the start of a piece are unknown, and their places among the unknowns."""
     n, first = len(pieces.size), len(pieces.unknown)
     if piece == 0:

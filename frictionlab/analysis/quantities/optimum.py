@@ -170,21 +170,21 @@ def optimum(
     >>> best.active
     ('largest growth rate (1/s)',)
     """
-    task = _check(model, quantity, bounds, constraints, goal)
+    problem = _check(model, quantity, bounds, constraints, goal)
     sign = 1.0 if goal == "least" else -1.0
-    size = abs(task.gradient(quantity, task.first)[0]) or 1.0
-    sizes = [_size(task, limit) for limit in task.limits]
+    size = abs(problem.gradient(quantity, problem.first)[0]) or 1.0
+    sizes = [_size(problem, limit) for limit in problem.limits]
     rows = [
-        {"type": "ineq", "fun": task.margin(limit, side, s), "jac": task.margin_slopes(limit, side, s)}
-        for limit, s in zip(task.limits, sizes)
+        {"type": "ineq", "fun": problem.margin(limit, side, s), "jac": problem.margin_slopes(limit, side, s)}
+        for limit, s in zip(problem.limits, sizes)
         for side in (-1.0, 1.0)
         if np.isfinite(limit.low if side < 0 else limit.high)
     ]
     minimum: Any = minimize(
-        lambda u: sign * task.gradient(quantity, u)[0] / size,
-        task.first,
-        jac=lambda u: sign * task.gradient(quantity, u)[1] / size,
-        bounds=[(0.0, 1.0)] * len(task.names),
+        lambda u: sign * problem.gradient(quantity, u)[0] / size,
+        problem.first,
+        jac=lambda u: sign * problem.gradient(quantity, u)[1] / size,
+        bounds=[(0.0, 1.0)] * len(problem.names),
         constraints=rows,
         method="SLSQP",
         options={"maxiter": MAX_STEPS, "ftol": STEP_TOL},
@@ -196,20 +196,20 @@ def optimum(
             "begin at values that keep to them, or widen the bounds"
         )
     return Optimum(
-        model=task.at(u),
+        model=problem.at(u),
         quantity=quantity.label,
-        value=float(task.gradient(quantity, u)[0]),
-        parameters=task.names,
-        at=task.values(u),
-        first=task.values(task.first),
-        bounds=np.column_stack([task.low, task.high]),
-        active=_active(task, u, sizes),
+        value=float(problem.gradient(quantity, u)[0]),
+        parameters=problem.names,
+        at=problem.values(u),
+        first=problem.values(problem.first),
+        bounds=np.column_stack([problem.low, problem.high]),
+        active=_active(problem, u, sizes),
         evaluations=int(minimum.nfev),
         message=str(minimum.message),
     )
 
 
-class _Task:
+class _ScaledProblem:
     """An optimisation problem in scaled parameters u (P,), 0 at their lower and 1 at their upper bounds."""
 
     def __init__(self, model: Model, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
@@ -246,7 +246,7 @@ class _Task:
         return lambda u: -side * self.gradient(limit.quantity, u)[1] / size
 
 
-def _check(model: Model, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _Task:
+def _check(model: Model, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _ScaledProblem:
     require_model(model, cure="write optimum(model, quantity, bounds), the model made")
     check_choice("goal", goal, ("least", "largest"), "say which")
     check_mapping("bounds", bounds, 'give limits by parameter, such as {"c1": (0.0, 10.0)}')
@@ -260,7 +260,7 @@ def _check(model: Model, quantity: Any, bounds: Any, constraints: Any, goal: Any
                 f"quantity must be one such as fl.GrowthRate(), "
                 f"got {abbreviate(one)}: its derivatives have to be known"
             )
-    return _Task(model, ranges, limits)
+    return _ScaledProblem(model, ranges, limits)
 
 
 def _limit(given: Any) -> Limit:
@@ -275,21 +275,21 @@ def _limit(given: Any) -> Limit:
     return limit
 
 
-def _size(task: _Task, limit: Limit) -> float:
+def _size(problem: _ScaledProblem, limit: Limit) -> float:
     """The scale of a constraint: the largest of its limits, and of its value and slopes at the start."""
-    value, slopes = task.gradient(limit.quantity, task.first)
+    value, slopes = problem.gradient(limit.quantity, problem.first)
     ends = [abs(end) for end in (limit.low, limit.high) if np.isfinite(end)]
     return max(abs(value), np.abs(slopes).max(), *ends) or 1.0
 
 
-def _active(task: _Task, u: Array, sizes: Sequence[float]) -> tuple[str, ...]:
+def _active(problem: _ScaledProblem, u: Array, sizes: Sequence[float]) -> tuple[str, ...]:
     active = [
         f"{name} {'at least' if v < 0.5 else 'at most'} {end:g}"
-        for name, v, end in zip(task.names, u, np.where(u < 0.5, task.low, task.high))
+        for name, v, end in zip(problem.names, u, np.where(u < 0.5, problem.low, problem.high))
         if min(v, 1.0 - v) < ACTIVE_RTOL
     ]
-    for limit, size in zip(task.limits, sizes):
-        value = task.gradient(limit.quantity, u)[0]
+    for limit, size in zip(problem.limits, sizes):
+        value = problem.gradient(limit.quantity, u)[0]
         if min(abs(value - limit.low), abs(value - limit.high)) < ACTIVE_RTOL * size:
             active.append(limit.quantity.label)
     return tuple(active)

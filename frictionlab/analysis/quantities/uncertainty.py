@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 GROUPS = 8
-BLOCK = 2500  # points that one task computes together
+BLOCK = 2500  # points that one study computes together
 MOST = 1 << 30  # points, of which no more are distinct
 
 
@@ -237,14 +237,14 @@ def uncertainty(
     >>> 0 < uncertainty.probability(above=0).value < 1
     True
     """
-    task = _check_task(model, quantity, distributions, n, rng, least=2 * GROUPS)
-    n, seed = task.n, task.seed
+    study = _check_study(model, quantity, distributions, n, rng, least=2 * GROUPS)
+    n, seed = study.n, study.seed
     seeds = range(seed * GROUPS, (seed + 1) * GROUPS)
-    points = np.concatenate([sobol_points(len(task.distributions), n // GROUPS, s) for s in seeds])
+    points = np.concatenate([sobol_points(len(study.distributions), n // GROUPS, s) for s in seeds])
     (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
-    values = quantiles(model, task.distributions, points)
-    numbers = _evaluated(task, values, how, "uncertainty")
-    return Uncertainty(model, task.label, tuple(task.distributions), values, numbers, GROUPS)
+    values = quantiles(model, study.distributions, points)
+    numbers = _evaluated(study, values, how, "uncertainty")
+    return Uncertainty(model, study.label, tuple(study.distributions), values, numbers, GROUPS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,23 +333,23 @@ def sobol_indices(
     >>> indices.parameters[indices.total_order.argmax()]
     'F'
     """
-    task = _check_task(model, quantity, distributions, n, rng, least=8)
+    study = _check_study(model, quantity, distributions, n, rng, least=8)
     (how,) = merge_keywords("sobol_indices", keywords, execution=(Execution, execution))
-    d = len(task.distributions)
-    both = sobol_points(2 * d, task.n, task.seed)
+    d = len(study.distributions)
+    both = sobol_points(2 * d, study.n, study.seed)
     a, b = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == i, b, a) for i in range(d)]
-    values = quantiles(model, task.distributions, np.concatenate([a, b, *mixed]))
-    numbers = _evaluated(task, values, how, "Sobol indices")
+    values = quantiles(model, study.distributions, np.concatenate([a, b, *mixed]))
+    numbers = _evaluated(study, values, how, "Sobol indices")
     if np.isnan(numbers).any():
         none = np.isnan(numbers).mean()
         raise ValueError(
-            f"{task.label} must exist at all points to have indices, got none at {none:.1%} of them: "
+            f"{study.label} must exist at all points to have indices, got none at {none:.1%} of them: "
             "narrow the distributions, or ask for another quantity"
         )
-    first, total, first_errors, total_errors = _indices(numbers.reshape(d + 2, n), task.seed)
-    names = tuple(task.distributions)
-    return SobolIndices(model, task.label, names, first, total, first_errors, total_errors)
+    first, total, first_errors, total_errors = _indices(numbers.reshape(d + 2, n), study.seed)
+    names = tuple(study.distributions)
+    return SobolIndices(model, study.label, names, first, total, first_errors, total_errors)
 
 
 def _indices(numbers: Array, seed: int) -> tuple[Array, Array, Array, Array]:
@@ -367,7 +367,7 @@ def _indices(numbers: Array, seed: int) -> tuple[Array, Array, Array, Array]:
     return first, total, both[0], both[1]
 
 
-class _Task(NamedTuple):
+class _Study(NamedTuple):
     """The checked arguments of a computation."""
 
     model: Model
@@ -378,21 +378,21 @@ class _Task(NamedTuple):
     seed: int
 
 
-def _check_task(model: Model, quantity: Any, distributions: Any, n: Any, rng: Any, least: int) -> _Task:
+def _check_study(model: Model, quantity: Any, distributions: Any, n: Any, rng: Any, least: int) -> _Study:
     require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
     check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
     n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")
     if n & (n - 1):
         raise ValueError(f"n must be a power of two, got {n}: give {1 << (n.bit_length() - 1)} or its double")
     label = quantity.label if isinstance(quantity, Quantity) else own_name(quantity)
-    return _Task(model, quantity, check_distributions(model, distributions), label, n, seed_of(rng))
+    return _Study(model, quantity, check_distributions(model, distributions), label, n, seed_of(rng))
 
 
-def _evaluated(task: _Task, values: Array, how: Execution, title: str) -> Array:
+def _evaluated(study: _Study, values: Array, how: Execution, title: str) -> Array:
     """The quantity (N,) at values (N, d), by tasks that can be resumed; NaN where there is none."""
-    tasks, names = _evaluation_tasks(task.model, task.quantity, tuple(task.distributions), values)
-    specification = {"quantity": function_name(task.quantity), "model": task.model.to_dict()}
-    specification |= {"parameters": list(task.distributions), "points": values.tolist()}
+    tasks, names = _evaluation_tasks(study.model, study.quantity, tuple(study.distributions), values)
+    specification = {"quantity": function_name(study.quantity), "model": study.model.to_dict()}
+    specification |= {"parameters": list(study.distributions), "points": values.tolist()}
     with Journal(specification, how.resume) as journal:
         journal.run_tasks(evaluate, tasks, names.__getitem__, how, title)
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]

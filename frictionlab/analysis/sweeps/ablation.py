@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from operator import call
 from typing import TYPE_CHECKING, Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
@@ -325,7 +326,7 @@ def ablation(
     specification = {} if how.resume is None else plan.specification(named)
     tasks, names = plan.tasks(named)
     with Journal(specification, how.resume) as journal:
-        journal.run_tasks(_call_study, tasks, names.__getitem__, how, "ablation")
+        journal.run_tasks(call, tasks, names.__getitem__, how, "ablation")
     results = [journal.results.get(i) for i in range(len(tasks))]
     return journal.finish(plan.ablation(results, tuple(named)), len(tasks))
 
@@ -340,10 +341,6 @@ def _studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
             "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
         )
     return {str(name): study for name, study in named.items()}
-
-
-def _call_study(study: Callable[..., Any], *arguments: Any) -> Any:
-    return study(*arguments)
 
 
 @dataclass(frozen=True)

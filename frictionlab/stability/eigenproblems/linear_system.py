@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -240,7 +240,7 @@ def linearize(
     LinearSystem(4 states, from x, y, to x, normal_force)
     """
     automaton, point = automaton_of(model).whole, equilibrium(model)
-    problem, mode = equilibrium_problem(model), _mode_of_equilibrium(model)
+    problem, (mode, given_by_others) = equilibrium_problem(model), _mode_of_equilibrium(model)
     coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
     states = tuple(automaton.state_names)
     given = _names("inputs", inputs, coordinates or problem.parameter_names)
@@ -254,34 +254,33 @@ def linearize(
     C: Any = np.zeros((len(shown), len(states)))
     D: Any = np.zeros((len(shown), len(given)))
     for row, name in enumerate(shown):
-        slopes = _slopes_of_output(automaton, mode.name, name, point.state)
+        slopes = _slopes_of_output(automaton, mode, name, point.state)
         C[row] = [slopes.get(state, 0.0) for state in states]
         D[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
     for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
         place = states.index(name)
         A[place], B[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
-    for place in mode.given_by_others:  # its row says z' = (what it is) - z, and no other rate depends on it
+    for place in given_by_others:  # its row says z' = (what it is) - z, and no other rate depends on it
         C, D = (
             C + np.outer(C[:, place], A[place] + np.eye(len(states))[place]),
             D + np.outer(C[:, place], B[place]),
         )
         C[:, place] = 0.0
-    kept = [place for place in range(len(states)) if place not in mode.given_by_others]
+    kept = [place for place in range(len(states)) if place not in given_by_others]
     names = tuple(states[place] for place in kept)
     return LinearSystem(A[np.ix_(kept, kept)], B[kept], C[:, kept], D, names, given, shown, point)
 
 
 def _input_matrix(
-    model: ModelOrAutomaton, problem: EquilibriumProblem, mode: _Mode, state: Array, inputs: Sequence[str]
+    model: ModelOrAutomaton, problem: EquilibriumProblem, mode: str, state: Array, inputs: Sequence[str]
 ) -> Array:
     """B (m, inputs): accelerations by forces along coordinates, and rates by parameters."""
     matrix = np.zeros((len(state), len(inputs)))
     by_parameter = problem.flow.by_parameter.at(state, problem.values)
-    coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
-    accelerations = slice(len(coordinates), 2 * len(coordinates))
     for k, name in enumerate(inputs):
-        if name in coordinates:
-            matrix[accelerations, k] = _compliance(model, state, mode)[:, coordinates.index(name)]
+        if isinstance(model, MechanicalModel) and name in model.coordinates:
+            n, place = len(model.coordinates), list(model.coordinates).index(name)
+            matrix[n : 2 * n, k] = _compliance(model, state, mode)[:, place]
         else:
             matrix[:, k] = by_parameter[:, problem.parameter_names.index(name)]
     return matrix
@@ -297,42 +296,27 @@ def _slopes_of_output(automaton: HybridAutomaton, mode: str, name: str, state: A
     return {known[column]: number for (_, column), number in zip(places, numbers.tolist(), strict=True)}
 
 
-class _Mode(NamedTuple):
-    """The mode of an equilibrium.
-
-    Parameters
-    ----------
-    name : str
-    holds : bool
-        Whether it has constraints of velocities, such as stick.
-    given_by_others : sequence of int
-        The places of states that follow from others, such as a deflection at its limit.
-    """
-
-    name: str
-    holds: bool = False
-    given_by_others: Sequence[int] = ()
-
-
-def _mode_of_equilibrium(model: ModelOrAutomaton) -> _Mode:
+def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
+    """The mode of the equilibrium, and the places of states that follow from others, such as a deflection at
+    its limit."""
     automaton = automaton_of(model).whole
     if by_penetration(model):
         if "slip" in automaton.names:
-            return _Mode("slip")
+            return "slip", []
         equations = sliding_equations(model)
-        return _Mode("slip+" if equations.belt_speed(*equations.values(model)) > 0 else "slip-")
+        return "slip+" if equations.belt_speed(*equations.values(model)) > 0 else "slip-", []
     mode, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     cyclic = {automaton.state_names.index(name) for name in automaton.cyclic}
-    given = [place for place in mode.following if place not in cyclic]
-    return _Mode(mode.name, mode.holds and not is_free(automaton, mode.derive()), given)
+    return mode.name, [place for place in mode.following if place not in cyclic]
 
 
-def _compliance(model: Any, state: Array, mode: _Mode) -> Array:
+def _compliance(model: MechanicalModel, state: Array, mode: str) -> Array:
     """Accelerations (n, n) by forces along the coordinates."""
-    if mode.holds:
+    automaton = automaton_of(model).whole
+    if not is_free(automaton, automaton.mode(mode)):
         raise ValueError(
             "inputs must be parameters where the equilibrium is in a mode with constraints of velocities, "
-            f"got forces in {mode.name!r}: name parameters"
+            f"got forces in {mode!r}: name parameters"
         )
     inverse: Any = np.linalg.inv(mass_matrix(model, state))
     return inverse

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import frictionlab as fl
-from frictionlab.analysis.fitting.predictions import Pieces, motion_misfit
+from frictionlab.analysis.fitting.predictions import Segments, motion_misfit
 from tests.helpers.cases import slow_but
 
 fit_module = import_module("frictionlab.analysis.fitting.fit")
@@ -168,7 +168,7 @@ def test_spectra_have_exact_gradients(window):
     run = fl.simulate(model, LAST, progress=False)
     starts = run(edges[:-1])
     starts[1:] += 1e-3  # seams that are open
-    pieces = Pieces(edges, (0,), starts[0], np.ones(2), 1.0)
+    pieces = Segments(edges, (0,), starts[0], np.ones(2), 1.0)
     exact = motion_misfit(model, names, data, pieces, starts)
     assert exact.slopes.shape == (data[0].count + 4, 3 + 1 + 4)
 
