@@ -101,7 +101,8 @@ def parameter_flow(
     frame = _first_frame(varied, n, q, len(names), free)
     at = np.asarray(times, dtype=float)
     states = run(at) if len(at) else np.zeros((0, n))
-    split = _VariedRun(*(None if one is None else _split_steps(one, at, states) for one in varied))
+    plain = None if varied.plain is None else _split_steps(varied.plain, at, states)
+    split = _VariedRun(_split_steps(varied.run, at, states), plain)
     samples, moved, end = _carry(split, frame, at)
     return ParameterFlow(states, samples[:, :n], run.raw.event_times, moved, end[: n + q])
 
