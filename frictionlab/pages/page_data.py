@@ -26,7 +26,7 @@ from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
-from frictionlab.plotting.appearance import colours_of_modes
+from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
 from frictionlab.tape.formulas import Formulas, formulas_of
@@ -71,7 +71,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         "coordinates": len(model.coordinates),
         "modes": list(program.modes),
         "guards": list(program.guards),
-        "colours": _colours(program),
+        "colours": _colours(program, modes),
         "affine": bool(is_affine(program)),
         "constants": len(program.code.ops),
         "numbers": javascript_of_formulas(program.formulas, [len(parameters)]),
@@ -106,8 +106,9 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 
-def _colours(program: Program) -> list[str]:
-    return list(colours_of_modes(enumerate(program.modes)).values())
+def _colours(program: Program, modes: Sequence[Mode]) -> list[str]:
+    wholes = {mode.name: mode.name if mode.whole is None else mode.whole.name for mode in modes}
+    return list(colours_by_whole(list(enumerate(program.modes)), wholes).values())
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ figures follow them.  On a dark background a colour that could not be seen is re
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -279,15 +279,18 @@ def mode_colours(run: Trajectory) -> dict[str, str]:
 
     Modes that differ only in the pieces of laws have one colour, unless all modes do.
     """
-    ordered = sorted(zip(run.mode_places, run.mode_names, strict=True))
-    wholes = whole_names(run)
-    if len({*wholes.values()}) == 1:
-        return colours_of_modes(ordered)
-    places = {name: place for place, name in enumerate(dict.fromkeys(wholes[name] for _, name in ordered))}
-    if len(places) == len(ordered):
-        return colours_of_modes(ordered)
-    colours = colours_of_modes((place, name) for name, place in places.items())
-    return {name: colours[wholes[name]] for _, name in ordered}
+    return colours_by_whole(sorted(zip(run.mode_places, run.mode_names, strict=True)), whole_names(run))
+
+
+def colours_by_whole(
+    places_and_names: Sequence[tuple[int, str]], wholes: Mapping[str, str]
+) -> dict[str, str]:
+    """A colour for every mode, the same for those of one whole mode, unless there is only one."""
+    parts = dict.fromkeys(wholes[name] for _, name in places_and_names)
+    if len(parts) in (1, len(places_and_names)):
+        return colours_of_modes(places_and_names)
+    colours = colours_of_modes(enumerate(parts))
+    return {name: colours[wholes[name]] for _, name in places_and_names}
 
 
 def whole_names(run: Trajectory) -> dict[str, str]:

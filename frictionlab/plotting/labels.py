@@ -10,9 +10,11 @@ from collections.abc import Container, Sequence
 from textwrap import fill
 from typing import Any
 
+from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton
-from frictionlab.presentation import ANGLE_LETTERS, is_angle
+from frictionlab.presentation import ANGLE_LETTERS, TIME, is_angle
+from frictionlab.stability.equilibrium_points.frozen_time import FrozenAutomaton
 
 LEGEND_WIDTH = 36  # characters of a line in a legend
 
@@ -114,6 +116,8 @@ def _number_text(value: float) -> str:
 
 
 def _parameter_metadata(model: ModelOrAutomaton, name: str) -> Any:
+    if isinstance(model, FrozenAutomaton) and name == TIME:
+        return Parameter(symbol="t", unit="s", meaning="time")
     if not isinstance(model, Model):
         return None
     return parameter_metadata(type(model), model.components).get(name)
