@@ -38,7 +38,8 @@ ComplexArray = NDArray[np.complex128]
 MOST_SCANNED = 50  # freedoms up to which full spectra are scanned
 SAME_MODE = 0.6  # MAC from which two shapes are one mode
 EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
-HALVINGS = 5  # of a step, at most
+DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and may be lost sight of
+HALVINGS = 3  # of a step, at most
 FIRST_POINTS = 9  # of the search for changes of stability
 NEAR_ZERO = 4.0  # times the bend of a growth rate over a step: farther from zero it cannot pass it unseen
 NEWTON_STEPS = 30
@@ -140,12 +141,12 @@ def _match_by_shape(structure: Structure, a: Sample, b: Sample) -> NDArray[np.in
 
 
 def _unmatched(structure: Structure, match: NDArray[np.intp], a: Sample, b: Sample) -> bool:
-    """Whether a mode has no match, away from the ends of the window, where modes come and go."""
+    """Whether a weakly damped mode has no match, away from the window's ends, where modes come and go."""
     low, high = structure.window or (0.0, np.inf)
     edge = EDGE_SHARE * (high - low) if structure.window else 0.0
-    left = np.delete(b.values, match[match >= 0])
-    frequencies = np.concatenate([a.values[match < 0], left]).imag / (2 * np.pi)
-    return bool(((frequencies > low + edge) & (frequencies < high - edge)).any())
+    alone = np.concatenate([a.values[match < 0], np.delete(b.values, match[match >= 0])])
+    frequencies, weakly = alone.imag / (2 * np.pi), np.abs(alone.real) < DAMPED_SHARE * np.abs(alone)
+    return bool((weakly & (frequencies > low + edge) & (frequencies < high - edge)).any())
 
 
 def _pairs(match: NDArray[np.intp]) -> list[tuple[int, int]]:

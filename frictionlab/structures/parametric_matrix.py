@@ -235,6 +235,7 @@ def _sparse(name: str, given: Any) -> Matrix:
         )
     matrix = matrix.astype(complex if kind == "c" else float)
     matrix.sum_duplicates()
+    matrix.eliminate_zeros()
     if not np.isfinite(matrix.data).all():
         bad = matrix.tocoo()
         at = np.flatnonzero(~np.isfinite(bad.data))

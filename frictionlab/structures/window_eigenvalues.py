@@ -38,8 +38,8 @@ MACHINE_EPSILON = float(np.finfo(float).eps)
 class WindowEigenvalues(Eigenvalues):
     """The eigenvalues of a structure in its window of frequencies, and their modes.
 
-    All there are with damping ratios up to some 10 % at the window's upper end, and more below it.  It has
-    what :class:`Eigenvalues` has; `stable` speaks of the window alone.
+    Of a window that begins low they are all with damping ratios up to 14 % at its upper end, and more below
+    it.  It has what :class:`Eigenvalues` has; `stable` speaks of the window alone.
 
     Parameters
     ----------

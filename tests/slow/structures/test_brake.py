@@ -35,3 +35,23 @@ def test_unstable_eigenvalues_have_small_residuals():
         assert len(found.growing) >= 3
         assert found.residuals.max() < 1e-8
         assert found.error_estimates.max() < 1e-6 * 2 * np.pi * 8000
+
+
+def test_unstable_eigenvalues_are_those_of_the_full_problem():
+    """LAPACK's dgeev for all eigenvalues at r = 5, with 1/(2 pi 4000 Hz) as unit of time: 367 s, once."""
+    frequencies = [782.6776021465844, 2775.1520898268404, 4186.644520190261, 5795.776335591744]
+    growth = [0.5959100481134696, 67.7940315771524, 107.43822851045587, 5.098598811151364]
+    found = fl.eigenvalues(brake(5.0))
+    growing = np.sort(found.growing)
+    assert (
+        len(found.values) == 132
+    )  # of the full problem as many are in the disc, and 28 with more damping beyond
+    assert np.allclose(found.frequencies[growing], frequencies, rtol=1e-11)
+    assert np.allclose(found.growth_rates[growing], growth, rtol=0, atol=1e-7)
+
+
+def test_a_mode_begins_to_grow():
+    """Between r = 4 and 6 the mode at 783 Hz does, beside three that grow throughout."""
+    (change,) = fl.stability_changes(brake(5.0, window=(500.0, 900.0)), "r", (4.0, 6.0))
+    assert np.isclose(change.value, 4.57630007537, rtol=1e-7)
+    assert fl.eigenvalues(brake(change.value, (700.0, 900.0))).growth_rates.max() < 1e-5
