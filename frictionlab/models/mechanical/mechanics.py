@@ -207,7 +207,8 @@ def mechanics_at(
     time: Any = 0.0,
 ) -> Mechanics:
     """What a model states at coordinates, velocities, phase, further states and time: symbols or numbers."""
-    at = _Named(**{"t": time, **dict(zip(model.coordinates, q, strict=True))}, phase=phase)
+    clock = {} if "t" in model.structure_key.parameters else {"t": time}  # a parameter may have the name
+    at = _Named(**{**clock, **dict(zip(model.coordinates, q, strict=True))}, phase=phase)
     moving = _Named(**dict(zip(model.coordinates, v, strict=True)))
     others = _Named(**dict(zip(model.states, further, strict=True)))
     return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)

@@ -161,6 +161,12 @@ def test_a_parameter_may_have_its_name():
         def mechanics(self, q, v):
             return fl.Mechanics(v.x**2 / 2, self.t * q.x**2 / 2)
 
+    class Both(Named):
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2, loads={"x": q.t - self.t * q.x})
+
+    with pytest.raises(AttributeError, match="no coordinate or state 't'"):
+        fl.model(Both)().automaton()
     assert Named().automaton().state_names == ("x", "x'")
     run = fl.simulate(Named(), 1.0, x0=[1.0, 0.0], progress=False)
     assert run["x"][-1] == pytest.approx(math.cos(math.sqrt(2.0)), rel=1e-13)
