@@ -329,7 +329,7 @@ class Sensitivity(Drawable):
 def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
     """Exact derivatives of a quantity by all parameters of a model.
 
-    No finite differences are used: sympy differentiates the equations, and linear systems give the
+    No finite differences are used: the flow's formulas are differentiated, and linear systems give the
     derivatives of equilibria, eigenvalues and critical values,
 
         dx/dp = -A^-1 f_p,    d(lambda)/dp = l (f_xp + f_xx dx/dp) r / l r,
