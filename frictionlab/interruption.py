@@ -1,7 +1,7 @@
 """Ctrl-C, treated in one way everywhere, and progress bars, which appear after a second.
 
 A computation that is stopped keeps what it has for `partial_result`, and raises KeyboardInterrupt.  A press
-is counted, not raised where it happens to arrive (`deferred_interrupts`), so that no step and no line of a
+is counted, not raised where it happens to arrive (`InterruptCounter`), so that no step and no line of a
 file is half done.  Compilation takes seconds: it runs in a thread of its own (`call_in_background`), so that
 a press is answered meanwhile.  A computation in a thread of a sweep looks at the `STOP_SIGN` of that sweep.
 
@@ -19,9 +19,9 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future, wait
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import suppress
 from contextvars import ContextVar, copy_context
 from functools import cache
 from types import TracebackType
@@ -86,37 +86,33 @@ def partial_result() -> Any:
 
 
 class InterruptCounter:
-    """Counts presses of ctrl-C; from the press number `limit` on, each interrupts at once."""
+    """Context in which ctrl-C is counted, and raises KeyboardInterrupt only from the press `limit` on.
+
+    Python delivers no signals to threads other than the main one, so nothing is installed there; nor where
+    the process ignores them, as in the background of a shell.
+    """
 
     def __init__(self, limit: int) -> None:
         self.count, self._limit = 0, limit
-        self.installed = False
+        self.installed, self._previous = False, None
+
+    def __enter__(self) -> InterruptCounter:
+        if threading.current_thread() is threading.main_thread():
+            self._previous = SIGNALS.getsignal(signal.SIGINT)
+        self.installed = callable(self._previous)
+        if self.installed:
+            SIGNALS.signal(signal.SIGINT, self.note)
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.installed:
+            SIGNALS.signal(signal.SIGINT, self._previous)
 
     def note(self, number: int, frame: Any) -> None:
         """Count a press; a handler of signals."""
         self.count += 1
         if self.count >= self._limit:
             raise KeyboardInterrupt
-
-
-@contextmanager
-def deferred_interrupts(limit: int) -> Iterator[InterruptCounter]:
-    """Context in which ctrl-C is counted, and raises KeyboardInterrupt only from the press `limit` on.
-
-    Python delivers no signals to threads other than the main one, so nothing is installed there; nor where
-    the process ignores them, as in the background of a shell.
-    """
-    interrupts, previous = InterruptCounter(limit), None
-    if threading.current_thread() is threading.main_thread():
-        previous = SIGNALS.getsignal(signal.SIGINT)
-    interrupts.installed = callable(previous)
-    if interrupts.installed:
-        SIGNALS.signal(signal.SIGINT, interrupts.note)
-    try:
-        yield interrupts
-    finally:
-        if interrupts.installed:
-            SIGNALS.signal(signal.SIGINT, previous)
 
 
 def call_in_background(function: Callable[[], Any], abandoned: Callable[[], Any]) -> Future[Any]:
@@ -285,16 +281,16 @@ class Progress:
         self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
         self._bar: Any = None
-        self._context = ExitStack()
+        self._presses = InterruptCounter(URGENT_PRESS)
 
     def __enter__(self) -> Progress:
-        self._presses = self._context.enter_context(deferred_interrupts(URGENT_PRESS))
+        self._presses.__enter__()
         if self._show and self._compiling:
             tell("compiling the solver, once on this machine: some 30 s")
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._context.close()
+        self._presses.__exit__(kind, error, trace)
         if self._bar is not None:
             self._bar.close()
 

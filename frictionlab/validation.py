@@ -82,31 +82,32 @@ def check_number(
     Raises ValueError unless it is finite and within the bounds.
     """
     value = plain_number(value)
-    kind = "an integer" if integer else "a finite number"
-    rules = [kind]
-    rules += [f"at least {least:g}"] if least > -math.inf else []
-    rules += [f"above {above:g}"] if above > -math.inf else []
-    rules += [f"at most {most:g}"] if most < math.inf else []
-    rules += [f"below {below:g}"] if below < math.inf else []
     number = _is_number(value)
     if (
         not number
         or (integer and value != int(value))
         or not (least <= value <= most and above < value < below)
     ):
+        rules = ["an integer" if integer else "a finite number"]
+        rules += [f"at least {least:g}"] if least > -math.inf else []
+        rules += [f"above {above:g}"] if above > -math.inf else []
+        rules += [f"at most {most:g}"] if most < math.inf else []
+        rules += [f"below {below:g}"] if below < math.inf else []
         raise ValueError(f"{name} must be {', '.join(rules)}, got {abbreviate(value)}{_cure(cure)}")
     return int(value) if integer else value
 
 
 def check_t_end(value: Any, cure: str = "give the length of the run in seconds") -> Any:
     """The end of a run, s; where a span of times is given, as scipy takes it, the message names its end."""
-    last = plain_number(value[-1]) if is_sequence(value) and len(value) else None
-    if _is_number(last):
-        cure = f"a run begins at 0, write t_end={last:g}"
+    if type(value) is not float and is_sequence(value) and len(value):
+        last = plain_number(value[-1])
+        cure = f"a run begins at 0, write t_end={last:g}" if _is_number(last) else cure
     return check_number("t_end", value, above=0.0, cure=cure)
 
 
 def _is_number(value: Any) -> bool:
+    if type(value) is float:  # the quick case
+        return math.isfinite(value)
     if not isinstance(value, Real) or isinstance(value, bool):
         return False
     try:

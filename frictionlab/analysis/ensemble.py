@@ -157,7 +157,7 @@ def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float, 
     limit = method.chatter_limit(automaton)
     automaton = with_chatter_limit(automaton, limit)
     if isinstance(automaton.names, ModeNames) and automaton.names.more_than(MOST_MODES_IN_LANES):
-        return replace(problem_of(automaton, x0, t_end), chatter=limit)
+        return problem_of(automaton, x0, t_end, chatter=limit)
     return Problem(*program_of(automaton), x0, t_end, chatter=limit)
 
 

@@ -22,6 +22,7 @@ LOGGER = logging.getLogger(__name__)
 GAPS = "with gaps"  # stands for the type of an array that is not contiguous
 FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
+DOUBLE, WORD_SIZE = struct.Struct("d"), 8
 DATA_OFFSET = 16  # bytes of an array's object before the address of its data (numpy's PyArrayObject)
 T = TypeVar("T", bound=tuple)
 
@@ -103,14 +104,18 @@ class CompiledKernel:
         return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]  # wraps sets it
 
     def __call__(self, *arguments: Any) -> Any:
-        words, kinds, copies = [0] * len(self._results), [], []
+        words, kinds, copies = self._room_for_results(), [], []
         _append(arguments, words, kinds)
         if kinds != self._kinds:
             words, copies = self._converted(arguments)
-        found = self._called(array("q", words))
+        found = self._called(words)
         for given, used in copies:
             given[...] = used
         return found
+
+    def _room_for_results(self) -> array[int]:
+        """A table of words that holds nothing but the places of the results."""
+        return array("q", bytes(WORD_SIZE * len(self._results)))
 
     def _called(self, table: array[int]) -> Any:
         """What the code returns for the arguments in a table."""
@@ -123,23 +128,22 @@ class CompiledKernel:
 
     def prepared(self, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
         """See :func:`prepared_call`."""
-        words, kinds = [0] * len(self._results), []
-        _append(arguments[:place], words, kinds)
-        begin = len(words)
-        _append(arguments[place:], words, kinds)
+        table, kinds = self._room_for_results(), []
+        _append(arguments[:place], table, kinds)
+        begin = len(table)
+        _append(arguments[place:], table, kinds)
         if kinds != self._kinds:  # some would have to be copied at each call
             return _partial(self, arguments, place)
-        table = array("q", words)
 
         def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # kept alive: the table points to it
-            changed: list[int] = []
+            changed = array("q")
             _append((value,), changed, [])
-            table[begin : begin + len(changed)] = array("q", changed)
+            table[begin : begin + len(changed)] = changed
             return self._called(table)
 
         return call
 
-    def _converted(self, arguments: Any) -> tuple[list[int], list[tuple[np.ndarray, np.ndarray]]]:
+    def _converted(self, arguments: Any) -> tuple[array[int], list[tuple[np.ndarray, np.ndarray]]]:
         """Words where arguments must be converted, and pairs of a given array and the copy to write back.
 
         Numbers take the expected type.  Arrays with gaps, or with other integers than expected, are copied.
@@ -148,7 +152,7 @@ class CompiledKernel:
         if len(leaves) != len(self._arguments):
             expected = f"{len(self._arguments)} numbers and arrays"
             raise TypeError(f"{self._name} takes {expected}, got {len(leaves)}: see its docstring")
-        words, copies = [0] * len(self._results), []
+        words, copies = self._room_for_results(), []
         for leaf, (name, kind, axes) in zip(leaves, self._arguments, strict=True):
             if axes == 0:
                 _append([float(leaf) if kind == "f8" else int(leaf)], words, [])
@@ -194,7 +198,7 @@ def _suits(leaf: np.ndarray, kind: str) -> bool:
 
 def _number(kind: str, word: int) -> Any:
     if kind == "f8":
-        return struct.unpack("d", struct.pack("q", word))[0]
+        return DOUBLE.unpack(struct.pack("q", word))[0]
     return bool(word) if kind == "b1" else word
 
 
@@ -228,7 +232,7 @@ class _Types(dict):
 _TYPES = _Types()
 
 
-def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> None:
+def _append(arguments: Iterable[Any], words: array[int], kinds: list[Any]) -> None:
     """Append the words of arguments to `words`, and the type and number of axes of each to `kinds`."""
     for each in arguments:
         kind = type(each)
@@ -246,7 +250,7 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
                 words.extend(known[0])
                 kinds.extend(known[1])
         elif isinstance(each, (float, np.floating)):
-            words.append(struct.unpack("q", struct.pack("d", each))[0])
+            words.frombytes(DOUBLE.pack(each))
             kinds += FLOAT
         elif each is not None:
             words.append(int(each))
@@ -256,12 +260,12 @@ def _append(arguments: Iterable[Any], words: list[int], kinds: list[Any]) -> Non
 @cache
 def _class_with_table(kind: type) -> type:
     """A subclass of a named tuple with the attribute `table`."""
-    return type(kind.__name__, (kind,), {"table": None})
+    return type(kind.__name__, (kind,), {"table": None, "__module__": kind.__module__})
 
 
 def with_table(arrays: T) -> T:
     """The same named tuple of arrays with a table of its words, for what is passed again and again."""
-    words, kinds = [], []
+    words, kinds = array("q"), []
     _append(arrays, words, kinds)
     known = _class_with_table(type(arrays))(*arrays)
     known.table = words, kinds

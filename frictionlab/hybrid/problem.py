@@ -157,16 +157,15 @@ class RecordList:
 
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
-        lengths = [steps] * 3 + [events] * 3 + [points] * 3
-        parts = [array[:n] for array, n in zip(record, lengths)]
+        lengths = (steps,) * 3 + (events,) * 3 + (points,) * 3
         try:
-            parts, self.copied = [part.copy() for part in parts], True
+            parts, self.copied = [array[:n].copy() for array, n in zip(record, lengths)], True
         except MemoryError:
-            self.copied = False
+            parts, self.copied = [array[:n] for array, n in zip(record, lengths)], False
         self._parts.append(Record(*parts))
-        self._bytes += sum(array.nbytes for array in self._parts[-1])
-        self.steps += int(steps)
-        self.events += int(events)
+        self._bytes += sum([part.nbytes for part in parts])
+        self.steps += steps
+        self.events += events
 
     def fills_memory(self) -> bool:
         """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""

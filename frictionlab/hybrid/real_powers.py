@@ -26,7 +26,7 @@ def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
     If there is no such step, it is the run itself.
     """
     code = problem.program.code
-    if not code.powers.any():
+    if not problem.program.has_powers:
         return raw
     modes = np.append(raw.step_modes, raw.mode)
     visited = np.unique(modes[modes >= 0])

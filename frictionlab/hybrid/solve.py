@@ -6,8 +6,9 @@ import logging
 import time
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
+from math import isfinite
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -104,8 +105,7 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         check_flag("progress", self.progress)
-        known = isinstance(self.source, HybridAutomaton) or hasattr(self.source, "automaton")
-        if self.source is not None and (isinstance(self.source, type) or not known):
+        if self.source is not None and not _has_automaton(self.source):
             raise TypeError(
                 f"source must be the model of the automaton, got {abbreviate(self.source)}: leave it out, or "
                 "give the model itself"
@@ -116,6 +116,11 @@ class RunOptions:
         ):
             if (asked := getattr(self, name)) is not None:
                 check_mapping(name, asked, f"give each a name, such as {example}")
+
+
+def _has_automaton(source: Any) -> bool:
+    known = isinstance(source, HybridAutomaton) or hasattr(source, "automaton")
+    return known and not isinstance(source, type)
 
 
 def solve(
@@ -206,15 +211,14 @@ def run_automaton(
         automaton = automaton.derived()
     if options.mode is not None:
         check_mode_name(options.mode, automaton.names)
-    with_integrals = np.concatenate([state, np.zeros(len(asked[1]))])
-    problem = problem_of(automaton, with_integrals, float(t_end), options.mode, asked)
-    problem = replace(problem, chatter=chatter)
+    with_integrals = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
+    problem = problem_of(automaton, with_integrals, float(t_end), options.mode, asked, chatter)
     begin = time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
         raw = bar.call(method.integrate, problem)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
-    LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %s", raw.t, *counts, wall_time, raw.status.name)
+    LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %r", raw.t, *counts, wall_time, raw.status)
     if any(asked) or automaton.on_demand:  # without the integrals, with all modes that the run has derived
         problem = problem_of(automaton, state, float(t_end), options.mode)
     raw = cut_where_undefined(problem, raw)
@@ -251,6 +255,9 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
 def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
     """The initial state (n,) that an array or a mapping stands for; raises unless it is finite."""
     names = automaton.state_names
+    plain = type(x0) is np.ndarray and x0.shape == (len(names),) and x0.dtype == float
+    if plain and all(map(isfinite, x0.tolist())):  # the quick case
+        return x0.copy()
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, np.zeros(len(names)))
     rule = f"a finite number for each of the states {', '.join(names)}"
@@ -316,6 +323,7 @@ def problem_of(
     t_end: float,
     mode: str | None = None,
     asked: tuple[Mapping[str, Section], Mapping[str, Any]] = ({}, {}),
+    chatter: float = 0.0,
 ) -> Problem:
     """The automaton as a program that runs from `x0`, with the sections and quadratures `asked` for.
 
@@ -323,7 +331,8 @@ def problem_of(
     """
     if not automaton.on_demand:
         program, numbers = program_of(automaton, *asked)
-        return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode))
+        number = None if mode is None else program.modes.index(mode)
+        return Problem(program, numbers, x0, t_end, number, chatter=chatter)
 
     def derive(combinations: Sequence[tuple[int, ...]]) -> tuple[Program, Numbers]:
         modes: Any = automaton.modes
@@ -334,4 +343,5 @@ def problem_of(
     if mode is not None:
         automaton.mode(mode)
     program, numbers = program_of(automaton, *asked, complete=False)
-    return Problem(program, numbers, x0, t_end, None if mode is None else program.modes.index(mode), derive)
+    number = None if mode is None else program.modes.index(mode)
+    return Problem(program, numbers, x0, t_end, number, derive, chatter)

@@ -375,7 +375,8 @@ class Trajectory(Drawable):
         of a power became negative.  Defects are measured as a share of the motion's size, in some steps of
         each mode whose equations are no polynomials of a low degree.
         """
-        code = self.problem.program.code
+        program = self.problem.program
+        code = program.code
         if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
             words = negative_base(self.automaton, self.problem, self.raw.state, self.raw.mode)
             if words:
@@ -384,7 +385,7 @@ class Trajectory(Drawable):
         if (words := chatter_warning(code.limits, self.raw, limit)) is not None:
             return words
         order = self.samples.order
-        if self._tolerance is None or code.degrees.max() < order:
+        if self._tolerance is None or program.highest_degree < order:
             return None
         return self.defect_warning(sampled_steps(self.problem, self.raw, order))
 

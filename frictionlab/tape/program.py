@@ -12,12 +12,13 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.tape.formulas import Formulas, formulas_from_data
 from frictionlab.tape.tape import Tape
 
@@ -130,6 +131,16 @@ class Program:
     demand: Demand | None = None  # what is known of all modes where only some are derived
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
 
+    @cached_property
+    def has_powers(self) -> bool:
+        """Whether a mode has powers, whose base may be zero."""
+        return bool(self.code.powers.any())
+
+    @cached_property
+    def highest_degree(self) -> int:
+        """Highest degree of the modes' polynomials, NOT_POLYNOMIAL where there are other functions."""
+        return int(self.code.degrees.max())
+
     def numbers(self, values: Sequence[float]) -> Numbers:
         """Coefficients for parameter values in the order of the automaton's parameters.
 
@@ -145,7 +156,7 @@ class Program:
                 "parameters other values, or mend the formula"
             )
         split = len(self.code.ops)
-        return Numbers(filled[:split].copy(), filled[split:].copy())
+        return prepare_arrays(Numbers(filled[:split].copy(), filled[split:].copy()))
 
     def cost(self) -> dict[str, dict[str, int]]:
         """What each mode costs: operations by kind, guards, states."""
@@ -172,7 +183,8 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
 
 def kept_program(kept: Any, name: str, packed: Callable[[], Program]) -> Program:
     """The program of a structure from files, `kept`; if it is not there yet, the one that `packed` makes."""
-    if kept not in _KEPT_PROGRAMS:
+    program = _KEPT_PROGRAMS.get(kept)
+    if program is None:
         data = kept.get(name)
         if data is not None:
             program = program_from_data(data, lambda values: packed()._undefined(values))
@@ -180,7 +192,7 @@ def kept_program(kept: Any, name: str, packed: Callable[[], Program]) -> Program
             program = packed()
             kept.keep(name, program_to_data(program))
         _KEPT_PROGRAMS[kept] = program
-    return _KEPT_PROGRAMS[kept]
+    return program
 
 
 def program_to_data(program: Program) -> dict[str, Any]:

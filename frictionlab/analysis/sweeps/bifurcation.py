@@ -20,7 +20,7 @@ from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.interruption import deferred_interrupts, progress_bar
+from frictionlab.interruption import InterruptCounter, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import Model, check_parameter_name, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
@@ -370,7 +370,7 @@ def _run_continued(
     """
     bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
-    with deferred_interrupts(URGENT_PRESS) as interrupts, bar:
+    with InterruptCounter(URGENT_PRESS) as interrupts, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
                 result = _named_task(name, model, rest if start is None else start, options)

@@ -28,7 +28,6 @@ from frictionlab.interruption import (
     POLL_TIME,
     STOP_SIGN,
     InterruptCounter,
-    deferred_interrupts,
     progress_bar,
     tell,
 )
@@ -94,7 +93,7 @@ def run_tasks(
     left = deque(range(len(tasks)) if todo is None else todo)
     count = len(left)
     bar = progress_bar(total=count, desc=title, shown=execution.progress)
-    with bar, deferred_interrupts(URGENT_PRESS) as interrupts:
+    with bar, InterruptCounter(URGENT_PRESS) as interrupts:
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
                 run = _Run(function, tasks, keep, left, pool, workers, chunk_time, bar)

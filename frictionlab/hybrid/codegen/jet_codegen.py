@@ -139,6 +139,19 @@ class JetWriter(Instructions):
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
+        self.reversed = self._reversed_rows()
+
+    def _reversed_rows(self) -> dict[int, Any]:
+        """A second row, from right to left, for each slot that convolutions read backwards.
+
+        Four coefficients are then loaded as a vector in the sequence in which they are wanted.  The address
+        is that of coefficient 0.
+        """
+        tape = self.function.tape
+        slots = {b for kind, _, b in tape.ops if kind in (PRODUCT, SQUARE) or kind > POWER}
+        slots |= {tape.inputs + i for i, (kind, _, _) in enumerate(tape.ops) if kind in (QUOTIENT, POWER)}
+        rows, ends = self.build.alloca(self.kind, len(slots) * self.row), range(self.row - 1, 2**31, self.row)
+        return {slot: self._ahead(rows, self.whole(end)) for slot, end in zip(sorted(slots), ends)}
 
     def write(self) -> None:
         self.jets()
@@ -147,7 +160,7 @@ class JetWriter(Instructions):
     def jets(self) -> None:
         """Write the code for columns 0 to `order` of J."""
         for i in range(self.function.tape.inputs):
-            self._set(i, self.J, self._load(self.z, i))
+            self._set(i, None, self._load(self.z, i))
         self._operations(None)
         for slot in sorted({*self.function.flow} - self.stored):
             self._store(self.values[slot], self.J, slot * self.row)
@@ -179,14 +192,14 @@ class JetWriter(Instructions):
         """A column, from the rates in the one before; returns its own rates."""
         share = self.build.fdiv(self._number(1.0), at.number)
         for state, rate in enumerate(rates):
-            self._set(state, at.column, self.build.fmul(rate, share))
+            self._set(state, at, self.build.fmul(rate, share))
         self._operations(at)
         return self._rates()
 
     def _operations(self, at: OrderInLoop | None) -> None:
         for i, (kind, a, b) in enumerate(self.function.tape.ops):
             value = self._value(i, kind, a, b) if at is None else self._coefficient(i, kind, a, b, at)
-            self._set(self.function.tape.inputs + i, self.J if at is None else at.column, value)
+            self._set(self.function.tape.inputs + i, at, value)
 
     def _value(self, i: int, kind: int, a: int, b: int) -> Any:
         """Coefficient 0."""
@@ -310,17 +323,29 @@ class JetWriter(Instructions):
     def _groups(self, a: int, b: int, at: OrderInLoop, fours: Any) -> tuple[Any, Any, Values]:
         """Sum over `fours` groups of four pairs; returns the addresses of the next pair and the four sums."""
         ahead = self._place(a, self._ahead(self.J, self.whole(1)))
-        behind = self._place(b, self._ahead(at.column, self.whole(-1)))
+        behind = self._newest(b, at)
         parts = self._fours(fours, ahead, behind)
         done = self.build.shl(fours, self.whole(2))
-        return self._ahead(ahead, done), self._ahead(behind, self.build.neg(done)), parts
+        return self._ahead(ahead, done), self._back(behind, done), parts
+
+    def _newest(self, slot: int, at: OrderInLoop) -> Any:
+        """The address of coefficient k - 1 of a slot that is read backwards."""
+        return self._back(self.reversed[slot], self.build.sub(self.whole(1), self._order(at)))
+
+    def _back(self, place: Any, count: Any) -> Any:
+        """The address of the coefficient `count` orders below the one at a place that is read backwards."""
+        return self._ahead(place, count)
+
+    def _order(self, at: OrderInLoop) -> Any:
+        return self.build.add(self.build.shl(at.fours, self.whole(2)), self.whole(at.rest + 1))
 
     def _rest(self, count: int, ahead: Any, behind: Any, parts: Values) -> Values:
         """The four sums, with one more pair added to each of the first `count`."""
         return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
 
     def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
-        return self._multiply_add(self._load(ahead, j), self._load(behind, -j), part)
+        last = self._load(self._back(behind, self.whole(j)), 0)
+        return self._multiply_add(self._load(ahead, j), last, part)
 
     def _in_pairs(self, parts: Values) -> Any:
         return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
@@ -328,22 +353,23 @@ class JetWriter(Instructions):
     def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
         """The four sums over `count` groups of four pairs, computed as one vector."""
         build, four = self.build, self.ir.VectorType(self.ir.DoubleType(), PARTS)
-        turned = self.ir.Constant(self.ir.VectorType(self.ir.IntType(32), PARTS), list(range(PARTS))[::-1])
 
         def group(i: Any, sums: Values) -> Values:
             j = build.shl(i, self.whole(2))
             forward = self._vector(self._ahead(ahead, j), 0, four)
-            backward = self._vector(self._ahead(behind, build.neg(j)), 1 - PARTS, four)
-            backward = build.shuffle_vector(backward, backward, turned)
+            backward = self._vector(self._back(behind, j), 0, four)
             return [self._multiply_add(forward, backward, sums[0])]
 
         (total,) = write_loop(build, count, [llvm_constant(self.ir, four, 0.0)], group)
         return [build.extract_element(total, self.ir.IntType(32)(j)) for j in range(PARTS)]
 
-    def _set(self, slot: int, column: Any, value: Any) -> None:
+    def _set(self, slot: int, at: OrderInLoop | None, value: Any) -> None:
         self.values[slot] = value
         if slot in self.stored:
-            self._store(value, column, slot * self.row)
+            self._store(value, self.J if at is None else at.column, slot * self.row)
+        if slot in self.reversed:
+            order = self.whole(0) if at is None else self._order(at)
+            self._store(value, self._ahead(self.reversed[slot], self.build.neg(order)), 0)
 
 
 class LaneWriter(JetWriter):
@@ -354,6 +380,16 @@ class LaneWriter(JetWriter):
     def __init__(self, ir: Any, body: Any, function: ModeTape) -> None:
         super().__init__(ir, body, function)
         self.control = body.args[4]
+
+    def _reversed_rows(self) -> dict[int, Any]:
+        """None: a vector holds one coefficient of all lanes."""
+        return {}
+
+    def _newest(self, slot: int, at: OrderInLoop) -> Any:
+        return self._place(slot, self._ahead(at.column, self.whole(-1)))
+
+    def _back(self, place: Any, count: Any) -> Any:
+        return self._ahead(place, self.build.neg(count))
 
     def _largest(self, first: int, last: int, k: Any) -> Any:
         """Largest coefficient k of the states [first, last); infinite where one is NaN."""
@@ -368,7 +404,7 @@ class LaneWriter(JetWriter):
     def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
         def group(i: Any, sums: Values) -> Values:
             j = self.build.shl(i, self.whole(2))
-            front, back = self._ahead(ahead, j), self._ahead(behind, self.build.neg(j))
+            front, back = self._ahead(ahead, j), self._back(behind, j)
             return [self._further(front, back, part, total) for part, total in enumerate(sums)]
 
         return write_loop(self.build, count, [self._number(0.0)] * PARTS, group)

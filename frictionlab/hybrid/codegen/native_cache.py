@@ -153,10 +153,11 @@ def interpreted_code(program: Program) -> Code:
 
 def native_code(program: Program) -> NativeCode:
     """The native code of a program, created once."""
-    if program not in _MADE:
+    made = _MADE.get(program)
+    if made is None:
         before = None if program.grown_from is None else program.grown_from()
-        _MADE[program] = NativeCode(program, None if before is None else _MADE.get(before))
-    return _MADE[program]
+        made = _MADE[program] = NativeCode(program, None if before is None else _MADE.get(before))
+    return made
 
 
 @contextmanager

@@ -131,15 +131,31 @@ class Record(NamedTuple):
 
 def new_run_state(state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool) -> RunState:
     """A run at time 0 in `mode`, whose jets have been computed; without sections."""
-    counts = np.zeros(COUNTS, dtype=np.int64)
-    counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
-    signs = np.zeros(0, dtype=np.int64)
-    return RunState(state.copy(), np.abs(state), initial_times(t_end, chatter), counts, signs)
+    run = empty_run_state(len(state), 0)
+    begin_run(run, state, mode, t_end, chatter, raises)
+    return run
 
 
-def initial_times(t_end: float, chatter: float) -> np.ndarray:
+def empty_run_state(states: int, sections: int) -> RunState:
+    """Arrays for a run with so many states and sections, to be filled by :func:`begin_run`."""
+    counts, signs = np.zeros(COUNTS, dtype=np.int64), np.zeros(sections, dtype=np.int64)
+    return RunState(np.zeros(states), np.zeros(states), np.zeros(CARRY + 1), counts, signs)
+
+
+def begin_run(
+    run: RunState, state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool
+) -> None:
+    """Set a run to time 0 in `mode`, whose jets have been computed."""
+    run.state[:] = state
+    np.abs(state, out=run.sizes)
+    run.times[:] = initial_times(t_end, chatter)
+    run.counts[:] = run.signs[:] = 0
+    run.counts[MODE], run.counts[JETS_READY], run.counts[STOPS_AT_ZENO] = mode, 1, raises
+
+
+def initial_times(t_end: float, chatter: float) -> tuple[float, ...]:
     """The times of a run at t = 0."""
-    return np.array([0.0, t_end, 0.0, chatter, 0.0])
+    return 0.0, t_end, 0.0, chatter, 0.0
 
 
 @inlined

@@ -11,6 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from functools import cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -32,13 +33,15 @@ from frictionlab.hybrid.kernels.mode_selection import (
 )
 from frictionlab.hybrid.kernels.run_state import (
     CombinationQueue,
+    begin_run,
+    empty_run_state,
     new_queue,
     new_record,
     new_scratch,
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import System, system_of
+from frictionlab.tape.program import Code, System, system_of
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -78,7 +81,7 @@ class SpareArrays:
         self._kept.setdefault(sizes, []).append(arrays)
 
 
-SPARE_SCRATCH, SPARE_RECORDS = SpareArrays(), SpareArrays()
+SPARE_SCRATCH, SPARE_RECORDS, SPARE_STATES = SpareArrays(), SpareArrays(), SpareArrays()
 
 
 def clear_scratch(scratch: run_state.Scratch) -> None:
@@ -96,7 +99,11 @@ def _record_sizes(record: run_state.Record) -> tuple[int, ...]:
     )
 
 
-_COUNTED = [run_state.STEPS, run_state.EVENTS, run_state.POINTS]
+def _state_sizes(code: Code) -> tuple[int, int]:
+    return code.inputs, code.sections.shape[1]
+
+
+_COUNTED = slice(run_state.STEPS, run_state.POINTS + 1)  # steps, events, points
 
 
 @dataclass(frozen=True)
@@ -181,7 +188,15 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     return selection
 
 
+@cache
+def _settings(kind: type[Method]) -> tuple[str, ...]:
+    """Name and fields of a method."""
+    return ("name", *(each.name for each in fields(kind)))
+
+
 def _as_data(value: Any) -> Any:
+    if value is None or isinstance(value, (str, float, int)):  # the quick case
+        return value
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
 
 
@@ -217,8 +232,7 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        names = ("name", *(each.name for each in fields(self)))
-        return {name: _as_data(getattr(self, name)) for name in names}
+        return {name: _as_data(getattr(self, name)) for name in _settings(type(self))}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""
@@ -249,8 +263,9 @@ class Method(ABC):
             counts[_COUNTED] = 0
             end = int(self._advance_or_enter(run, record))
             run = replace(run, event=None) if run.event is not None else run
-            run.native.used(record.step_modes[: counts[run_state.STEPS]])
-            pieces.add(record, *counts[_COUNTED])
+            counted = counts[_COUNTED].tolist()
+            run.native.used(record.step_modes[: counted[0]])
+            pieces.add(record, *counted)
             status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
             if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                 status = Status.INTERRUPTED
@@ -259,8 +274,9 @@ class Method(ABC):
         SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
         if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
             SPARE_RECORDS.give(_record_sizes(record), record)
-        mode = int(counts[run_state.MODE])
-        return pieces.raw(run.problem.program.code, times[run_state.NOW], run.cursor.state, mode, status)
+        end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
+        SPARE_STATES.give(_state_sizes(run.problem.program.code), run.cursor)
+        return pieces.raw(run.problem.program.code, *end)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
@@ -272,8 +288,9 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        cursor = run_state.new_run_state(problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
-        cursor = cursor._replace(signs=np.zeros(problem.program.code.sections.shape[1], dtype=np.int64))
+        sizes = _state_sizes(problem.program.code)
+        cursor = SPARE_STATES.take(sizes, lambda: empty_run_state(*sizes))
+        begin_run(cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         run = self._prepare(problem, cursor)
         mode, missing = initial_mode(run, self.degree)
         while missing != NO_MODE:
@@ -293,13 +310,13 @@ class Method(ABC):
         self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
     ) -> ActiveRun:
         program = problem.program
-        native, system = native_code(program), system_of(program.code, problem.numbers)
-        degree, queue = self.degree, new_queue(program.demand)
+        native, degree, queue = native_code(program), self.degree, new_queue(program.demand)
         scratch = SPARE_SCRATCH.take(
             (program, degree), lambda: new_scratch(program.slots, program.code, degree)
         )
         clear_scratch(scratch)
-        return ActiveRun(problem, native, system._replace(code=native.code), cursor, scratch, queue, event)
+        system = system_of(native.code, problem.numbers)
+        return ActiveRun(problem, native, system, cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
         """A record to fill: the last one again if its content was copied.

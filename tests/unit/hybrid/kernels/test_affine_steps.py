@@ -48,6 +48,24 @@ def test_long_runs_keep_their_digits():
     assert run.t[-1] == 1000.0
 
 
+def test_steps_do_not_depend_on_the_end_of_the_run():
+    """Though steps are taken by blocks, of which the end cuts the last one."""
+    short, long = (fl.simulate(LINEAR, t_end, progress=False).raw.step_states for t_end in (0.33, 0.5))
+    np.testing.assert_array_equal(short, long[: len(short)])
+
+
+@pytest.mark.parametrize("count", [1, 3, 17])  # the maps of several steps are for few states
+def test_oscillators_side_by_side(count):
+    x, v = sp.symbols(f"x:{count}"), sp.symbols(f"v:{count}")
+    rates = (*v, *(-((i + 1) ** 2) * x[i] for i in range(count)))
+    automaton = fl.HybridAutomaton((*x, *v), (fl.Mode("on", rates),), coordinates=count)
+    run = fl.solve(automaton, 20.0, x0=[1.0] * count + [0.0] * count, progress=False)
+    assert is_affine(run.problem.program)
+    w = np.arange(1, count + 1)
+    expected = np.concatenate([np.cos(20 * w), -w * np.sin(20 * w)])
+    assert run.final_state == pytest.approx(expected, abs=2e-12 * count)
+
+
 def test_runs_shorter_than_a_step_and_ends_between_steps():
     for t_end in (1e-4, 0.01234):
         run = fl.simulate(LINEAR, t_end, progress=False)
