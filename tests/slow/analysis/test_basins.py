@@ -163,7 +163,7 @@ def test_neither_workers_nor_being_cut_off_make_a_difference(tmp_path, monkeypat
 
 
 def test_random_states_are_saved_and_loaded(tmp_path):
-    options = {"samples": 50, "seed": 3, **QUIET}
+    options = {"samples": 50, "rng": 3, **QUIET}
     found = fl.basin_stability(wells(), {"x": (-1.0, 3.0)}, **options)
     loaded = fl.load_basins(found.save(tmp_path / "stability"))
     assert np.array_equal(loaded.points, found.points)
