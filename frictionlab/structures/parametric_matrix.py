@@ -168,7 +168,7 @@ def _coefficient(where: str, given: Any, parameters: Mapping[str, float]) -> str
     """A coefficient as the text of an expression."""
     what = f"the coefficient of {where}"
     if isinstance(given, Real):
-        return repr(float(check_number(what, given)))
+        return "1" if given == 1 else repr(float(check_number(what, given)))
     if isinstance(given, str):
         _parse(what, given, parameters)
         return given
