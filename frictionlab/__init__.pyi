@@ -138,6 +138,7 @@ from .models import quadratic_form as quadratic_form
 from .models.composition import ParameterTable as ParameterTable
 from .models.equations import Equations as Equations
 from .models.model import model as model
+from .models.zoo.belt_oscillators import BrakedOscillator as BrakedOscillator
 from .models.zoo.belt_oscillators import DoubleLayerPad as DoubleLayerPad
 from .models.zoo.belt_oscillators import ExcitedBeltOscillator as ExcitedBeltOscillator
 from .models.zoo.belt_oscillators import OscillatorChain as OscillatorChain
@@ -152,7 +153,11 @@ from .models.zoo.impacts import RockingBlock as RockingBlock
 from .models.zoo.mode_couplings import HultenOscillator as HultenOscillator
 from .models.zoo.rotating_systems import DrillString as DrillString
 from .models.zoo.rotating_systems import FroudePendulum as FroudePendulum
+from .models.zoo.rotating_systems import MotorAndCart as MotorAndCart
 from .models.zoo.rotating_systems import WobblingDisc as WobblingDisc
+from .models.zoo.structures_in_modes import BowedString as BowedString
+from .models.zoo.structures_in_modes import DiscAndPads as DiscAndPads
+from .models.zoo.structures_in_modes import MassOnBeam as MassOnBeam
 from .pages.export import export_page as export_page
 from .plotting import animate as animate
 from .plotting import plot_run as plot_run

@@ -178,7 +178,9 @@ class Trajectory(Drawable):
             steps = self._steps_at(t)
         else:
             t, steps = subdivide_steps(raw.step_times, self.samples.parts)
-            t, steps = np.append(t, raw.t), np.append(steps, len(raw.step_modes))
+            # Between impacts at one instant the clock may not resolve a step: its parts round to its end.
+            within = t < np.append(raw.step_times[1:, 0], raw.t)[steps]
+            t, steps = np.append(t[within], raw.t), np.append(steps[within], len(raw.step_modes))
         return t, self._states_in_steps(t, steps), self._modes_of_steps(steps)
 
     def _steps_at(self, t: np.ndarray) -> np.ndarray:

@@ -4,7 +4,8 @@ They are loaded when one of them, or their table, is first asked for: ``fl.list_
 
 ``zoo_model``
     The base of all, and how their parameters are written.
-``belt_oscillators``, ``mode_couplings``, ``rotating_systems``, ``bristles_and_states``, ``impacts``
+``belt_oscillators``, ``mode_couplings``, ``rotating_systems``, ``bristles_and_states``, ``impacts``,
+``structures_in_modes``
     The models.
 ``topics``
     Which models a topic has, in the order of the table.

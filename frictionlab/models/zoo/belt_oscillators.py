@@ -9,12 +9,14 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, HyperbolicDecay
-from frictionlab.components.functions import cos
+from frictionlab.components.functions import cos, ramp
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, held_block
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, of_either_sign, positive
+
+HALT = "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
 
 
 @model
@@ -210,6 +212,10 @@ class OscillatorChain(ZooModel):
         """x1, x2, ..."""
         return tuple(f"x{i + 1}" for i in range(self.masses))
 
+    def release(self) -> Mapping[str, float]:
+        """The first mass aside, as from rest all would move as one."""
+        return {"x1": 1.0}
+
     @property
     def period(self) -> float:
         """That of a mass on its own spring, s."""
@@ -301,4 +307,70 @@ class DoubleLayerPad(ZooModel):
         springs = (self.k1 * (q.x1 - q.x2) ** 2 + self.k2 * q.x2**2) / 2
         dampers = (self.c1 * (v.x1 - v.x2) ** 2 + self.c2 * v.x2**2) / 2
         kinetic = (self.m1 * v.x1**2 + self.m2 * v.x2**2) / 2
+        return Mechanics(kinetic, springs, dampers, contacts=(rubbing,))
+
+
+@model
+class BrakedOscillator(ZooModel):
+    """A mass on a belt that brakes to a halt: m x'' + c x' + k x = F_T, with the speed v (1 - t/t_b).
+
+    A brake squeals at the end of a stop: friction that falls with speed has its steepest slope where the belt
+    is slow.  With time frozen the eigenvalues are those of the belt's speed at that time, and steady sliding
+    loses its stability where c + N mu'(v (1 - t/t_b)) = 0.  The system is of the kind of Pilipchuk, Olejnik
+    and Awrejcewicz, with one freedom; the numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt at first, m/s.
+    t_b : float
+        Time in which it stops, s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    V. Pilipchuk, P. Olejnik, J. Awrejcewicz, Journal of Sound and Vibration 344 (2015) 297-312.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> str(fl.simulate(fl.BrakedOscillator(), 120.0).mode[-1])
+    'stick | t > t_b'
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
+    k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(2.0, 5.0, "m/s", "v", "speed of the belt at first")
+    t_b: float = positive(100.0, "s", r"t_{\mathrm{b}}", "time in which it stops")
+    friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
+    coordinates = ("x",)
+
+    about = "a belt that brakes: silence, then a squeal before it stops"
+    reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("eigenvalues", "periodic_orbit", "continue_orbit"), HALT)
+    )
+
+    @property
+    def period(self) -> float:
+        """That of the mass on its spring, s."""
+        return natural_period(self.k, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on a belt, on a spring."""
+        return Mechanism(Belt("v"), *held_block("x"))
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact."""
+        rubbing = Friction(ramp(q.t, self.v, 0, self.t_b) - v.x, self.N, self.friction)
+        kinetic, springs, dampers = self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2
         return Mechanics(kinetic, springs, dampers, contacts=(rubbing,))

@@ -12,10 +12,11 @@ from typing import Any, ClassVar
 from frictionlab.components.functions import cos, sin
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
-from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import Block, Mechanism, Point, Wall
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, positive
 
+AT_ONE_INSTANT = "Impacts at one instant leave a motion without a derivative by its start."
 SLENDERNESS = 0.2  # rad, of a block five times as high as wide
 
 
@@ -146,6 +147,11 @@ class RockingBlock(ZooModel):
 
     about = "a block that rocks from corner to corner, faster and faster, until it stands"
     reference = "G. W. Housner, Bull. Seismological Society of America 53 (1963) 403-417"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(
+            ("periodic_orbit", "continue_orbit"), "Every rocking comes to rest, so that none is periodic."
+        )
+    )
 
     @property
     def period(self) -> float:
@@ -210,7 +216,7 @@ class RattlingGear(ZooModel):
     c: float = not_negative(0.0, 1.0, "N s/m", "c", "damping of the oil")
     A: float = positive(1.0, "m", "A", "amplitude of the flanks")
     Omega: float = positive(1.0, "rad/s", r"\Omega", "angular frequency of the flanks")
-    b: float = positive(2.0, "m", "b", "backlash")
+    b: float = positive(3.0, "m", "b", "backlash")
     impact: ImpactLaw = RestitutionImpact(e=0.6)
     coordinates = ("x",)
 
@@ -288,6 +294,12 @@ class NewtonsCradle(ZooModel):
 
     about = "one ball falls, one flies: impacts at one instant, in a sequence"
     reference = "F. Herrmann, M. Seitz, American J. Physics 50 (1982) 977-981"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "eigenvalues": "At rest the balls touch, at the border of all modes.",
+            **dict.fromkeys(("periodic_orbit", "continue_orbit"), AT_ONE_INSTANT),
+        }
+    )
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -307,7 +319,7 @@ class NewtonsCradle(ZooModel):
     def mechanism(self) -> Mechanism:
         """Balls in a row on strings."""
         places = [Point(0.4 * i, 0.0, right=name) for i, name in enumerate(self.coordinates)]
-        strings = [Spring(Point(at.x, 1.4), at) for at in places]
+        strings = [Wall(Point(at.x, 1.4), at) for at in places]
         beam = Wall((-0.4, 1.4), (0.4 * self.balls, 1.4))
         return Mechanism(beam, *strings, *(Block(at, 0.4, 0.4, disc=True) for at in places))
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import Any
+from types import MappingProxyType
+from typing import Any, ClassVar
 
-from frictionlab.components.friction import ExponentialDecay, FrictionLaw, Stribeck
-from frictionlab.components.functions import cos
+from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, Stribeck
+from frictionlab.components.functions import cos, sin
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import Block, Forces, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, not_negative, of_either_sign, positive
 
 
 @model
@@ -68,6 +69,9 @@ class WobblingDisc(ZooModel):
 
     about = "a disc that turns between pads: gyroscopic and circulating forces make it wobble"
     reference = "U. von Wagner, D. Hochlenert, P. Hagedorn, J. Sound and Vibration 302 (2007) 527-539"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(("steady_state", "periodic_orbit", "continue_orbit"), LINEAR)
+    )
 
     @property
     def period(self) -> float:
@@ -223,12 +227,83 @@ class FroudePendulum(ZooModel):
     def mechanism(self) -> Mechanism:
         """The bob on its string; it moves aside by its angle."""
         bob, pivot = Point(0.0, 0.0, right="theta"), Point(0.0, 1.2)
-        return Mechanism(
-            Block(pivot, 0.3, 0.3, disc=True), Spring(pivot, bob), Block(bob, 0.4, 0.4, disc=True)
-        )
+        return Mechanism(Block(pivot, 0.3, 0.3, disc=True), Wall(pivot, bob), Block(bob, 0.4, 0.4, disc=True))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One pendulum, one contact."""
         kinetic, weight = self.m * (self.l * v.theta) ** 2 / 2, self.m * self.g * self.l * (1 - cos(q.theta))
         rubbing = Friction(self.r * (self.Omega - v.theta), self.N, self.friction)
         return Mechanics(kinetic, weight, contacts=(rubbing,))
+
+
+@model
+class MotorAndCart(ZooModel):
+    """A motor whose pin drives a cart to and fro in a slot, as in a Scotch yoke; the cart rubs on its rails.
+
+        (J + m r^2 sin^2 a) a'' + m r^2 sin a cos a a'^2 + b a' = K i + r sin a F_T
+        L i' + R i + K a' = U
+
+    The cart is at r cos a.  Its inertia and its friction make the motor turn unevenly, and a weak motor
+    stops.  The system is of the kind of Lima and Sampaio; the numbers are this package's.
+
+    Parameters
+    ----------
+    J, m : float
+        Inertia of the motor (kg m^2) and mass of the cart (kg), above 0.
+    r : float
+        Radius of the pin, m.
+    b : float
+        Damping of the motor, N m s.
+    K, L, R : float
+        Constant of the motor (N m/A), inductance (H) and resistance (ohm).
+    U : float
+        Voltage, V.
+    N : float
+        Normal force of the cart, N.
+    friction : FrictionLaw
+
+    References
+    ----------
+    R. Lima, R. Sampaio, Nonlinear Dynamics 100 (2020) 2215-2224.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.simulate(fl.MotorAndCart(), 20.0).status.ok
+    True
+    """
+
+    J: float = positive(0.5, "kg m^2", "J", "inertia of the motor")
+    m: float = positive(1.0, "kg", "m", "mass of the cart")
+    r: float = positive(0.2, "m", "r", "radius of the pin")
+    b: float = not_negative(0.05, 1.0, "N m s", "b", "damping of the motor")
+    K: float = positive(0.3, "N m/A", "K", "constant of the motor")
+    L: float = positive(0.1, "H", "L", "inductance")
+    R: float = positive(1.0, "ohm", "R", "resistance")
+    U: float = of_either_sign(2.0, 10.0, "V", "U", "voltage")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force of the cart")
+    friction: FrictionLaw = Coulomb(mu_k=0.4, mu_s=0.6)
+    coordinates = ("a",)
+    states = ("i",)
+    cyclic = ("a",)
+    period = 4.0
+
+    about = "a motor that drives a cart with dry friction: it turns unevenly, or stops"
+    reference = "R. Lima, R. Sampaio, Nonlinear Dynamics 100 (2020) 2215-2224"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"eigenvalues": "The inertia changes with the angle, so that no steady rotation is an equilibrium."}
+    )
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The cart, which is drawn at the angle of the motor."""
+        cart = Point(0.0, 0.2, right="a")
+        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), Block(cart), Forces(cart))
+
+    def mechanics(self, q: Any, v: Any, s: Any) -> Mechanics:
+        """One turning inertia, one contact, one current."""
+        speed = -self.r * sin(q.a) * v.a
+        kinetic, dampers = (self.J * v.a**2 + self.m * speed**2) / 2, self.b * v.a**2 / 2
+        current = (self.U - self.R * s.i - self.K * v.a) / self.L
+        rubbing = Friction(-speed, self.N, self.friction)
+        return Mechanics(kinetic, 0, dampers, (rubbing,), {"a": self.K * s.i}, rates={"i": current})

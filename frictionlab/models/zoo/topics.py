@@ -5,19 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from .belt_oscillators import DoubleLayerPad, ExcitedBeltOscillator, OscillatorChain, PoppStelter
+from .belt_oscillators import (
+    BrakedOscillator,
+    DoubleLayerPad,
+    ExcitedBeltOscillator,
+    OscillatorChain,
+    PoppStelter,
+)
 from .bristles_and_states import JenkinsOscillator, LuGreOscillator, SpringSlider
 from .impacts import BallOnTable, NewtonsCradle, RattlingGear, RockingBlock
 from .mode_couplings import HultenOscillator
-from .rotating_systems import DrillString, FroudePendulum, WobblingDisc
+from .rotating_systems import DrillString, FroudePendulum, MotorAndCart, WobblingDisc
+from .structures_in_modes import BowedString, DiscAndPads, MassOnBeam
 from .zoo_model import ZooModel
 
 TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
     {
-        "oscillators on a belt": (PoppStelter, ExcitedBeltOscillator, OscillatorChain, DoubleLayerPad),
+        "oscillators on a belt": (
+            PoppStelter,
+            ExcitedBeltOscillator,
+            OscillatorChain,
+            DoubleLayerPad,
+            BrakedOscillator,
+        ),
         "mode coupling": (HultenOscillator,),
-        "rotating systems": (WobblingDisc, DrillString, FroudePendulum),
+        "rotating systems": (WobblingDisc, DrillString, FroudePendulum, MotorAndCart),
         "dynamic friction": (LuGreOscillator, SpringSlider, JenkinsOscillator),
         "impacts": (BallOnTable, RockingBlock, RattlingGear, NewtonsCradle),
+        "structures in modes": (BowedString, MassOnBeam, DiscAndPads),
     }
 )

@@ -11,6 +11,7 @@ from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
 NO_EQUILIBRIUM = "The force depends on time, so there is no equilibrium."
+LINEAR = "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic."
 
 
 class ZooModel(MechanicalModel):

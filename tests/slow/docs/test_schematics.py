@@ -41,6 +41,14 @@ def test_a_schematic_has_the_parts_of_the_model(name, tmp_path, extension):
     assert path.stat().st_mtime_ns == before
 
 
+def test_the_pages_of_the_zoo_have_a_schematic_of_every_system():
+    pages = (ROOT / "docs" / "zoo").glob("*.md")
+    text = "\n".join(page.read_text() for page in pages)
+    shown = re.findall(r"^```\{schematic\} (\w+)\(\)$", text, flags=re.MULTILINE)
+    zoo = {row.call.partition("(")[0] for row in fl.list_models() if row.topic != "classics"}
+    assert sorted(shown) == sorted(zoo)
+
+
 def test_every_page_of_a_model_has_its_schematic():
     shown = [
         re.findall(r"^```\{schematic\} (\w+)\(\)$", page.read_text(), flags=re.MULTILINE) for page in PAGES

@@ -171,3 +171,11 @@ def test_samples_do_not_matter():
     for name, work in few.works.items():
         assert work[-1] == pytest.approx(many.works[name][-1], abs=1e-11)
     assert few.error < 1e-13
+
+
+def test_impacts_at_one_instant_are_counted_at_one_sample():
+    """Between them is a step that the clock does not resolve, whose samples round to the second impact."""
+    run = fl.simulate(fl.NewtonsCradle(e=0.9), 10.0, progress=False)
+    audit = fl.energy_audit(run, progress=False)
+    assert audit.works["impacts"][-1] < -1e-3
+    assert audit.error < 1e-12

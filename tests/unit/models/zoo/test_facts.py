@@ -281,3 +281,134 @@ def test_the_last_ball_of_a_cradle_flies(balls, e):
     at = run.t > 0.26 * model.period
     reached = np.hypot(run.q[at, -1], run.v[at, -1])  # of a ball on its string, for g = l
     assert reached == pytest.approx(np.full(at.sum(), speed), rel=1e-9)
+
+
+# --- what depends on time, and structures in modes
+
+
+def until_events(phases, z, t_end, rtol=1e-12):
+    """Integrate by DOP853 through phases (rates, event function, next phase), from the first one on."""
+    t, now = 0.0, 0
+    while t < t_end:
+        rates, leaves, then = phases[now]
+
+        def leaving(t, z, leaves=leaves):
+            return leaves(t, z)
+
+        leaving.terminal, leaving.direction = True, -1
+        found = solve_ivp(rates, (t, t_end), z, "DOP853", events=leaving, rtol=rtol, atol=1e-13)
+        t, z, now = found.t[-1], found.y[:, -1], then
+    return z
+
+
+def test_a_belt_that_brakes_makes_the_motion_of_another_integrator():
+    model = fl.BrakedOscillator(v=1.0, t_b=60.0)
+    v, fall = model.v, (model.mu_s - model.mu_k) * model.N
+
+    def belt(t):
+        return v * (1 - t / 60.0)
+
+    def slip(t, z):
+        v_r = belt(t) - z[1]
+        return [z[1], model.mu_k * model.N + fall / (1 + v_r / model.v_s) - model.c * z[1] - model.k * z[0]]
+
+    def stick(t, z):
+        return [z[1], -v / 60.0]
+
+    def torn(t, z):
+        held = model.k * z[0] + model.c * z[1] - model.m * v / 60.0
+        return model.mu_s * model.N - held
+
+    phases = [(slip, lambda t, z: belt(t) - z[1], 1), (stick, torn, 0)]
+    exact = until_events(phases, [0.9, 0.0], 58.0)
+    run = fl.simulate(model, 58.0, x0=[0.9, 0.0], progress=False)
+    assert sum("stick" in name for name in run.events.target) > 3
+    assert run.final_state[:2] == pytest.approx(exact, abs=1e-8)
+
+
+def test_a_brake_loses_its_stability_where_time_is_frozen():
+    model = fl.BrakedOscillator()
+    critical = model.v_s * (math.sqrt((model.mu_s - model.mu_k) * model.N / (model.c * model.v_s)) - 1)
+    when = model.t_b * (1 - critical / model.v)
+    locus = fl.root_locus(model, "t", [when - 0.01, when + 0.01])
+    assert locus.values[0].real.max() < 0 < locus.values[1].real.max()
+
+
+def test_a_bowed_string_is_that_of_another_integrator():
+    model = fl.BowedString(modes=3)
+    i = np.arange(1, 4)
+    shape, d = np.sin(i * np.pi * model.beta), model.d * i**2
+
+    def free(z):
+        return -d * z[3:] - (i * np.pi) ** 2 * z[:3]
+
+    def slip(t, z):
+        v_r = model.v - shape @ z[3:]
+        friction = (0.3 + 0.5 / (1 + v_r / model.v_s)) * model.N
+        return np.concatenate([z[3:], free(z) + 2 / model.m * friction * shape])
+
+    def held(z):
+        return -(shape @ free(z)) * model.m / 2 / (shape @ shape)
+
+    def stick(t, z):
+        return np.concatenate([z[3:], free(z) + 2 / model.m * held(z) * shape])
+
+    phases = [
+        (slip, lambda t, z: model.v - shape @ z[3:], 1),
+        (stick, lambda t, z: 0.8 * model.N - held(z), 0),
+    ]
+    exact = until_events(phases, np.zeros(6), 8.0)
+    run = fl.simulate(model, 8.0, x0=np.zeros(6), progress=False)
+    assert run.events.target.tolist().count("stick") > 2
+    assert run.final_state == pytest.approx(exact, abs=1e-8)
+
+
+def test_a_mass_on_a_beam_moves_as_by_another_integrator():
+    """With the convective terms of its acceleration, written by hand."""
+    model = fl.MassOnBeam(d=0.4)
+    i = np.arange(1, 4)
+    a, half = i * np.pi * model.v, model.m_b / 2
+
+    def rates(t, z):
+        q, u = z[:3], z[3:]
+        s, c = np.sin(a * t), np.cos(a * t)
+        travel = 2 * (a * c) @ u - (a**2 * s) @ q
+        M = half * np.eye(3) + model.m * np.outer(s, s)
+        forces = -half * (0.4 * u + i**4 * model.w**2 * q) - model.m * s * (model.g + travel)
+        return np.concatenate([u, np.linalg.solve(M, forces)])
+
+    exact = solve_ivp(rates, (0.0, 0.6), np.zeros(6), "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    run = fl.simulate(model, 0.6, progress=False)
+    assert run.mode[-1] == "contact"
+    assert run.final_state[[1, 2, 3, 5, 6, 7]] == pytest.approx(exact, abs=1e-8)
+
+
+@pytest.mark.parametrize(("diameters", "theta"), [(3, 0.25), (2, 0.35)])
+def test_pads_separate_and_couple_the_modes_of_a_disc(diameters, theta):
+    model = fl.DiscAndPads(c=0.0, diameters=diameters, theta=theta, h=0.04)
+    exact = 2 * 0.13 / (diameters * 0.04) * abs(1 / math.tan(2 * diameters * theta))
+    assert fl.critical_value(model, "mu", bounds=(0.0, 3.0)) == pytest.approx(exact, rel=1e-9)
+
+
+def test_a_motor_and_its_cart_are_those_of_another_integrator():
+    """While the motor turns on, the cart's friction changes its sign with sin(a)."""
+    model = fl.MotorAndCart(U=3.0)
+
+    def rates(t, z):
+        a, u, current = z
+        s, c = math.sin(a), math.cos(a)
+        friction = -model.r * abs(s) * model.mu_k * model.N
+        forces = model.K * current - model.b * u - model.m * model.r**2 * s * c * u**2 + friction
+        return [u, forces / (model.J + model.m * (model.r * s) ** 2), (3.0 - current - 0.3 * u) / 0.1]
+
+    z, t = np.array([0.3, 4.0, 1.0]), 0.0
+    for turn in range(1, 4):  # to each dead centre, where the right-hand side has a kink
+
+        def dead(t, z, turn=turn):
+            return turn * math.pi - z[0]
+
+        dead.terminal = True
+        found = solve_ivp(rates, (t, t + 10.0), z, "DOP853", events=dead, rtol=1e-12, atol=1e-13)
+        t, z = found.t[-1], found.y[:, -1]
+    run = fl.simulate(model, t, x0={"a": 0.3, "a'": 4.0, "i": 1.0}, progress=False)
+    assert run.final_state == pytest.approx(z, abs=1e-8)

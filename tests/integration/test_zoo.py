@@ -1,0 +1,152 @@
+"""Every system of the zoo goes through every analysis, or says in a sentence why not."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from frictionlab.models.zoo.topics import TOPICS
+from tests.helpers.cases import slow_but
+
+CLASSES = [cls for classes in TOPICS.values() for cls in classes]
+FAST = fl.PoppStelter, fl.BallOnTable, fl.DrillString
+VARIED = ("v", "Omega", "U", "mu", "e", "F")
+NOT_PHYSICS = ("mechanism", "about", "reference", "not_applicable", "period", "release")
+MEDIAN_LINES = 12
+
+
+@pytest.fixture(params=slow_but(FAST, CLASSES), ids=lambda cls: cls.__name__)
+def model(request):
+    return request.param()
+
+
+def settled(model):
+    return fl.simulate(model, 100 * model.period, progress=False)
+
+
+def varied(model):
+    return next(name for name in VARIED if name in model.parameters)
+
+
+def steady_state(model, tmp_path):
+    found = fl.steady_state(model, transient=150 * model.period, window=30 * model.period, progress=False)
+    assert found.kind in ("equilibrium", "periodic", "non-periodic")
+
+
+def periodic_orbit(model, tmp_path):
+    orbit = fl.periodic_orbit(model, settled(model))
+    assert orbit.period > 0
+    assert np.isfinite(orbit.multipliers).all()
+
+
+def continue_orbit(model, tmp_path):
+    name = varied(model)
+    value = model.parameters[name]
+    orbit = fl.periodic_orbit(model, settled(model))
+    branch = fl.continue_orbit(orbit, name, (value, 1.01 * value), max_points=2, progress=False)
+    assert len(branch.values) > 1
+
+
+def bifurcation(model, tmp_path):
+    name = varied(model)
+    values = np.array([0.98, 1.0]) * model.parameters[name]
+    times = {"transient": 20 * model.period, "window": 10 * model.period}
+    found = fl.bifurcation(model, name, values, progress=False, **times)
+    assert "ended early" not in found.kinds
+
+
+def eigenvalues(model, tmp_path):
+    assert np.isfinite(fl.eigenvalues(model).values).all()
+
+
+def ablation(model, tmp_path):
+    found = fl.ablation(model, lambda m: len(m.automaton().names), progress=False)
+    assert len(found.results) == 2 ** len(model.nonlinearities)
+
+
+def energy_audit(model, tmp_path):
+    run = fl.simulate(model, 10 * model.period, progress=False)
+    assert fl.energy_audit(run, progress=False).error < 1e-10
+
+
+def simulate(model, tmp_path):
+    run = fl.testing.check_model(model, t_end=4 * model.period)
+    assert run.status.ok
+
+
+def animate(model, tmp_path):
+    run = fl.simulate(model, 3 * model.period, progress=False)
+    assert len(fl.watch(run).rows) > 0
+    assert fl.animate(run, fps=1).to_jshtml().count("data:image/png") > 1
+
+
+def explore(model, tmp_path):
+    explorer = fl.explore(model)
+    assert explorer.error is None
+    explorer.close()
+
+
+def export_page(model, tmp_path):
+    path = tmp_path / "page.html"
+    fl.export_page(model, path)
+    assert type(model).__name__ in path.read_text(encoding="utf-8")
+
+
+ANALYSES = (
+    simulate,
+    eigenvalues,
+    steady_state,
+    periodic_orbit,
+    continue_orbit,
+    bifurcation,
+    ablation,
+    energy_audit,
+    animate,
+    explore,
+    export_page,
+)
+FAST_ANALYSES = simulate, eigenvalues, energy_audit, ablation
+
+
+@pytest.mark.parametrize("analysis", slow_but(FAST_ANALYSES, ANALYSES), ids=lambda one: one.__name__)
+def test_it_takes_every_analysis_or_says_why_not(model, analysis, tmp_path):
+    if why := model.not_applicable.get(analysis.__name__):
+        assert why[0].isupper()
+        assert why[-1] == "."
+        with pytest.raises((ValueError, AssertionError)):  # a sentence that is no longer true is taken out
+            analysis(model, tmp_path)
+    else:
+        analysis(model, tmp_path)
+
+
+def test_reasons_are_of_analyses_that_there_are():
+    names = {one.__name__ for one in ANALYSES}
+    for cls in CLASSES:
+        assert set(cls.not_applicable) <= names
+        assert cls.about
+        assert cls.reference
+        assert cls.mechanism is not None
+
+
+def lines_of_physics(cls):
+    """Lines of the fields, the names of coordinates and states, and the body of `mechanics`."""
+    head, mechanics = 0, cls.__dict__["mechanics"]
+    for name in (*cls.__annotations__, "coordinates", "states", "cyclic"):
+        head += (
+            name in cls.__dict__ and name not in NOT_PHYSICS and not isinstance(cls.__dict__[name], property)
+        )
+    return head + len(inspect.getsource(mechanics).splitlines()) - 2  # def and docstring
+
+
+def test_a_system_is_said_in_a_few_lines():
+    assert np.median([lines_of_physics(cls) for cls in CLASSES]) <= MEDIAN_LINES
+
+
+def test_topics_are_listed():
+    table = fl.list_models()
+    assert table.topics == ("classics", *TOPICS)
+    for topic, classes in TOPICS.items():
+        assert [row.call for row in fl.list_models(topic)] == [f"{cls.__name__}()" for cls in classes]
+    with pytest.raises(ValueError, match=r"topic must be one of 'classics', .*: did you mean 'impacts'"):
+        fl.list_models("impact")
