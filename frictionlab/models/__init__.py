@@ -19,7 +19,9 @@
 ``mechanical``
     From energies and contacts to an automaton.
 ``library``
-    The models of the package.
+    The classics, and the table of all models.
+``zoo``
+    The systems of the literature, loaded when they are asked for.
 ``mechanism``
     The parts of a model's picture, as data.
 ``equations``, ``lagrange_equations``
