@@ -19,9 +19,9 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components.component import Parameter
 from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
-from frictionlab.hybrid.kernels.run_state import new_record, new_run_state, new_scratch
+from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
-from frictionlab.hybrid.methods.taylor import Taylor, is_affine
+from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import symbolic_copy
@@ -113,14 +113,17 @@ def _colours(program: Program, modes: Sequence[Mode]) -> list[str]:
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     """The arrays and numbers that the kernels take for a run, each with its name there."""
-    code, n = program.code, program.code.inputs
-    run = new_run_state(np.zeros(n), 0, 1.0, 0.0, method.raises)
+    code = program.code
+    run = new_run_state(code.inputs, code.sections.shape[1])
+    begin_run(run, np.zeros(code.inputs), 0, 1.0, 0.0, method.raises)
     leaves: list[tuple[str, Any]] = []
     _collect("code", code, leaves)
-    _collect("run", run._replace(signs=np.zeros(code.sections.shape[1], dtype=np.int64)), leaves)
+    _collect("run", run, leaves)
     _collect("record", new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0), leaves)
     _collect("scratch", new_scratch(program.slots, code, method.degree), leaves)
     _collect("candidates", program.initial, leaves)
+    if is_affine(program):
+        _collect("change", new_affine_map(code), leaves)
     return [_array(name, value) for name, value in leaves]
 
 

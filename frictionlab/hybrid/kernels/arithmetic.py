@@ -46,6 +46,14 @@ def _plain_sum_of_magnitudes(J, slot, groups, last, s):
     return _plain_sum(abs(J[slot : slot + 1]), 0, groups, last, s)
 
 
+def _plain_change(matrix, shift, z, first, new):
+    for i in range(first, first + PARTS):
+        change = shift[i]
+        for j in range(len(z)):
+            change += matrix[j, i] * z[j]
+        new[i] = z[i] + change
+
+
 def _plain_correction(x, coefficients):
     total = coefficients[-1]
     for c in coefficients[-2::-1]:
@@ -103,6 +111,21 @@ def sum_by_fours(ir: Any, build: Any, row: Any, groups: Any, last: Any, s: Any, 
     return build.fmul(total, s)
 
 
+def change_of_four(ir: Any, build: Any, matrix: Any, shift: Any, z: Any, length: Any, first: Any) -> Any:
+    """Instructions of :func:`add_change`, for arrays by the addresses of their data; returns the vector."""
+    kind = ir.VectorType(ir.DoubleType(), PARTS)
+
+    def four(place: Any) -> Any:
+        return build.load(build.bitcast(build.gep(place, [first]), kind.as_pointer()), align=8)
+
+    def add_row(j: Any, carried: list[Any]) -> list[Any]:
+        row, factor = four(build.gep(matrix, [build.mul(j, length)])), build.load(build.gep(z, [j]))
+        return [build.fadd(carried[0], build.fmul(row, spread(ir, build, factor)))]
+
+    (change,) = write_loop(build, length, [four(shift)], add_row)
+    return build.fadd(four(z), change)
+
+
 def spread(ir: Any, build: Any, number: Any) -> Any:
     """A number as a vector of four."""
     vector = ir.Constant(ir.VectorType(ir.DoubleType(), PARTS), ir.Undefined)
@@ -149,7 +172,27 @@ def _intrinsics() -> tuple[Any, ...]:
     def series_of_magnitudes(context, builder, signature, arguments):
         return series(context, builder, signature, arguments, lambda four: magnitudes(ir, builder, four))
 
+    def change(context, builder, signature, arguments):
+        kinds = *signature.args[:3], signature.args[4]
+        arrays = *arguments[:3], arguments[4]
+        matrix, shift, z, new = (
+            context.make_array(kind)(context, builder, array) for kind, array in zip(kinds, arrays)
+        )
+        length, first = builder.extract_value(z.shape, 0), arguments[3]
+        four = change_of_four(ir, builder, matrix.data, shift.data, z.data, length, first)
+        place = builder.bitcast(builder.gep(new.data, [first]), four.type.as_pointer())
+        builder.store(four, place, align=8)
+        return context.get_dummy_value()
+
     number, whole = types.float64, types.int64
+
+    @intrinsic
+    def add_change(typing_context, matrix, shift, z, first, new):
+        """Write four elements of z + (shift + matrix^T z) into `new`, from element `first` on.
+
+        The matrix is square, and all are contiguous.
+        """
+        return types.void(matrix, shift, z, whole, new), change
 
     @intrinsic
     def sum_of_series(typing_context, J, slot, groups, last, s):
@@ -175,10 +218,11 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    return call, call_step, sum_of_series, sum_of_magnitudes, *of_one
+    return call, call_step, sum_of_series, sum_of_magnitudes, add_change, *of_one
 
 
-_PLAIN = _plain_call, _plain_call, _plain_sum, _plain_sum_of_magnitudes, _plain_log2, _plain_exp2
-call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, log2, exp2 = (
+_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change
+_PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_log2, _plain_exp2
+call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, log2, exp2 = (
     _PLAIN if NUMBA is None else _intrinsics()
 )

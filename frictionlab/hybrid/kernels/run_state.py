@@ -129,15 +129,8 @@ class Record(NamedTuple):
     point_states: np.ndarray
 
 
-def new_run_state(state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool) -> RunState:
-    """A run at time 0 in `mode`, whose jets have been computed; without sections."""
-    run = empty_run_state(len(state), 0)
-    begin_run(run, state, mode, t_end, chatter, raises)
-    return run
-
-
-def empty_run_state(states: int, sections: int) -> RunState:
-    """Arrays for a run with so many states and sections, to be filled by :func:`begin_run`."""
+def new_run_state(states: int, sections: int) -> RunState:
+    """Empty arrays for a run with so many states and sections, to be filled by :func:`begin_run`."""
     counts, signs = np.zeros(COUNTS, dtype=np.int64), np.zeros(sections, dtype=np.int64)
     return RunState(np.zeros(states), np.zeros(states), np.zeros(CARRY + 1), counts, signs)
 

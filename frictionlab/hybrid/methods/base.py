@@ -34,9 +34,9 @@ from frictionlab.hybrid.kernels.mode_selection import (
 from frictionlab.hybrid.kernels.run_state import (
     CombinationQueue,
     begin_run,
-    empty_run_state,
     new_queue,
     new_record,
+    new_run_state,
     new_scratch,
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
@@ -289,7 +289,7 @@ class Method(ABC):
 
     def _begin(self, problem: Problem) -> ActiveRun:
         sizes = _state_sizes(problem.program.code)
-        cursor = SPARE_STATES.take(sizes, lambda: empty_run_state(*sizes))
+        cursor = SPARE_STATES.take(sizes, lambda: new_run_state(*sizes))
         begin_run(cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         run = self._prepare(problem, cursor)
         mode, missing = initial_mode(run, self.degree)

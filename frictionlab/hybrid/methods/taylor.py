@@ -19,7 +19,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import run_state, taylor_steps
-from frictionlab.hybrid.kernels.arithmetic import PARTS
+from frictionlab.hybrid.kernels.arithmetic import PARTS, add_change
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import MAX_ORDER, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.run_state import (
@@ -34,22 +34,27 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
-from frictionlab.hybrid.methods.base import ActiveRun, Method
+from frictionlab.hybrid.methods.base import ActiveRun, Method, SpareArrays
 from frictionlab.tape.functions import AFFINE
-from frictionlab.tape.program import Numbers, Program
+from frictionlab.tape.program import Code, Numbers, Program
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
+DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
 
-class AffineMap(NamedTuple):
-    """z(t + h) = z(t) + matrix^T z(t) + shift, and the numbers that it is computed from."""
+SPARE_MAPS = SpareArrays()
 
-    matrix: np.ndarray  # (states, states), row i: by how much state i before changes each state
-    shift: np.ndarray  # (states,)
-    linear: Numbers  # the numbers without constants
+
+class AffineMap(NamedTuple):
+    """Maps of 1, 2, 4 ... steps, z(t + 2^k h) = z(t) + matrix[k]^T z(t) + shift[k], and scratch arrays."""
+
+    matrix: np.ndarray  # (maps, states, states), row i: by how much state i before changes each state
+    shift: np.ndarray  # (maps, states)
+    rows: np.ndarray  # (2^(maps - 1) + 1, states) states at the starts of a block of steps, and at its end
+    zeros: np.ndarray  # (operations,) the constants of the tape that is without them
 
 
 @lru_cache(maxsize=64)
@@ -61,10 +66,15 @@ def is_affine(program: Program) -> bool:
     return plain and len(program.modes) == 1 and not program.guards and not asked
 
 
-def new_affine_map(numbers: Numbers, states: int) -> AffineMap:
-    """An empty map for a program with these numbers."""
-    linear = Numbers(np.zeros_like(numbers.constants), numbers.terms)
-    return AffineMap(np.empty((states, states)), np.empty(states), linear)
+def new_affine_map(code: Code) -> AffineMap:
+    """Empty arrays for the maps of a program.
+
+    A map's square takes as long as a step for each state, so many states have the map of one step only.
+    """
+    n = code.inputs
+    maps = 1 + (DOUBLINGS if n <= MOST_DOUBLED_STATES else 0)
+    rows = np.zeros((2 ** (maps - 1) + 1, n))
+    return AffineMap(np.zeros((maps, n, n)), np.zeros((maps, n)), rows, np.zeros(len(code.ops)))
 
 
 @inlined
@@ -102,22 +112,36 @@ def fill_affine_map(system, truncation, change, z, scratch):
     fast motions have decayed, and where a number of the map is not finite.
     """
     code, order, start, J = system.code, truncation.order, scratch.states, scratch.jets
+    linear = Numbers(change.zeros, system.numbers.terms)
     h = math.inf
     for i in range(code.inputs):
         select_unit_state(i, start)
-        h = min(h, step_from(code, change.linear, truncation, start, J))
+        h = min(h, step_from(code, linear, truncation, start, J))
     if h < MIN_STEP_SHARE * step_from(code, system.numbers, truncation, z, J):
         return 0.0
     select_unit_state(-1, start)
     mode_jets(code, system.numbers, 0, order, start, J)
-    change_in_step(J, order, h, change.shift)
-    size = largest_magnitude(change.shift)
+    change_in_step(J, order, h, change.shift[0])
+    size = largest_magnitude(change.shift[0])
     for i in range(code.inputs):
         select_unit_state(i, start)
-        mode_jets(code, change.linear, 0, order, start, J)
-        change_in_step(J, order, h, change.matrix[i])
-        size = max(size, largest_magnitude(change.matrix[i]))
-    return h if size < math.inf else 0.0
+        mode_jets(code, linear, 0, order, start, J)
+        change_in_step(J, order, h, change.matrix[0, i])
+        size = max(size, largest_magnitude(change.matrix[0, i]))
+    if not size < math.inf:
+        return 0.0
+    for k in range(1, change.matrix.shape[0]):
+        double_map(change, k)
+    return h
+
+
+@inlined
+def double_map(change, k):
+    """Compute map number `k`: the one of half as many steps is applied to its own shift and rows."""
+    before, shift = change.matrix[k - 1], change.shift[k - 1]
+    apply_map(before, shift, shift, change.shift[k])
+    for i in range(shift.shape[0]):
+        apply_map(before, before[i], before[i], change.matrix[k, i])
 
 
 @inlined
@@ -130,51 +154,60 @@ def largest_magnitude(z):
 
 
 @inlined
-def apply_affine_map(change, z, new):
-    """Apply the map to the state `z`; `new` is scratch.
-
-    Four independent sums are computed at a time, which stay in registers.
-    """
-    matrix, shift, n = change.matrix, change.shift, z.shape[0]
+def apply_map(matrix, shift, z, new):
+    """Write z + (shift + matrix^T z) into `new`.  The change is summed first, so that z is rounded once."""
+    n = z.shape[0]
     fours = n - n % PARTS
-    for i in range(0, fours, PARTS):
-        a, b, c, d = shift[i], shift[i + 1], shift[i + 2], shift[i + 3]
-        for j in range(n):
-            row, x = matrix[j], z[j]
-            a += row[i] * x
-            b += row[i + 1] * x
-            c += row[i + 2] * x
-            d += row[i + 3] * x
-        new[i], new[i + 1], new[i + 2], new[i + 3] = a, b, c, d
+    for first in range(0, fours, PARTS):
+        add_change(matrix, shift, z, first, new)
     for i in range(fours, n):
-        total = shift[i]
+        change = shift[i]
         for j in range(n):
-            total += matrix[j, i] * z[j]
-        new[i] = total
-    for i in range(n):
-        z[i] += new[i]
+            change += matrix[j, i] * z[j]
+        new[i] = z[i] + change
+
+
+@inlined
+def map_block(change):
+    """Compute the states of a block of steps from the first one.
+
+    Each is one map away from another; few depend on one another, so that a processor computes many at once.
+    """
+    rows, last = change.rows, change.matrix.shape[0] - 1
+    apply_map(change.matrix[last], change.shift[last], rows[0], rows[1 << last])
+    for k in range(last):
+        half = 1 << k
+        for i in range(half):
+            apply_map(change.matrix[k], change.shift[k], rows[i], rows[half + i])
 
 
 @kernel
 def advance_affine(system, truncation, change, run, record, scratch):
     """Run until the end or until a buffer is full (RUNNING); the rest at the end by Taylor steps."""
-    z, times, counts = run.state, run.times, run.counts
+    z, times, counts, rows = run.state, run.times, run.counts, change.rows
     h = fill_affine_map(system, truncation, change, z, scratch)
     counts[JETS_READY] = 0  # the jets at hand have been overwritten
     left = remaining_time(times)
     while 0.0 < h < left and largest_magnitude(z) < AFFINE_STATE_LIMIT:
-        row = counts[STEPS]
-        if row == record.step_modes.shape[0]:
+        room = record.step_modes.shape[0] - counts[STEPS]
+        if room == 0:
             return RUNNING
-        record.step_times[row, 0] = times[NOW]
-        record.step_times[row, 1] = h
-        record.step_modes[row] = 0
-        copy_vector(z, record.step_states[row])
-        counts[STEPS] += 1
-        apply_affine_map(change, z, scratch.states)
-        if not advance_clock(times, h, left):
+        copy_vector(z, rows[0])
+        map_block(change)
+        steps, moves = 0, True
+        while steps < min(room, rows.shape[0] - 1) and h < left and moves:
+            row = counts[STEPS]
+            record.step_times[row, 0] = times[NOW]
+            record.step_times[row, 1] = h
+            record.step_modes[row] = 0
+            copy_vector(rows[steps], record.step_states[row])
+            counts[STEPS] += 1
+            steps += 1
+            moves = advance_clock(times, h, left)
+            left = remaining_time(times)
+        copy_vector(rows[steps], z)
+        if not moves:
             return STALLED
-        left = remaining_time(times)
     return advance_taylor(system, truncation, run, record, scratch)
 
 
@@ -253,8 +286,12 @@ class Taylor(Method):
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        truncation, arrays = Truncation(self.degree, self.tol), (run.cursor, record, run.scratch)
-        if is_affine(run.problem.program):
-            change = new_affine_map(run.system.numbers, len(run.cursor.state))
-            return advance_affine(run.system, truncation, change, *arrays)
-        return taylor_steps.advance_taylor(run.system, truncation, *arrays)
+        truncation = Truncation(self.degree, self.tol)
+        arrays = run.cursor, record, run.scratch
+        if not is_affine(run.problem.program):
+            return taylor_steps.advance_taylor(run.system, truncation, *arrays)
+        sizes = run.system.code.inputs, len(run.system.code.ops)
+        change = SPARE_MAPS.take(sizes, lambda: new_affine_map(run.system.code))
+        end = advance_affine(run.system, truncation, change, *arrays)
+        SPARE_MAPS.give(sizes, change)
+        return end

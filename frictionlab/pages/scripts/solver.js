@@ -105,9 +105,7 @@ class Solver {
       if (a.name === "code.ops") numbers.constants = a.shape[0];
       if (a.name === "code.term_slots") numbers.terms = a.shape[0];
     }
-    for (const set of ["numbers", "magnitudes", "linear"]) for (const [part, length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
-    this.array("matrix", "f8", [n, n]);
-    this.array("shift", "f8", [n]);
+    for (const set of ["numbers", "magnitudes"]) for (const [part, length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
     this.array("which", "i8", [SAMPLES]);
     this.array("times", "f8", [SAMPLES]);
     this.array("out", "f8", [SAMPLES, n]);
@@ -136,7 +134,6 @@ class Solver {
     for (const [part, list] of [["constants", constants], ["terms", terms]]) {
       arrays[`numbers.${part}`].view.set(list);
       arrays[`magnitudes.${part}`].view.set(list.map(Math.abs));
-      arrays[`linear.${part}`].view.set(part === "terms" ? list : list.map(() => 0));
     }
     for (const a of structure.arrays) {
       if (a.shape && (a.name.startsWith("run.") || a.name.startsWith("scratch."))) { arrays[a.name].view.fill(KINDS[a.type] === BigInt64Array ? 0n : 0); if (a.data) this.write(a); }
@@ -156,10 +153,7 @@ class Solver {
   }
 
   advance(record) {
-    if (!this.structure.affine) return Number(this.call("advance_taylor", record).integers[0]);
-    const { arrays } = this, { matrix, shift } = arrays; // for the affine map of a step whose length suits every state
-    const change = { "change.matrix": matrix, "change.shift": shift, "change.linear.constants": arrays["linear.constants"], "change.linear.terms": arrays["linear.terms"] };
-    return Number(this.call("advance_affine", { ...record, ...change }).integers[0]);
+    return Number(this.call(this.structure.affine ? "advance_affine" : "advance_taylor", record).integers[0]);
   }
 
   record(steps, events) { // the parts of the arrays behind what has been recorded

@@ -12,7 +12,14 @@ from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REGULAR
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
-from frictionlab.hybrid.kernels.run_state import END, Truncation, new_record, new_run_state, new_scratch
+from frictionlab.hybrid.kernels.run_state import (
+    END,
+    Truncation,
+    begin_run,
+    new_record,
+    new_run_state,
+    new_scratch,
+)
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.hybrid.problem import Problem
@@ -58,7 +65,8 @@ def with_step(automaton):
 
 def alone(program, numbers, code, method, state):
     """Length and end of a run's step, and the length that its last terms suggest."""
-    cursor = new_run_state(state, 0, 1e3, 0.0, False)
+    cursor = new_run_state(len(state), 0)
+    begin_run(cursor, state, 0, 1e3, 0.0, False)
     cursor.counts[:] = 0  # jets are not at hand
     record, work = new_record(program.code, 1, 2, 0), new_scratch(program.slots, program.code, method.degree)
     truncation = Truncation(method.degree, method.tol)
