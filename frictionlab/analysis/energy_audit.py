@@ -23,7 +23,12 @@ from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE, material_rate
+from frictionlab.models.mechanical.contact_regimes import (
+    APART,
+    CHATTER_MODE,
+    material_rate,
+    rubbing_direction,
+)
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
@@ -58,7 +63,7 @@ class ContactTerms:
     place : int
         Index of this contact's regime among those in a mode's name.
     speed : callable or None
-        Speed of the belt (m/s) as a function of states and parameters; None for a stop.
+        Speed of the belt (m/s) as a function of states and parameters; None without friction.
     approach : callable or None
         Material penetration rate (m/s), -W_N . q' plus `moved`; None where the contact cannot be lost.
     moved : callable or None
@@ -66,7 +71,8 @@ class ContactTerms:
     gap : callable or None
         The gap (m), of contacts that move with time.
     directions : tuple of callable
-        The entries of W_N and, of a contact with friction, then those of W; for contacts that move with time.
+        The entries of W_N and, of a contact with friction, then those of W_T; for contacts that
+        move with time.
     travel : callable or None
         Full less material penetration rate (m/s), with which F_N does work beyond that of the contact's
         spring; None where it is zero by construction.
@@ -75,6 +81,8 @@ class ContactTerms:
         parameters.
     borders : tuple of callable
         The penetrations (m) at which a law in pieces changes, as functions of the parameters.
+    normal : str
+        The output that is its normal force.
     """
 
     number: str
@@ -88,6 +96,7 @@ class ContactTerms:
     penetration: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
     borders: tuple[Callable[..., Any], ...] = ()
+    normal: str = "normal_force"
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,8 +224,7 @@ class Balance:
     def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
         """Names and powers (W) of a contact."""
         if contact.moved is not None:
-            name = ("reaction" if contact.speed is None else "normal_force") + contact.number
-            pushed = self._output(name, states, modes)
+            pushed = self._output(contact.normal + contact.number, states, modes)
             yield "moving contacts", pushed * self._at(contact.moved, states)
         if contact.speed is None:
             return
@@ -303,6 +311,8 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
             )
         else:
             forces += [("reaction" + of, system.direction(contact))]
+            if contact.rubs:
+                forces += [("friction_force" + of, rubbing_direction(system, contact))]
     shares = ((name, _dot(momenta, system.accelerations(list(along)))) for name, along in forces)
     return MovedMasses(
         compiled(energy), compiled(power), tuple((name, compiled(one)) for name, one in shares)
@@ -322,7 +332,9 @@ def _powers(system: LagrangeSystem) -> dict[str, Any]:
 def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: StructureKey) -> ContactTerms:
     contact, numbered = system.mechanics.contacts[i], contact_suffix(system, i)
     if not isinstance(contact, Friction):
-        return replace(ContactTerms(numbered, i), **_motion_in_time(system, contact, compiled))
+        belt = compiled(system.at_rest(contact.relative_velocity)) if contact.rubs else None
+        terms = ContactTerms(numbered, i, belt, normal="reaction")
+        return replace(terms, **_motion_in_time(system, contact, compiled))
     terms = ContactTerms(numbered, i, compiled(system.at_rest(contact.relative_velocity)))
     if contact.penetration is None:
         return terms
@@ -357,7 +369,10 @@ def _motion_in_time(
     if isinstance(contact, Friction):
         directions = [*system.normal(contact), *system.direction(contact)]
     else:
-        directions = [*system.direction(contact)]
+        directions = [
+            *system.direction(contact),
+            *(rubbing_direction(system, contact) if contact.rubs else ()),
+        ]
     if not system.clocks:
         return {}
     return {
@@ -489,6 +504,10 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
 
 def _balance(run: Trajectory) -> Balance:
     check_run(run)
+    if not run.raw.t > 0.0:
+        raise ValueError(
+            f"run must have a step, got one that ended at once ({run.status}): choose another initial state"
+        )
     if not isinstance(run.source, MechanicalModel):
         source = run.automaton if run.source is None else run.source
         of = (HybridAutomaton if isinstance(source, HybridAutomaton) else type(source)).__name__

@@ -28,8 +28,8 @@ from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
 from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
-OF_FRICTION = {*RUBBING, "slip", *APART, CHATTER_MODE}
-OF_STOPS = {"flight", "contact"}
+OF_CONTACTS = {*RUBBING, "slip", *APART, CHATTER_MODE, "flight", "contact"}
+CLOSED_REGIMES = [*RUBBING, "slip", "contact"]
 LEAST_TOLERANCE = 1e-6  # share of the forces in an equation by which differences may miss it
 PLACES_PER_MODE, LONGEST_STEPS = 12, 4
 MOST_COORDINATES = 12  # of models with more, contacts and energies alone are judged
@@ -231,11 +231,7 @@ class _StatementCheck:
     def _knows_modes(self) -> bool:
         """Whether the visited modes are named by regimes of the contacts."""
         return all(
-            len(self.regimes[mode]) == len(self.stated.contacts)
-            and all(
-                word in (OF_STOPS if c.speed is None else OF_FRICTION)
-                for word, c in zip(self.regimes[mode], self.stated.contacts, strict=True)
-            )
+            len(self.regimes[mode]) == len(self.stated.contacts) and {*self.regimes[mode]} <= OF_CONTACTS
             for mode in np.unique(self.run.raw.step_modes)
         )
 
@@ -269,7 +265,8 @@ class _StatementCheck:
             gap = self._share(contact.gap)
             in_flight = (regimes == "separation") | (regimes == "flight")
             yield "bodies overlap in flight", np.where(in_flight, -gap, 0.0)
-            yield "a closed contact is open", np.where(regimes == "contact", np.abs(gap), 0.0)
+            closed = np.isin(regimes, CLOSED_REGIMES) & contact.rigid
+            yield "a closed contact is open", np.where(closed, np.abs(gap), 0.0)
         if contact.pressing is not None and self._separates(contact):
             force, rubs = self._share(contact.pressing), np.isin(regimes, [*RUBBING, "slip"])
             yield "the normal force pulls", np.where(rubs, -force, 0.0)
@@ -316,8 +313,8 @@ class _StatementCheck:
                 )
         return ""
 
-    def _forces(self, places: Places, resting: float = RESTING) -> Forces:
-        """The forces of all contacts, given or holding, at places."""
+    def _forces(self, places: Places, slack: float = 0.0) -> Forces:
+        """The forces of all contacts, given or holding, at places, with a share less of static friction."""
         shape = len(places.t), self.stated.n
         given, sizes = np.zeros(shape), np.zeros(shape)
         columns, least, most = [], [], []
@@ -329,6 +326,12 @@ class _StatementCheck:
                 least.append(np.zeros(len(regimes)))
                 most.append(np.where(regimes == "contact", np.inf, 0.0))
                 continue
+            if contact.rigid:
+                for edge, closed in self._cone(contact, regimes, normal, places, slack):
+                    columns.append(edge)
+                    least.append(np.zeros(len(regimes)))
+                    most.append(np.where(closed, np.inf, 0.0))
+                continue
             at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
             open_contact = np.isin(regimes, [*APART, CHATTER_MODE])
             pressing = np.where(open_contact, 0.0, at(contact.pressing, places.states))
@@ -336,7 +339,7 @@ class _StatementCheck:
             still = (
                 (regimes != "slip")
                 & (contact.limit is not None)
-                & (np.abs(speed) <= resting * self._speed_size(contact, along))
+                & (np.abs(speed) <= RESTING * self._speed_size(contact, along))
                 & ~open_contact
             )
             known = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
@@ -350,13 +353,33 @@ class _StatementCheck:
                 sizes += np.abs(force[:, None] * direction)
             limit = 0.0 * speed
             if contact.limit is not None:
-                limit = np.where(still, np.maximum(at(contact.limit, places.states), 0.0), 0.0)
+                limit = np.where(
+                    still, (1.0 - slack) * np.maximum(at(contact.limit, places.states), 0.0), 0.0
+                )
             columns += [along, normal]
             least += [-limit, 0.0 * limit]
             most += [limit, np.where(regimes == CHATTER_MODE, np.inf, 0.0)]
         if not columns:
             return Forces(given, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
         return Forces(given, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
+
+    def _cone(
+        self, contact: StatedContact, regimes: Array, normal: Array, places: Places, slack: float
+    ) -> list[tuple[Array, Array]]:
+        """The edges (N, n) of a rigid contact's friction cone, and where the force has a part along each.
+
+        In slip its force is along one of them, whose angle is that of kinetic friction.
+        """
+        at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
+        speed, sign = at(contact.speed, places.states), self._signs(contact, regimes, places)
+        closed = np.isin(regimes, CLOSED_REGIMES)
+        still = (regimes != "slip") & (np.abs(speed) <= RESTING * self._speed_size(contact, along)) & closed
+        edges = []
+        for side in (1, -1):
+            limit = (1.0 - slack) * side * at(contact.limit, places.states)
+            share = np.where(still, limit, at(contact.sliding[side], places.states))
+            edges.append((normal + share[:, None] * along, still | (closed & (sign == side))))
+        return edges
 
     def _speed_size(self, contact: StatedContact, along: Array) -> float:
         n = self.stated.n
@@ -404,31 +427,35 @@ class _StatementCheck:
 
     def _holdable(self, places: Places) -> list[int]:
         """Places at which forces well within their limits hold all velocities that are zero."""
-        forces, stated = self._forces(places), self.stated
+        forces, stated = self._forces(places, BREAKAWAY_SLACK), self.stated
         masses, free = stated.masses(places.states), stated.imbalance(places.states)[0] - forces.given
-        rows, rates = [], []
+        rows, rates, resting, at = [], [], [], 0
         for i, contact in enumerate(stated.contacts):
-            closed = self._regimes_of(i, places.modes) == "contact"
-            if contact.speed is None:
-                still, row = closed, stated.normal_direction(contact, places.states)
+            held = []
+            if contact.rigid:
+                row = stated.normal_direction(contact, places.states)
                 second = lambda z, c=contact: stated.rate_of(c.gap, z)  # noqa: E731  this contact's
-            else:
-                still = forces.most[:, len(rows)] > 0.0
+                held.append((np.isin(self._regimes_of(i, places.modes), CLOSED_REGIMES), row, second))
+            still = np.zeros(len(places.t), dtype=bool)
+            if contact.speed is not None:
+                # A rigid contact at rest has both edges of its cone, others a friction force.
+                still = (forces.most[:, at : at + 1 + contact.rigid] > 0.0).all(axis=1)
                 row = stated.rubbing_direction(contact, places.states)
                 second = lambda z, c=contact: -stated.at(c.speed, z)  # noqa: E731  this contact's
-            rate = stated.slope(second, places.states, stated.rates(places.states))[0]
-            rows.append(np.where(still[:, None], row, 0.0))
-            rates.append(np.where(still, rate, 0.0))
-            if contact.speed is not None:
-                rows.append(0.0 * row)
-                rates.append(0.0 * rate)
+                held.append((still, row, second))
+            for there, row, second in held:
+                rate = stated.slope(second, places.states, stated.rates(places.states))[0]
+                rows.append(np.where(there[:, None], row, 0.0))
+                rates.append(np.where(there, rate, 0.0))
+            resting.append(still)
+            at += 1 if contact.speed is None else 2
         holdable = []
         for k in range(len(places.t)):
             W, inverse = forces.columns[k].T, np.linalg.inv(masses[k])
             J = np.array([row[k] for row in rows])
-            limits = (1.0 - BREAKAWAY_SLACK) * forces.least[k], (1.0 - BREAKAWAY_SLACK) * forces.most[k]
+            limits = forces.least[k], forces.most[k]
             slipping = any(
-                word in ("slip+", "slip-") and forces.most[k][2 * i] > 0.0
+                word in ("slip+", "slip-") and resting[i][k]
                 for i, word in enumerate(self.regimes[places.modes[k]])
             )
             # J (M^-1 (W lambda - free)) + rate = 0

@@ -47,7 +47,8 @@ class StatedContact:
         v_r (m/s), F_N (N) and the static limit of friction (N), of contacts with friction.  A dynamic law has
         no limit.
     sliding : mapping of int to callable
-        Friction (N) along v_r where this is positive, by 1, or negative, by -1.
+        Friction (N) along v_r where this is positive, by 1, or negative, by -1.  Limit and friction
+        of a rigid contact are shares of F_N, which follows from the motion.
     gap : callable or None
         The distance from a stop, or minus the penetration, m.
     normal : tuple of callable or None
@@ -65,6 +66,11 @@ class StatedContact:
     sliding: Any = None
     normal: tuple[StateFunction, ...] | None = None
     elastic: StateFunction | None = None
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the normal force follows from the motion."""
+        return self.pressing is None
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +134,7 @@ def _contact(
     contact: Friction | Stop, of_law: tuple[Any, ...], compiled: Callable[[Any], StateFunction]
 ) -> StatedContact:
     if isinstance(contact, Stop):
-        return StatedContact(compiled(contact.distance), contact.law)
+        return _rigid_contact(contact, compiled)
     speed, force, law = contact.relative_velocity, contact.pressing, contact.law
     elastic, largest = None, limit_of_state(contact)
     if largest is not None:
@@ -148,6 +154,15 @@ def _contact(
         None if contact.normal is None else tuple(map(compiled, contact.normal)),
         elastic,
     )
+
+
+def _rigid_contact(contact: Stop, compiled: Callable[[Any], StateFunction]) -> StatedContact:
+    gap, speed, law = compiled(contact.distance), contact.relative_velocity, contact.friction
+    if law is None:
+        return StatedContact(gap, contact.law)
+    sliding = {sign: compiled(sign * law.kinetic(1.0, sign * speed)) for sign in (1, -1)}
+    limit = compiled(law.static_limit(1.0))
+    return StatedContact(gap, contact.law, compiled(speed), limit=limit, sliding=sliding)
 
 
 class StatedMechanics:

@@ -31,6 +31,11 @@ class ImpactLaw(Component):
         """
         raise NotImplementedError(f"{type(self).__name__} must define impulse(...)")
 
+    @property
+    def friction_coefficient(self) -> Any:
+        """Coefficient of friction of the impulses at a rigid contact; 0 where they have no friction."""
+        return 0
+
     def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
         """Tangential impulse (N s) along the relative velocity; none in the paper.
 
@@ -103,9 +108,9 @@ def _impact_friction_coefficient() -> Any:
     )
 
 
-def clip_to_cone(stopping_impulse: Any, limit: Any) -> Any:
-    """The stopping impulse, reduced to the friction cone's limit where it exceeds that."""
-    return (abs(stopping_impulse + limit) - abs(stopping_impulse - limit)) / 2
+def clip(impulse: Any, least: Any, most: Any) -> Any:
+    """An impulse, or the nearest of its limits where it is beyond them."""
+    return (abs(impulse - least) - abs(impulse - most) + least + most) / 2
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,9 +141,14 @@ class FrictionalImpact(RestitutionImpact):
             return super().reduced()
         return _PlasticFrictionalImpact(mu_i=self.mu_i) if self.e == 0 else self
 
+    @property
+    def friction_coefficient(self) -> Any:
+        """mu_i."""
+        return self.mu_i
+
     def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
         """Tangential impulse (N s): the stopping one, but at most mu_i times the normal impulse."""
-        return clip_to_cone(stopping_impulse, self.mu_i * impulse)
+        return clip(stopping_impulse, -self.mu_i * impulse, self.mu_i * impulse)
 
 
 @dataclass(frozen=True, repr=False)
@@ -146,5 +156,9 @@ class _PlasticFrictionalImpact(PlasticImpact):
     penetration_rate: str = "full"
     mu_i: float = _impact_friction_coefficient()
 
+    @property
+    def friction_coefficient(self) -> Any:
+        return self.mu_i
+
     def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
-        return clip_to_cone(stopping_impulse, self.mu_i * impulse)
+        return clip(stopping_impulse, -self.mu_i * impulse, self.mu_i * impulse)

@@ -30,6 +30,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     normal_impulse,
     rate_after,
     rates_after_impact,
+    rubbing_direction,
     sliding_friction,
     velocities_after,
 )
@@ -170,8 +171,10 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
     if len(system.mechanics.contacts) != 1:
         return ()
     (contact,), modes = system.mechanics.contacts, system.names
-    hits = "contact" in modes or ("separation" in modes and getattr(contact, "impact", None) is not None)
-    smooth = isinstance(contact, Friction) and limit_of_state(contact) is None
+    if isinstance(contact, Stop):
+        return ("impact",) * (len(modes) > 1)
+    hits = "separation" in modes and contact.impact is not None
+    smooth = limit_of_state(contact) is None
     return ("slip",) * ("slip+" in modes and smooth) + ("impact",) * hits
 
 
@@ -204,7 +207,9 @@ def _mode_equations(
     system, each = write.system, range(len(chosen))
     forces = [_force_function(system, i) for i in each]
     rubbing = [i for i in each if isinstance(system.mechanics.contacts[i], Friction)]
-    others = [_contact_function(system, name, i) for i in rubbing for name in ("F_N", "v_r")]
+    names = dict.fromkeys(rubbing, ("F_N", "v_r"))
+    names |= {i: ("F_T", "v_r") for i in each if _rubs_rigidly(system.mechanics.contacts[i])}
+    others = [_contact_function(system, name, i) for i, some in names.items() for name in some]
     others += map(write, (*system.q, *system.further, *(one for some in system.of_laws for one in some)))
     return Equations(
         mode,
@@ -230,6 +235,8 @@ def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...
     for i, (contact, force) in enumerate(zip(system.mechanics.contacts, forces, strict=True)):
         right += system.direction(contact) * force
         right += system.normal(contact) * _contact_function(system, "F_N", i)
+        if _rubs_rigidly(contact):
+            right += rubbing_direction(system, contact) * _contact_function(system, "F_T", i)
     rates = (
         equation(sympy.diff(write(one), TIME), write(system.mechanics.rates[str(one)]))
         for one in system.further
@@ -247,14 +254,31 @@ def _forces(
     system, force = write.system, _force_function(write.system, i)
     contact = system.mechanics.contacts[i]
     if isinstance(contact, Stop):
-        return (equation(force, write(solve_contact_forces(write.named, chosen)[1][i])),)
+        return _forces_of_stop(write, chosen, i, force)
     normal, regime = _contact_function(system, "F_N", i), chosen[i]
     if regime.name.startswith("slip") and not regime.constraints:
         friction = _friction(write, mode, regime, i)
     else:
-        friction = write(solve_contact_forces(write.named, chosen)[1][i])
+        friction = write(solve_contact_forces(write.named, chosen).forces[i])
     pressed = 0 if regime.name in APART else write(contact.pressing)
     return equation(normal, pressed), equation(force, friction)
+
+
+def _forces_of_stop(
+    write: TimeDependentSystem, chosen: Sequence[ContactRegime], i: int, force: Any
+) -> tuple[Any, ...]:
+    """F_N, and F_T of a rigid contact with friction."""
+    system, solved = write.system, solve_contact_forces(write.named, chosen)
+    normal = equation(force, write(solved.forces[i]))
+    if not _rubs_rigidly(system.mechanics.contacts[i]):
+        return (normal,)
+    share = chosen[i].share
+    friction = solved.friction.get(i, 0) if share is None else share * force
+    return normal, equation(_contact_function(system, "F_T", i), write(friction))
+
+
+def _rubs_rigidly(contact: Friction | Stop) -> bool:
+    return isinstance(contact, Stop) and contact.rubs
 
 
 def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: int) -> Any:
@@ -298,12 +322,12 @@ def _law_rates(
 
 def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
     contacts = enumerate(write.system.mechanics.contacts)
-    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction)]
+    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction) or c.rubs]
     return tuple(equation(_contact_function(write.system, "v_r", i), write(v)) for i, v in rows)
 
 
 def _constraint(write: TimeDependentSystem, regime: ContactRegime) -> tuple[Any, ...]:
-    pair = None if regime.held is None else write.system.pair(regime.held)
+    pair = write.system.pair(regime.held[0].velocity) if regime.held else None
     if pair is None or len(regime.constraints) > 1:
         return tuple(equation(write(c), 0) for c in regime.constraints)
     return _together(write, pair)
@@ -325,8 +349,7 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
     """What holds while the regime lasts: Eqs. (4), (8) and (9)."""
     system, contact = write.system, write.system.mechanics.contacts[i]
     if isinstance(contact, Stop):
-        positive = _force_function(system, i) if regime.name == "contact" else write(contact.distance)
-        return (sympy.Gt(positive, 0, evaluate=False),)
+        return _conditions_of_stop(write, regime, contact, i)
     if regime.name in APART:
         return _apart(write, regime, contact)
     normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
@@ -341,6 +364,22 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
     return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)
+
+
+def _conditions_of_stop(
+    write: TimeDependentSystem, regime: ContactRegime, contact: Stop, i: int
+) -> tuple[Any, ...]:
+    """A distance above zero in flight, else a force that pushes, friction in its cone, v_r of its sign."""
+    if regime.name == "flight":
+        return (sympy.Gt(write(contact.distance), 0, evaluate=False),)
+    normal, friction, speed = (_contact_function(write.system, name, i) for name in ("F_N", "F_T", "v_r"))
+    pushes = sympy.Gt(normal, 0, evaluate=False)
+    if regime.name == "stick" and contact.friction is not None:
+        limit = contact.friction.static_limit(normal)
+        return sympy.Le(sympy.Abs(friction), limit, evaluate=False), pushes
+    if regime.sliding is not None:
+        return (sympy.Gt if SIGNS[regime.name] > 0 else sympy.Lt)(speed, 0, evaluate=False), pushes
+    return (pushes,)
 
 
 def _apart(write: TimeDependentSystem, regime: ContactRegime, contact: Friction) -> tuple[Any, ...]:

@@ -21,10 +21,11 @@ from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import multiply_out, within_floats
 from frictionlab.automaton.mode import Expr
 from frictionlab.lazy_names import sympy as sp
-from frictionlab.tape.formulas import FormulaBuilder, Formulas
+from frictionlab.tape.formulas import FormulaBuilder, Formulas, formulas_of
 from frictionlab.tape.functions import AFFINE
+from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.program import NOT_POLYNOMIAL, Section
-from frictionlab.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder
+from frictionlab.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder, TapeError
 from frictionlab.tape.undefined_parts import undefined_part
 
 
@@ -238,11 +239,17 @@ def _survives(function: Expr, reset: Reset, guard: Expr) -> bool:
     """Whether a function that was zero before the reset is zero after it, where the guard is zero."""
     if function.free_symbols.isdisjoint(reset.jump):
         return True
+    surface = _solved(guard, function.free_symbols & guard.free_symbols)
+    if _jumps(function, reset, surface or {}):
+        return False
     after: Any = sp.sympify(function.xreplace(dict(reset.jump)), strict=True)  # a jump may be a plain number
     if _is_zero(after):
         return True
-    surface = _solved(guard, function.free_symbols & guard.free_symbols)
     return surface is not None and _is_zero((after - function).xreplace(surface))
+
+
+def _is_zero(expression: Any) -> bool:
+    return multiply_out(expression) in (0, 0.0)  # to sympy these are two numbers
 
 
 def _solved(guard: Expr, symbols: set[Any]) -> dict[Any, Expr] | None:
@@ -254,16 +261,29 @@ def _solved(guard: Expr, symbols: set[Any]) -> dict[Any, Expr] | None:
     return None
 
 
-def _is_zero(expression: Any) -> bool:
-    somewhere = expression.xreplace(_integers(expression.free_symbols))
-    if somewhere.is_Rational and somewhere != 0:  # exact, and quicker than multiplying out
+def _jumps(function: Expr, reset: Reset, surface: Mapping[Any, Expr]) -> bool:
+    """Whether bounds at one place tell that a function is not zero after a reset, nor as it was before.
+
+    This is exact, and quicker than multiplying out.  Each symbol is a different integer there.
+    """
+    given = [function, *reset.jump.values(), *surface.values()]
+    symbols = sorted(set().union(*(sp.sympify(one).free_symbols for one in given), reset.jump), key=str)
+    try:
+        place = dict(zip(symbols, map(interval, map(float, range(3, 3 + len(symbols))))))
+        for known in (surface, reset.jump):
+            before = place
+            values = formulas_of(symbols, [*known.values()]).arrays(*place.values())
+            place = place | dict(zip(known, map(interval, values), strict=True))
+        formula = formulas_of(symbols, [function])
+    except TapeError:
         return False
-    return multiply_out(expression) in (0, 0.0)  # to sympy these are two numbers
+    old, new = (interval(formula.arrays(*at.values())[0]) for at in (before, place))
+    changed = new - old
+    return bool(_without_zero(new) and _without_zero(changed))
 
 
-def _integers(symbols: set[Any]) -> dict[Any, Any]:
-    """A different integer for each symbol."""
-    return {name: sp.Integer(i) for i, name in enumerate(sorted(symbols, key=str), start=3)}
+def _without_zero(bounds: Interval) -> bool:
+    return bool(bounds.low > 0 or bounds.high < 0)
 
 
 @lru_cache(maxsize=4096)

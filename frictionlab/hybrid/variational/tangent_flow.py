@@ -30,6 +30,7 @@ from frictionlab.hybrid.variational.tangent_jets import (
     carry_steps,
     changes_nothing,
     constraint_gradients,
+    is_plastic,
     linearise_mode,
     saltation_matrix,
 )
@@ -197,7 +198,7 @@ def event_saltation(run: Trajectory, i: int) -> np.ndarray:
     raw, problem = run.raw, run.problem
     t, (guard, target, closed) = raw.event_times[i], raw.event_codes[i]
     where = f"at t = {t:g} s ({run.events.source[i]} to {run.events.target[i] or 'no mode'})"
-    if closed:
+    if closed and not is_plastic(problem.program, int(guard)):
         raise SaltationError(
             f"an accumulation of events was closed {where}; its derivative is not known: end the run before"
         )

@@ -24,6 +24,7 @@ import sympy
 
 from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
+from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
 from frictionlab.models.mechanical.dynamic_laws import (
@@ -51,13 +52,25 @@ CHATTER_MODE = "chatter"
 CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
 
 
+class HeldVelocity(NamedTuple):
+    """A velocity that a contact keeps at zero, and the direction (n, 1) of the force that does so.
+
+    The force acts along the gradient of the velocity, `sign` 1, as the reaction of a stop; or against it, -1,
+    as friction.
+    """
+
+    velocity: Any
+    along: Any
+    sign: int
+
+
 class RegimeEnd(NamedTuple):
     """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
-    `jump` is None, "project" (onto the constraint), "impact", "cross" (v_r changes its sign, and nothing
-    jumps), "unload" (the states of a friction law return to zero), "yield" (one comes to its limit) or "hold"
-    (it leaves that).  What is `common` ends the regimes of all contacts that rub along one direction, at
-    once.
+    `jump` is None, "project" (onto the constraints), "impact", "cross" (v_r changes its sign, and nothing
+    jumps), "open" (a rigid contact ends, and nothing jumps), "unload" (the states of a friction law return to
+    zero), "yield" (one comes to its limit) or "hold" (it leaves that).  What is `common` ends the regimes of
+    all contacts that rub along one direction, at once.
     """
 
     name: str
@@ -75,12 +88,13 @@ class ContactRegime:
     ----------
     name : str
     force : Expr or None
-        Force (N) of the contact; None where it is the constraint force that keeps `held` at zero.
-    held : Expr or None
-        The velocity that is kept at zero; None without a constraint.
+        Force (N) of the contact; None where constraint forces keep what is `held` at zero.
+    held : tuple of HeldVelocity
+        The velocities that are kept at zero; () without a constraint.
     constraints : tuple of Expr
     ends : callable
-        Function of the force, and of its limit, that returns what ends the regime.
+        Function of the force, and of its limit, that returns what ends the regime.  Of a rigid contact with
+        friction: of the reaction, and of the friction force in stick, or the compliance in slip.
     limit : Expr or None
         Largest force (N) of friction that can hold; None for other regimes.
     resting : ContactRegime or None
@@ -89,23 +103,29 @@ class ContactRegime:
         F_N of a contact with friction, N.
     rates : tuple of Expr
         The rates of the states of its friction law.
+    share : Expr or None
+        F_T/F_N in slip of a rigid contact.
+    sliding : Expr or None
+        What is positive in slip of a rigid contact, whatever its forces: v_r by its sign.
     """
 
     name: str
     force: Any
-    held: Any
+    held: tuple[HeldVelocity, ...]
     constraints: tuple[Any, ...]
     ends: Callable[[Any, Any], tuple[RegimeEnd, ...]]
     limit: Any = None
     resting: ContactRegime | None = None
     pressing: Any = sympy.S.Zero
     rates: tuple[Any, ...] = ()
+    share: Any = None
+    sliding: Any = None
 
 
 def regimes_of_contact(contact: Friction | Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
     """All regimes of a contact, in the order in which they are tried."""
     if isinstance(contact, Stop):
-        return _stop_regimes(contact, system.rate(contact.distance))
+        return _rigid_regimes(contact, system) if contact.rubs else _stop_regimes(contact, system)
     return tuple(regime(contact, name, system) for name in contact.modes)
 
 
@@ -138,12 +158,12 @@ def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime
     pressing = contact.pressing
     limit = sign * contact.law.static_limit(pressing)
     resting = ContactRegime(
-        name, limit, None, (speed,), lambda *_: _leaving(contact, system), pressing=pressing
+        name, limit, (), (speed,), lambda *_: _leaving(contact, system), pressing=pressing
     )
     return ContactRegime(
         name,
         force,
-        None,
+        (),
         (),
         lambda *_: (stops, *_leaving(contact, system)),
         resting=resting,
@@ -157,9 +177,9 @@ def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> Con
     crosses = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "cross")
     leaving = _leaving(contact, system)
     force, rates = values_of_contact(contact, system.law_states(contact), sign)
-    held = ContactRegime(name, force, None, (speed,), lambda *_: leaving, pressing=pressing, rates=rates)
+    held = ContactRegime(name, force, (), (speed,), lambda *_: leaving, pressing=pressing, rates=rates)
     return ContactRegime(
-        name, force, None, (), lambda *_: (crosses, *leaving), resting=held, pressing=pressing, rates=rates
+        name, force, (), (), lambda *_: (crosses, *leaving), resting=held, pressing=pressing, rates=rates
     )
 
 
@@ -171,9 +191,7 @@ def _slip_at_limit(contact: Friction, system: LagrangeSystem, name: str) -> Cont
     rate = system.rate(limit)
     sticks = RegimeEnd("v_r", sign * (elastic - rate), _known(contact, ("stick",)), "hold")
     ends = (sticks, *_leaving(contact, system))
-    return ContactRegime(
-        name, force, None, (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,)
-    )
+    return ContactRegime(name, force, (), (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,))
 
 
 def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -185,7 +203,7 @@ def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         RegimeEnd("cone-", limit + state, _known(contact, ("slip-",)), "yield"),
         *_leaving(contact, system),
     )
-    return ContactRegime("stick", force, None, (), lambda *_: ends, pressing=pressing, rates=rates)
+    return ContactRegime("stick", force, (), (), lambda *_: ends, pressing=pressing, rates=rates)
 
 
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -195,7 +213,7 @@ def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     # A belt whose speed depends on time or place may turn round; then the force has no sign.
     turns = (RegimeEnd("belt", sign * belt, ()),) if system.varies(belt) else ()
     leaving = _leaving(contact, system)
-    return ContactRegime("slip", force, None, (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
+    return ContactRegime("slip", force, (), (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
 
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -209,19 +227,18 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         backwards = RegimeEnd("cone-", largest + force, _known(contact, ("slip-",)), common=True)
         return (forwards, backwards, *_leaving(contact, system))
 
-    return ContactRegime("stick", None, speed, (speed,), breaks, limit, pressing=contact.pressing)
+    held = (HeldVelocity(speed, system.direction(contact), -1),)
+    return ContactRegime("stick", None, held, (speed,), breaks, limit, pressing=contact.pressing)
 
 
 def _separation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
     rates = rates_in_separation(contact, system.law_states(contact))
     if contact.penetration is None:
-        return ContactRegime(
-            "separation", sympy.S.Zero, None, (), lambda *_: (_pressed(contact),), rates=rates
-        )
+        return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (_pressed(contact),), rates=rates)
     jump = None if contact.impact is None else "impact"
     lands = RegimeEnd("gap", -contact.penetration, _known(contact, (*AFTER_FLIGHT, "relaxation")), jump)
-    return ContactRegime("separation", sympy.S.Zero, None, (), lambda *_: (lands,), rates=rates)
+    return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (lands,), rates=rates)
 
 
 def _relaxation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -229,7 +246,7 @@ def _relaxation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     opens = RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)))
     rates = rates_in_separation(contact, system.law_states(contact))
     ends = (_pressed(contact), opens)
-    return ContactRegime("relaxation", sympy.S.Zero, None, (), lambda *_: ends, rates=rates)
+    return ContactRegime("relaxation", sympy.S.Zero, (), (), lambda *_: ends, rates=rates)
 
 
 def _pressed(contact: Friction) -> RegimeEnd:
@@ -259,24 +276,97 @@ def _leaving(contact: Friction, system: LagrangeSystem) -> tuple[RegimeEnd, ...]
     return (*gap, *pulls) if "relaxation" in contact.modes else gap
 
 
-def _known(contact: Friction, names: tuple[str, ...]) -> tuple[str, ...]:
+def _known(contact: Friction | Stop, names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in names if name in contact.modes)
 
 
-def _stop_regimes(contact: Stop, rate: Any) -> tuple[ContactRegime, ...]:
+def _flight(contact: Stop, closed: tuple[str, ...]) -> ContactRegime:
+    """No contact forces; it ends at an impact, after which the contact may have a regime of `closed`."""
+    hits = (RegimeEnd("impact", contact.distance, ("flight", *closed), "impact"),) if closed else ()
+    return ContactRegime("flight", sympy.S.Zero, (), (), lambda *_: hits)
+
+
+def _stop_regimes(contact: Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
+    """Flight, and contact, in which the reaction keeps the distance at zero and pushes."""
     if "contact" not in contact.modes:
-        return (ContactRegime("flight", sympy.S.Zero, None, (), lambda *_: ()),)
-    hits = RegimeEnd("impact", contact.distance, ("flight", "contact"), "impact")
-    return (
-        ContactRegime("flight", sympy.S.Zero, None, (), lambda *_: (hits,)),
-        ContactRegime(
-            "contact",
-            None,
-            rate,
-            (contact.distance, rate),
-            lambda force, _: (RegimeEnd("off", force, ("flight",)),),
-        ),
+        return (_flight(contact, ()),)
+    rate = system.rate(contact.distance)
+    held = (HeldVelocity(rate, system.direction(contact), 1),)
+    touches = ContactRegime(
+        "contact",
+        None,
+        held,
+        (contact.distance, rate),
+        lambda force, _: (RegimeEnd("off", force, ("flight",), "open"),),
     )
+    return _flight(contact, ("contact",)), touches
+
+
+def _rigid_regimes(contact: Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
+    """Flight, stick and slip of a rigid contact with friction, in the order of its names."""
+    closed = contact.modes[1:]
+    regimes = {"flight": lambda _: _flight(contact, closed), "stick": lambda _: _rigid_stick(contact, system)}
+    slip = partial(_rigid_slip, contact, system)
+    return tuple(regimes.get(name, slip)(name) for name in contact.modes)
+
+
+def _rigid_slip(contact: Stop, system: LagrangeSystem, name: str) -> ContactRegime:
+    """Slip in one direction: friction follows from the reaction, F_T = +-mu F_N.
+
+    The reaction keeps the distance at zero together with its friction.  How much both accelerate the
+    contact, W_N^T M^-1 (W_N + F_T/F_N W_T), may come to zero where it depends on the state: this is
+    Painleve's paradox, and slip ends there.
+    """
+    speed, rate, law = contact.relative_velocity, system.rate(contact.distance), _law_of(contact)
+    sign = {"slip+": 1, "slip-": -1}.get(name) or system.sliding_sign(contact)
+    normal, tangent = system.direction(contact), rubbing_direction(system, contact)
+
+    def leaving(reaction: Any, softness: Any) -> tuple[RegimeEnd, ...]:
+        jams = () if softness is None else (RegimeEnd("wedge", softness, ("flight",)),)
+        return (RegimeEnd("off", reaction, ("flight",), "open"), *jams)
+
+    def slip(coefficient: Any, constraints: tuple[Any, ...], ends: Any, **more: Any) -> ContactRegime:
+        share = sign * coefficient
+        held = (HeldVelocity(rate, normal + share * tangent, 1),)
+        return ContactRegime(name, None, held, constraints, ends, share=share, **more)
+
+    closed, kinetic = (contact.distance, rate), law.kinetic(sympy.S.One, sign * speed)
+    if name == "slip":
+        return slip(kinetic, closed, leaving)
+    stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project")
+    resting = slip(law.static_limit(sympy.S.One), (*closed, speed), leaving)
+    ends = lambda *forces: (stops, *leaving(*forces))  # noqa: E731  as those of the other regimes
+    return slip(kinetic, closed, ends, resting=resting, sliding=sign * speed)
+
+
+def _rigid_stick(contact: Stop, system: LagrangeSystem) -> ContactRegime:
+    """Stick: distance and v_r are kept at zero, until the forces leave the friction cone or F_N ends."""
+    speed, rate = contact.relative_velocity, system.rate(contact.distance)
+    held = (
+        HeldVelocity(rate, system.direction(contact), 1),
+        HeldVelocity(speed, rubbing_direction(system, contact), -1),
+    )
+
+    def breaks(reaction: Any, friction: Any) -> tuple[RegimeEnd, ...]:
+        limit = _law_of(contact).static_limit(sympy.S.One) * reaction
+        return (
+            RegimeEnd("cone+", limit - friction, _known(contact, ("slip+",))),
+            RegimeEnd("cone-", limit + friction, _known(contact, ("slip-",))),
+            RegimeEnd("off", reaction, ("flight",), "open"),
+        )
+
+    return ContactRegime("stick", None, held, (contact.distance, rate, speed), breaks)
+
+
+def _law_of(contact: Stop) -> FrictionLaw:
+    """The law of a rigid contact that has friction."""
+    assert contact.friction is not None
+    return contact.friction
+
+
+def rubbing_direction(system: LagrangeSystem, contact: Friction | Stop) -> Any:
+    """W_T (n, 1), along which friction acts: minus the gradient of v_r."""
+    return -sympy.ImmutableMatrix(system.gradient(contact.relative_velocity, system.v))
 
 
 @lru_cache(maxsize=4096)  # one for all modes in which the contact slips
@@ -286,10 +376,12 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     There is none where the compliance depends on the state: v_r may be zero because the contact's direction
     vanishes, as at the dead centre of a crank, where no impulse changes v_r.
     """
-    pair = system.pair(contact.relative_velocity)
+    pair = system.pair(contact.relative_velocity) if isinstance(contact, Friction) else None
     # Stated, as v_r after the impulse need not be zero to the last bit, and sympy need not see that it is.
     resting = (contact.relative_velocity, *_alike(system, contact))
     zero = {sign * speed: 1 for speed in resting for sign in (1, -1)}
+    if isinstance(contact, Stop):
+        return Reset(_at_rest_in_contact(system, contact), zero | closed(system, contact))
     if pair is not None:
         return Reset(_together(system, pair), zero)
     w = system.direction(contact)
@@ -301,6 +393,26 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     if system.coupled is not None:
         after |= _last_velocity(system, contact, w, after)
     return Reset(after, zero)
+
+
+def closed(system: LagrangeSystem, contact: Stop) -> dict[Any, int]:
+    """What is zero in a rigid contact, seen from either side: its distance, and the rate of this."""
+    orders = {contact.distance: 2, system.rate(contact.distance): 1}
+    return {sign * function: order for function, order in orders.items() for sign in (1, -1)}
+
+
+def _at_rest_in_contact(system: LagrangeSystem, contact: Stop) -> dict[Any, Any]:
+    """Velocities with v_r = 0 and a distance at rest, by the two impulses of a rigid contact; {} where the
+    compliance depends on the state, for the reason of :func:`stick_reset`."""
+    directions = sympy.Matrix.hstack(system.direction(contact), rubbing_direction(system, contact))
+    soft = directions.T * system.inverse * directions
+    if system.varies(soft):
+        return {}
+    missed = sympy.Matrix([-system.rate(contact.distance), contact.relative_velocity])
+    changes = system.inverse * directions * soft.LUsolve(missed)
+    return {
+        rate: expand_products(rate + one) for rate, one in zip(system.v, changes, strict=True) if one != 0
+    }
 
 
 def crossing_reset(contact: Friction) -> Reset:
@@ -434,8 +546,33 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     # stop is on it to the last bit.
     moved = zip(system.q, _pushed(system, w, contact.distance / compliance(system, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
-    after = _velocity_jump(system, w, law.impulse(-rate, -rate, compliance(system, w)))
-    return Reset({**placed, **{v: expand_products(a) for v, a in after.items()}}, {contact.distance: order})
+    impulse = law.impulse(-rate, -rate, compliance(system, w))
+    if contact.rubs and law.friction_coefficient != 0:
+        after = _after_rubbing_impact(system, contact, impulse, law.friction_coefficient)
+    else:
+        after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
+    return Reset({**placed, **after}, closed(system, contact) if order == 2 else {contact.distance: order})
+
+
+def _after_rubbing_impact(system: LagrangeSystem, contact: Stop, impulse: Any, mu: Any) -> dict[Any, Any]:
+    """Velocities after an impact with Coulomb's friction, |p_T| <= mu p_N, both impulses at once.
+
+    The rate of the distance becomes what the impact law says, whatever p_T is: p_N = p - b p_T, where p is
+    the impulse without friction, and b = W_N^T M^-1 W_T/(W_N^T M^-1 W_N).  The friction impulse brings v_r
+    to zero, or comes to the nearest border of the cone, -mu p/(1 - mu b) <= p_T <= mu p/(1 + mu b).
+    Source: Moreau, Unilateral contact and dry friction in finite freedom dynamics, Springer 1988.
+    """
+    normal, tangent = system.direction(contact), rubbing_direction(system, contact)
+    along_normal, along_tangent = (sympy.Matrix(_pushed(system, w, 1)) for w in (normal, tangent))
+    coupling, soft = (normal.T * along_tangent)[0], compliance(system, normal)
+    share, limit = coupling / soft, mu * impulse
+    softness = compliance(system, tangent) - coupling * share
+    stopping = (contact.relative_velocity - coupling * impulse) / softness
+    least, most = -limit / (1 - mu * share), limit / (1 + mu * share)
+    size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
+    rubbing = (size(stopping - least) - size(stopping - most) + least + most) / 2
+    changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
+    return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
 
 
 def rate_after(law: ImpactLaw, rate: Any) -> Any:

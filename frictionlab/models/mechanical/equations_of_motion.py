@@ -111,7 +111,7 @@ class LagrangeSystem:
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
         chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
-        held = [i for i in self._contacts_in_conflict if chosen[i].held is not None]
+        held = [i for i in self._contacts_in_conflict if chosen[i].held]
         for i in self._contacts_in_conflict if held else ():
             resting = chosen[i].resting
             if resting is not None and self._depends(i, combination, held):
@@ -121,8 +121,7 @@ class LagrangeSystem:
     def _depends(self, i: int, combination: Combination, held: Sequence[int]) -> bool:
         """Whether v_r of contact `i` is zero where the velocities are that these contacts hold at zero."""
         contact = self.mechanics.contacts[i]
-        assert isinstance(contact, Friction)
-        velocities = [self.regimes[j][combination[j]].held for j in held]
+        velocities = [one.velocity for j in held for one in self.regimes[j][combination[j]].held]
         rows = [
             (*self.gradient(velocity, self.v), self.at_rest(velocity))
             for velocity in (contact.relative_velocity, *velocities)
@@ -143,12 +142,12 @@ class LagrangeSystem:
             names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
             if not all(direction.allows(names) for direction in self.directions):
                 return False
-        held = (
-            self._held_rows[i][combination[i]]
+        rows = [
+            row
             for i in self._contacts_in_conflict
             if not names or self.leader(i, names) == i
-        )
-        rows = [row for row in held if row is not None]
+            for row in self._held_rows[i][combination[i]]
+        ]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
 
     @cached_property
@@ -179,8 +178,8 @@ class LagrangeSystem:
     def _contacts_in_conflict(self) -> tuple[int, ...]:
         """Indices of contacts whose held velocities share a coordinate with others', or contain none."""
         columns = [
-            [{i for i, entry in enumerate(row) if entry != 0} for row in rows if row is not None]
-            for rows in self._held_rows
+            [{i for i, entry in enumerate(row) if entry != 0} for rows in regimes for row in rows]
+            for regimes in self._held_rows
         ]
         used = [set().union(*some) for some in columns]
         counts = [sum(i in some for some in used) for i in range(len(self.v))]
@@ -191,12 +190,11 @@ class LagrangeSystem:
         )
 
     @cached_property
-    def _held_rows(self) -> tuple[tuple[Row | None, ...], ...]:
-        """Derivatives by the velocities of what each regime holds at zero; None where it holds nothing."""
+    def _held_rows(self) -> tuple[tuple[tuple[Row, ...], ...], ...]:
+        """Derivatives by the velocities of what each regime of each contact holds at zero."""
         return tuple(
             tuple(
-                None if regime.held is None else tuple(self.gradient(regime.held, self.v))
-                for regime in regimes
+                tuple(tuple(self.gradient(one.velocity, self.v)) for one in regime.held) for regime in regimes
             )
             for regimes in self.regimes
         )
@@ -277,12 +275,12 @@ class LagrangeSystem:
         there = expression.free_symbols
         return expression.subs({rate: 0 for rate in self.v if rate in there})
 
-    def speed_at_origin(self, contact: Friction) -> Any:
+    def speed_at_origin(self, contact: Friction | Stop) -> Any:
         """The speed of the belt, v_r at rest, where coordinates, clocks and further states are zero."""
         origin = dict.fromkeys((*self.q, *self.clocks, *self.further), 0)
         return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
 
-    def sliding_sign(self, contact: Friction) -> Any:
+    def sliding_sign(self, contact: Friction | Stop) -> Any:
         """The sign of slip in one direction, that of the belt's speed; at the origin where it varies."""
         return sympy.sign(self.speed_at_origin(contact))
 

@@ -15,7 +15,7 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
-from frictionlab.models.symbols import gradient, symbol
+from frictionlab.models.symbols import expand_products, gradient, symbol
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE, TIME
@@ -163,19 +163,11 @@ class _Check:
                     f"distance of a Stop of {self.of} must depend on a coordinate, got {distance}: write it "
                     "with the coordinates q, as in self.d - q.x"
                 )
+            self.friction_of_stop(contact)
+            if contact.rubs:
+                self.relative_velocity(contact)
             return
-        speed = self.free("relative_velocity", contact.relative_velocity, (), "")
-        if not any(gradient(speed, self.v)):
-            raise ValueError(
-                f"relative_velocity of {self.of} must depend on the velocities, got {abbreviate(speed)}: "
-                "write it with the velocities v, as in self.v - v.x"
-            )
-        if any({*one.free_symbols} & {*self.moving} for one in map(multiply_out, gradient(speed, self.v))):
-            raise ValueError(
-                f"relative_velocity of {self.of} must be linear in the velocities, got {abbreviate(speed)}: "
-                "its gradient by them is the direction of the friction force; a function of it belongs into "
-                "the friction law"
-            )
+        self.relative_velocity(contact)
         if callable(contact.normal_force) and contact.penetration is None:
             raise TypeError(
                 f"normal_force of {self.of} must be an expression, got a function: a contact without a "
@@ -195,6 +187,47 @@ class _Check:
                     f"normal of {self.of} must have one entry for each of its {len(self.q)} coordinates, got "
                     f"{len(contact.normal)}"
                 )
+
+    def relative_velocity(self, contact: Friction | Stop) -> None:
+        """That v_r depends on velocities, and linearly."""
+        speed = self.free("relative_velocity", contact.relative_velocity, (), "")
+        if not any(gradient(speed, self.v)):
+            raise ValueError(
+                f"relative_velocity of {self.of} must depend on the velocities, got {abbreviate(speed)}: "
+                "write it with the velocities v, as in self.v - v.x"
+            )
+        if any({*one.free_symbols} & {*self.moving} for one in map(multiply_out, gradient(speed, self.v))):
+            raise ValueError(
+                f"relative_velocity of {self.of} must be linear in the velocities, got {abbreviate(speed)}: "
+                "its gradient by them is the direction of the friction force; a function of it belongs into "
+                "the friction law"
+            )
+
+    def friction_of_stop(self, contact: Stop) -> None:
+        """That a rigid contact has both friction and v_r or neither, and friction in proportion to F_N."""
+        if (contact.friction is None) != (contact.relative_velocity is None):
+            missing = "friction" if contact.friction is None else "relative_velocity"
+            raise ValueError(
+                f"a Stop of {self.of} must have both friction and relative_velocity or neither, got no "
+                f"{missing}: write Stop(..., friction=self.friction, relative_velocity=self.v - v.x)"
+            )
+        law, force = contact.friction, sympy.Symbol("normal_force", nonnegative=True)
+        if law is None:
+            return
+        cure = "give the contact a stiffness, as in Friction(v_r, self.contact.force, law, penetration=...)"
+        if law.states:
+            got = type(law).__name__
+            raise ValueError(f"friction of a Stop of {self.of} must have no states, got {got}: {cure}")
+        speed = sympy.Symbol("speed", nonnegative=True)
+        for given, one in (
+            (law.kinetic(force, speed), law.kinetic(sympy.S.One, speed)),
+            (law.static_limit(force), law.static_limit(sympy.S.One)),
+        ):
+            if expand_products(sympy.sympify(given - force * one)) != 0:
+                raise ValueError(
+                    f"friction of a Stop of {self.of} must be proportional to F_N, got {given}: {cure}"
+                )
+            self.powers("the friction law", one, [speed])
 
     def law(self, contact: Friction, states: tuple[Any, ...]) -> None:
         """That a friction law has formulas, of bases with a sign where exponents are parameters."""

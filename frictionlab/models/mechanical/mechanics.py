@@ -76,7 +76,12 @@ class Friction:
 
 @dataclass(frozen=True, eq=False)
 class Stop:
-    """A rigid stop, or a rigid contact of two bodies; its modes are "flight" and "contact".
+    """A rigid stop, or a rigid contact of two bodies; its modes are "flight" and "contact", or with friction
+    "flight", "stick", "slip+" and "slip-".
+
+    With friction the reaction F_N and the friction force F_T follow together from what the contact keeps at
+    zero.  Slip ends where these forces no longer exist (Painleve's paradox).  Friction in an impact is that
+    of its law, :class:`FrictionalImpact`; other laws have none.
 
     Impacts of several at one instant are a sequence of single ones, as with small gaps, the greatest first;
     equally great ones act together.
@@ -90,17 +95,35 @@ class Stop:
     interface : Interface or None
         The regimes of the contact, of those of the model's `interface`; by default all of these.  If
         "separation" is not one of them, the stop has no effect.
+    friction : FrictionLaw or None
+        The law of friction, whose force is proportional to F_N and has no states; None without friction.
+    relative_velocity : Expr or None
+        v_r (m/s), linear in the velocities, of a contact with friction; its sign is that of
+        :class:`Friction`.
     """
 
     distance: Any
     law: ImpactLaw
     interface: Interface | None = None
+    friction: FrictionLaw | None = None
+    relative_velocity: Any = None
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the contact has friction."""
+        return self.friction is not None
 
     @property
     def modes(self) -> tuple[str, ...]:
         """Names of the regimes."""
         names = (self.interface or StickSlipSeparation()).modes
-        return ("flight", "contact") if "separation" in names else ("flight",)
+        if "separation" not in names:
+            return ("flight",)
+        return (
+            ("flight", *(name for name in names if name != "separation"))
+            if self.rubs
+            else ("flight", "contact")
+        )
 
 
 @dataclass(frozen=True, eq=False)

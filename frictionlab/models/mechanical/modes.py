@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import prod
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 from sympy.matrices import dotprodsimp
 
-from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
 from frictionlab.components.component import StructureKey
@@ -25,8 +26,10 @@ from frictionlab.models.symbols import expand_products
 from .contact_regimes import (
     CHATTER_TIME,
     ContactRegime,
+    HeldVelocity,
     RegimeEnd,
     chatter_mode,
+    closed,
     crossing_reset,
     holding_reset,
     impact_resets,
@@ -100,13 +103,15 @@ def _conditions(regime: ContactRegime) -> Regime:
     """A regime's conditions that are known without solving for forces: v_r = 0 in stick, its sign in slip."""
     if regime.force is None:
         needs = [sign * c for c in regime.constraints for sign in (1, -1)]
+        needs += [] if regime.sliding is None else [regime.sliding]
     else:
         needs = [end.function for end in regime.ends(regime.force, None)]
-    return Regime(regime.name, tuple(needs), regime.held is not None)
+    return Regime(regime.name, tuple(needs), bool(regime.held))
 
 
 class ContactForces(NamedTuple):
-    """Accelerations; the force of each contact; and force and limit of each that holds, by its index.
+    """Accelerations; the force of each contact; the friction of each rigid one; and what the ends of each
+    regime that holds depend on, by its index: force and limit.
 
     A contact that holds for others of its direction has the sum of their forces and limits there.  Both are
     multiplied by a compliance where this depends on the state: where it is zero the force is infinite.
@@ -114,6 +119,7 @@ class ContactForces(NamedTuple):
 
     accelerations: list[Any]
     forces: list[Any]
+    friction: dict[int, Any]
     holding: dict[int, tuple[Any, Any]]
 
 
@@ -125,62 +131,86 @@ class HoldingForce:
     compliance: Any = sympy.S.One
     product: Any = None
 
+    @property
+    def scaled(self) -> Any:
+        """The force, times the compliance where this depends on the state."""
+        return self.force if self.product is None else self.product
+
 
 def solve_contact_forces(system: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
     """Accelerations and contact forces where each contact is in its regime of `chosen`."""
     names = [regime.name for regime in chosen]
-    held = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
-    accelerations, forces, holding = _hold(system, chosen, held)
-    with_limits = {}
-    for i, one in holding.items():
-        direction, limit = system.direction_of(i), chosen[i].limit
-        if direction is not None and limit is not None:
-            limits = {j: chosen[j].limit for j in direction.contacts if names[j] == "stick"}
-            shares, limit = direction.shares(i, one.force, limits)
-            for j, share in shares.items():
-                forces[j] = share
-        with_limits[i] = one.force, limit
-        if one.product is not None:
-            with_limits[i] = one.product, None if limit is None else one.compliance * limit
-    return ContactForces(accelerations, forces, with_limits)
+    leading = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
+    accelerations, forces, solved = _hold(system, chosen, leading)
+    friction, holding = {}, {}
+    for i, (one, *other) in solved.items():
+        if chosen[i].share is not None:
+            friction[i] = chosen[i].share * one.force
+            holding[i] = one.scaled, None if one.product is None else one.compliance
+        elif other:
+            friction[i], holding[i] = other[0].force, (one.scaled, other[0].scaled)
+        else:
+            holding[i] = _with_limit(system, chosen, forces, i, one)
+    return ContactForces(accelerations, forces, friction, holding)
 
 
-Solution = tuple[list[Any], list[Any], dict[int, HoldingForce]]
+def _with_limit(
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], forces: list[Any], i: int, one: HoldingForce
+) -> tuple[Any, Any]:
+    """Force and limit of a contact that holds, for all of its direction, whose shares go into `forces`."""
+    direction, limit = system.direction_of(i), chosen[i].limit
+    if direction is not None and limit is not None:
+        limits = {j: chosen[j].limit for j in direction.contacts if chosen[j].name == "stick"}
+        shares, limit = direction.shares(i, one.force, limits)
+        for j, share in shares.items():
+            forces[j] = share
+    if one.product is None or limit is None:
+        return one.scaled, limit
+    return one.product, one.compliance * limit
 
 
-def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]) -> Solution:
-    """Accelerations, the force of each contact, and again that of each of `held`, which hold."""
+Held = Sequence[tuple[int, HeldVelocity]]  # what is held at zero, each with the index of its contact
+Solution = tuple[list[Any], list[Any], dict[int, list[HoldingForce]]]
+
+
+def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
+    """Accelerations, the force of each contact, and those of each of the contacts `leading`, which hold."""
     contacts, forces = system.mechanics.contacts, [regime.force for regime in chosen]
     free = [load - rest for load, rest in zip(system.loads, system.internal, strict=True)]
     for contact, regime in zip(contacts, chosen, strict=True):
         system.apply(system.direction(contact), 0 if regime.force is None else regime.force, free)
         if regime.pressing != 0:
             system.apply(system.normal(contact), regime.pressing, free)
+    held = [(i, one) for i in leading for one in chosen[i].held]
     if not held:
         return system.accelerations(free), forces, {}
-    pair = system.pair(chosen[held[0]].held) if len(held) == 1 else None
+    pair = None
+    if len(held) == 1 and chosen[held[0][0]].share is None:
+        pair = system.pair(held[0][1].velocity)
     if pair is not None:
         accelerations, force = _as_one_body(system, pair, free)
-        holding = [HoldingForce(force)]
-    elif (velocities := _held_in_numbers(system, chosen, held)) is not None:
+        # The reaction of a stop acts along the gradient of what it holds, friction against it.
+        solved = [HoldingForce(-held[0][1].sign * force)]
+    elif (velocities := _held_in_numbers(system, held)) is not None:
         accelerations, known = velocities.solve(free, system.states)
-        holding = [HoldingForce(force) for force in known]
+        solved = [HoldingForce(force) for force in known]
     else:
-        accelerations, holding = _held_by_forces(system, chosen, held, sympy.Matrix(free))
-    for i, one in zip(held, holding, strict=True):
-        forces[i] = one.force
-    return accelerations, forces, dict(zip(held, holding, strict=True))
+        accelerations, solved = _held_by_forces(system, held, sympy.Matrix(free))
+    holding: dict[int, list[HoldingForce]] = {i: [] for i in leading}
+    for (i, _), one in zip(held, solved, strict=True):
+        holding[i].append(one)
+    for i, (first, *_) in holding.items():
+        forces[i] = first.force
+    return accelerations, forces, holding
 
 
-def _held_in_numbers(
-    system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int]
-) -> HeldVelocities | None:
+def _held_in_numbers(system: LagrangeSystem, held: Held) -> HeldVelocities | None:
     """The velocities held at zero, where M^-1 is in numbers; None where only sympy can find the forces."""
     if system.coupled is None:
         return None
-    rows = [system.gradient(chosen[i].held, system.v) for i in held]
-    along = [list(system.direction(system.mechanics.contacts[i])) for i in held]
-    return held_velocities(system.coupled, rows, along, [system.rate(chosen[i].held) for i in held])
+    rows = [system.gradient(one.velocity, system.v) for _, one in held]
+    rates = [system.rate(one.velocity) for _, one in held]
+    return held_velocities(system.coupled, rows, [list(one.along) for _, one in held], rates)
 
 
 def _as_one_body(system: LagrangeSystem, pair: Pair, r: Any) -> tuple[list[Any], Any]:
@@ -197,16 +227,14 @@ def sticking_force(system: LagrangeSystem, pair: Pair, r: Sequence[Any]) -> Any:
     return (heavy * r[pair.second] - light * r[pair.first]) / (heavy + light)
 
 
-def _held_by_forces(
-    system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Sequence[int], free: Any
-) -> tuple[list[Any], list[HoldingForce]]:
+def _held_by_forces(system: LagrangeSystem, held: Held, free: Any) -> tuple[list[Any], list[HoldingForce]]:
     """Accelerations and holding forces where contacts hold any velocities at zero, solved by sympy."""
     inverse = system.inverse
-    rows = sympy.Matrix([system.gradient(chosen[i].held, system.v) for i in held])
+    rows = sympy.Matrix([system.gradient(one.velocity, system.v) for _, one in held])
     reach = _sparse_product(rows, inverse)
-    rates = [system.rate(chosen[i].held) for i in held]
+    rates = [system.rate(one.velocity) for _, one in held]
     along = [-(rate + part) for rate, part in zip(rates, _sparse_product(reach, free), strict=True)]
-    columns = sympy.Matrix.hstack(*(system.direction(system.mechanics.contacts[i]) for i in held))
+    columns = sympy.Matrix.hstack(*(one.along for _, one in held))
     softness = _sparse_product(reach, columns)
     forces: list[Any] = [None] * len(held)
     holding: list[Any] = [None] * len(held)
@@ -216,8 +244,8 @@ def _held_by_forces(
         for i, force in zip(block, matrix.LUsolve(right), strict=True):
             forces[i], holding[i] = force, HoldingForce(_expand(force))
         if system.varies(matrix):
-            against = (isinstance(system.mechanics.contacts[held[i]], Friction) for i in block)
-            for i, one in zip(block, _products(matrix, right, (-1) ** sum(against)), strict=True):
+            sign = prod(held[i][1].sign for i in block)
+            for i, one in zip(block, _products(matrix, right, sign), strict=True):
                 holding[i] = HoldingForce(holding[i].force, *one)
     # Expanded, terms that cancel vanish: a constrained velocity keeps its value to the last bit.
     pushed = free + _sparse_product(columns, sympy.Matrix(forces))
@@ -270,7 +298,7 @@ def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
     ]
     events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
-    outputs = _outputs(system, chosen, solved.forces)
+    outputs = _outputs(system, chosen, solved)
     flow = system.flow(solved.accelerations, [rate for regime in chosen for rate in regime.rates])
     return Mode(name, flow, tuple(events), constraints, outputs)
 
@@ -291,6 +319,8 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
         return Event(
             label, end.function, targets, holding_reset(system, contact, system.chosen(combination)[i].name)
         )
+    if end.jump == "open" and isinstance(contact, Stop):
+        return Event(label, end.function, targets, Reset(vanishing=closed(system, contact)))
     if end.jump == "unload" and isinstance(contact, Friction):
         return Event(label, end.function, targets, unloading_reset(system, contact))
     return Event(label, end.function, targets)
@@ -301,7 +331,7 @@ def _entered(
 ) -> Iterator[Combination]:
     """The combinations to try where the regime of contact `i` ends and that of this name follows."""
     chosen = system.chosen(combination)
-    if chosen[i].held is not None:  # a contact that is at its limit while others hold may now hold instead
+    if chosen[i].held:  # a contact that is at its limit while others hold may now hold instead
         resting = (j for j, one in enumerate(chosen) if one is system.regimes[j][combination[j]].resting)
         yield from (_changed(system, combination, {i: name, j: "stick"}) for j in resting)
     direction = system.direction_of(i) if end.common else None
@@ -325,20 +355,20 @@ def contact_suffix(system: LagrangeSystem, i: int) -> str:
 
 
 def _outputs(
-    system: LagrangeSystem, chosen: Sequence[ContactRegime], forces: Sequence[Any]
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], solved: ContactForces
 ) -> dict[str, Any]:
     outputs = {}
-    for i, (contact, regime, force) in enumerate(zip(system.mechanics.contacts, chosen, forces, strict=True)):
-        outputs |= {
-            name + contact_suffix(system, i): value
-            for name, value in _contact_outputs(contact, regime, force)
-        }
+    for i, (contact, regime) in enumerate(zip(system.mechanics.contacts, chosen, strict=True)):
+        values = _contact_outputs(contact, regime, solved.forces[i], solved.friction.get(i, sympy.S.Zero))
+        outputs |= {name + contact_suffix(system, i): value for name, value in values}
     return outputs
 
 
-def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any) -> Any:
+def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any, friction: Any) -> Any:
     if isinstance(contact, Stop):
-        return ("distance", contact.distance), ("reaction", force)
+        rigid = ("distance", contact.distance), ("reaction", force)
+        rubbing = ("friction_force", friction), ("relative_velocity", contact.relative_velocity)
+        return (*rigid, *rubbing) if contact.rubs else rigid
     shown = (
         ("normal_force", regime.pressing),
         ("friction_force", force),

@@ -5,16 +5,16 @@ import pytest
 import sympy
 
 import frictionlab as fl
-from frictionlab.components.impact import clip_to_cone
+from frictionlab.components.impact import clip
 
 
 @pytest.mark.parametrize(
     ("stopping", "found"), [(0.3, 0.3), (-0.3, -0.3), (2.0, 0.5), (-2.0, -0.5), (0.5, 0.5)]
 )
 def test_the_impulse_within_the_cone(stopping, found):
-    assert clip_to_cone(stopping, 0.5) == pytest.approx(found, abs=1e-16)
+    assert clip(stopping, -0.5, 0.5) == pytest.approx(found, abs=1e-16)
     x = sympy.Symbol("x", real=True)
-    assert clip_to_cone(x, 0.5).subs(x, stopping) == pytest.approx(found, abs=1e-16)
+    assert clip(x, -0.5, 0.5).subs(x, stopping) == pytest.approx(found, abs=1e-16)
 
 
 def landing(e, mu_i, speed):

@@ -1,0 +1,303 @@
+"""Rigid contacts with and without friction: closed forms, an integration by hand, and Moreau's scheme."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+import frictionlab as fl
+from tests.reference.moreau import RigidSystem, time_steps
+
+sin, cos = fl.functions.sin, fl.functions.cos
+
+
+@fl.model
+class Landing(fl.MechanicalModel):
+    """A mass that falls on another one, which hangs on a spring."""
+
+    m1: float = 1.0
+    m2: float = 2.0
+    k: float = 10.0
+    coordinates = ("x1", "x2")
+
+    def release(self):
+        return {"x2": 0.5}
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            kinetic=self.m1 * v.x1**2 / 2 + self.m2 * v.x2**2 / 2,
+            potential=self.k * q.x1**2 / 2 + 10.0 * self.m2 * q.x2,
+            contacts=(fl.Stop(q.x2 - q.x1, fl.PlasticImpact("full")),),
+        )
+
+
+def test_bodies_stay_together_while_one_presses_the_other():
+    """F_N = m2 (g + x''), where both move together."""
+    run = fl.simulate(Landing(), 2.0, progress=False)
+    assert run.events.target.tolist() == ["contact"]
+    together = run.t > run.events.t[0]
+    acceleration = -(10.0 * run["x1"] + 20.0) / 3.0
+    assert np.allclose(run["reaction"][together], (2.0 * (10.0 + acceleration))[together], rtol=1e-12)
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+@fl.model
+class Puck(fl.MechanicalModel):
+    """A puck that falls on a belt and is held by a spring along it."""
+
+    m: float = 1.0
+    k: float = 20.0
+    v: float = 0.5
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.2, mu_s=0.4)
+    impact: fl.ImpactLaw = fl.PlasticImpact("full")
+    coordinates = ("x", "y")
+
+    def release(self):
+        return {"y": 0.05}
+
+    def mechanics(self, q, v):
+        rubbing = fl.Stop(q.y, self.impact, friction=self.friction, relative_velocity=self.v - v.x)
+        return fl.Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2,
+            potential=self.k * q.x**2 / 2 + 10.0 * self.m * q.y,
+            contacts=(rubbing,),
+        )
+
+
+def test_a_puck_falls_on_the_belt_and_slips():
+    run = fl.simulate(Puck(), 0.2, progress=False)
+    assert run.events.t.tolist() == pytest.approx([0.1], rel=1e-14)
+    assert run.mode[-1] == "slip+"
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+def test_a_puck_sticks_and_slips_as_the_closed_form_says():
+    """The belt carries it from 2 x_k - x_s to x_s = mu_s m g/k; it slips on an arc about x_k = mu_k m g/k."""
+    run = fl.simulate(Puck(), 6.0, x0={"y": 0.0, "x'": 0.5}, progress=False)
+    static, kinetic, rate = 0.2, 0.1, math.sqrt(20.0)
+    breaks = run.events.t[run.events.guard == "cone+"]
+    assert breaks[0] == pytest.approx(static / 0.5, rel=1e-13)
+    slips = (math.pi + 2 * math.atan(0.5 / (rate * (static - kinetic)))) / rate
+    assert np.diff(breaks) == pytest.approx(slips + 2 * (static - kinetic) / 0.5, rel=1e-12)
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+def test_a_model_with_a_rigid_contact_is_checked_and_verified():
+    fl.testing.check_model(Puck(impact=fl.FrictionalImpact(e=0.5, mu_i=0.1)))
+    assert "agree" in str(fl.verify(Puck(), 1.0, progress=False))
+    equations = str(Puck().equations("slip-"))
+    assert "F_T(t) = -mu_k*F_N(t)" in equations
+    assert "v_r(t) < 0" in equations
+
+
+@fl.model
+class Rod(fl.MechanicalModel):
+    """A rod that falls over, with its lower end on a rough floor."""
+
+    m: float = 1.0
+    l: float = 0.5
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    coordinates = ("x", "y", "theta")
+
+    def release(self):
+        return {"y": 0.5 * math.sin(1.0), "theta": 1.0}
+
+    def mechanics(self, q, v):
+        end = fl.Stop(
+            q.y - self.l * sin(q.theta),
+            fl.FrictionalImpact(e=0.0, mu_i=0.3),
+            friction=self.friction,
+            relative_velocity=-v.x - self.l * sin(q.theta) * v.theta,
+        )
+        return fl.Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2 + self.m * self.l**2 * v.theta**2 / 6,
+            potential=9.81 * self.m * q.y,
+            contacts=(end,),
+        )
+
+
+def rates_of_rod(mu, m=1.0, l=0.5, g=9.81):
+    """Newton's and Euler's equations of a rod whose end is pressed by N and rubbed by mu N."""
+
+    def rates(t, z):
+        th, (vx, vy, w) = z[2], z[3:]
+        arm = (-l * math.cos(th) + l * math.sin(th) * mu) / (m * l * l / 3)  # angular acceleration per N
+        pressed = (g - l * math.sin(th) * w * w) / (1 / m - l * math.cos(th) * arm)
+        return [vx, vy, w, mu * pressed / m, pressed / m - g, arm * pressed]
+
+    return rates
+
+
+def test_a_rod_that_falls_over_agrees_with_newton_and_euler():
+    model = Rod()
+    run = fl.simulate(model, 0.45, progress=False)
+    assert run.events.guard.tolist() == ["v_r"]
+    turn = run.events.t[0]
+    z = np.array([0.0, 0.5 * math.sin(1.0), 1.0, 0.0, 0.0, 0.0])
+    for mu, begin, end in ((0.3, 0.0, turn), (-0.3, turn, 0.45)):
+        z = solve_ivp(rates_of_rod(mu), (begin, end), z, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        assert np.abs(run(end) - z).max() < 1e-11
+    assert np.abs(run["distance"]).max() < 1e-14
+
+
+def test_slip_ends_where_no_force_keeps_the_bodies_apart():
+    """Painleve's paradox: 1/m + (l cos)(l cos - mu l sin)/J comes to zero, here for mu = 3."""
+    model = Rod(mu_k=3.0, mu_s=3.0)
+    start = {"theta": 0.7, "theta'": 0.0, "x'": -3.0, "y": 0.5 * math.sin(0.7), "y'": 0.0}
+    run = fl.simulate(model, 1.0, x0=start, progress=False)
+    assert not run.status.ok
+    theta = run.final_state[2]
+    softness = 1 + 3 * math.cos(theta) * (math.cos(theta) - 3 * math.sin(theta))
+    assert softness < 1e-6 or "no admissible mode" in str(run.status)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"friction": fl.Coulomb()}, "both friction and relative_velocity or neither"),
+        ({"friction": fl.LuGre()}, "must have no states"),
+    ],
+)
+def test_friction_of_a_stop_needs_a_velocity_and_no_states(more, words):
+    @fl.model
+    class Wrong(fl.MechanicalModel):
+        m: float = 1.0
+        coordinates = ("x", "y")
+
+        def mechanics(self, q, v):
+            speed = {"relative_velocity": -v.x} if "states" in words else {}
+            stop = fl.Stop(q.y, fl.PlasticImpact("full"), **more, **speed)
+            return fl.Mechanics(kinetic=self.m * (v.x**2 + v.y**2) / 2, contacts=(stop,))
+
+    with pytest.raises(ValueError, match=words):
+        fl.simulate(Wrong(), 1.0, progress=False)
+
+
+@fl.model
+class RockingBlock(fl.MechanicalModel):
+    """Housner's block on a rough floor; it turns about one corner, then about the other."""
+
+    m: float = 1.0
+    b: float = 0.2
+    h: float = 1.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.8, mu_s=1.0)
+    coordinates = ("x", "y", "theta")
+
+    def release(self):
+        return {"theta": 0.1, "y": self.h * math.cos(0.1) + self.b * math.sin(0.1)}
+
+    def corner(self, q, v, side):
+        height = q.y - self.h * cos(q.theta) - side * self.b * sin(q.theta)
+        along = v.x - (side * self.b * sin(q.theta) + self.h * cos(q.theta)) * v.theta
+        law = fl.FrictionalImpact(e=0.0, mu_i=1.0)
+        return fl.Stop(height, law, friction=self.friction, relative_velocity=-along)
+
+    def mechanics(self, q, v):
+        turning = self.m * (self.b**2 + self.h**2) / 3 * v.theta**2 / 2
+        return fl.Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2 + turning,
+            potential=9.81 * self.m * q.y,
+            contacts=(self.corner(q, v, -1), self.corner(q, v, 1)),
+        )
+
+
+@pytest.mark.slow
+def test_a_block_rocks_as_housner_says():
+    """The first impact by a quadrature; each leaves 1 - 1.5 sin(alpha)^2 of the rate, tan(alpha) = b/h.
+
+    G. W. Housner, The behavior of inverted pendulum structures during earthquakes, 1963.
+    """
+    run = fl.simulate(RockingBlock(), 4.0, progress=False)
+    alpha, p2 = math.atan(0.2), 3 * 9.81 / (4 * math.hypot(0.2, 1.0))
+
+    def slowness(u):  # theta = theta_0 - u^2 removes the singular start
+        theta = 0.1 - u * u
+        return 2 * u / math.sqrt(2 * p2 * (math.cos(alpha - 0.1) - math.cos(alpha - theta)))
+
+    falls = quad(slowness, 0.0, math.sqrt(0.1), epsabs=1e-12, epsrel=1e-12)[0]
+    assert run.events.t[0] == pytest.approx(falls, rel=1e-9)
+    ratios = run.events.state[:, 5] / run.events.before[:, 5]
+    assert ratios == pytest.approx(1 - 1.5 * math.sin(alpha) ** 2, rel=1e-13)
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+@fl.model
+class Woodpecker(fl.MechanicalModel):
+    """A woodpecker on a spring, on a sleeve that slides and jams on a pole.
+
+    C. Glocker and F. Pfeiffer, Multiple impacts with friction in rigid multibody systems, 1995.
+    """
+
+    m_M: float = 0.0003
+    J_M: float = 5e-9
+    m_S: float = 0.0045
+    J_S: float = 7e-7
+    c: float = 0.0056
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    coordinates = ("y", "phi_M", "phi_S")
+    cyclic = ("y",)
+
+    def release(self):
+        return {"phi_M": -0.0006 / 0.0058, "phi_S": -0.2788, "y'": -0.3411, "phi_S'": -7.4583}
+
+    def mechanics(self, q, v):
+        bird = v.y + 0.01 * v.phi_M + 0.015 * v.phi_S
+        height = q.y + 0.01 * q.phi_M + 0.015 * q.phi_S
+        beak = fl.Stop(
+            0.0024 - 0.02 * q.phi_S,
+            fl.FrictionalImpact(e=0.5, mu_i=0.3),
+            friction=self.friction,
+            relative_velocity=-(v.y + 0.01 * v.phi_M - 0.0051 * v.phi_S),
+        )
+        sleeve = (
+            fl.Stop(
+                0.0006 + side * 0.0058 * q.phi_M,
+                fl.FrictionalImpact(e=0.0, mu_i=0.3),
+                friction=self.friction,
+                relative_velocity=-(v.y + 0.0031 * v.phi_M),
+            )
+            for side in (1, -1)
+        )
+        turning = self.J_M * v.phi_M**2 / 2 + self.J_S * v.phi_S**2 / 2
+        return fl.Mechanics(
+            kinetic=self.m_M * v.y**2 / 2 + self.m_S * bird**2 / 2 + turning,
+            potential=self.c * (q.phi_M - q.phi_S) ** 2 / 2 + 9.81 * (self.m_M * q.y + self.m_S * height),
+            contacts=(beak, *sleeve),
+        )
+
+
+def woodpecker_by_moreau(t_end, h):
+    m_M, J_M, m_S, J_S, c, g = 0.0003, 5e-9, 0.0045, 7e-7, 0.0056, 9.81
+    arm = np.array([1.0, 0.01, 0.015])
+    weights = np.array([m_M * g, 0.0, 0.0]) + m_S * g * arm
+    return time_steps(
+        RigidSystem(
+            masses=np.diag([m_M, J_M, J_S]) + m_S * np.outer(arm, arm),
+            forces=lambda q: np.array([0.0, -1.0, 1.0]) * c * (q[1] - q[2]) - weights,
+            gaps=lambda q: np.array([0.0024 - 0.02 * q[2], 0.0006 + 0.0058 * q[1], 0.0006 - 0.0058 * q[1]]),
+            normals=np.array([[0, 0, -0.02], [0, 0.0058, 0], [0, -0.0058, 0]]),
+            tangents=np.array([[1, 0.01, -0.0051], [1, 0.0031, 0], [1, 0.0031, 0]]),
+            restitution=np.array([0.5, 0.0, 0.0]),
+            friction=0.3,
+        ),
+        np.array([0.0, -0.0006 / 0.0058, -0.2788]),
+        np.array([-0.3411, 0.0, -7.4583]),
+        t_end,
+        h,
+    )
+
+
+@pytest.mark.slow
+def test_a_woodpecker_pecks_as_moreaus_scheme_says():
+    """The sleeve jams, slips free, turns over, the beak hits the pole, the sleeve turns back and jams."""
+    run = fl.simulate(Woodpecker(), 0.3, progress=False)
+    impacts = [guard for guard in run.events.guard[run.events.t > 0.01] if guard.startswith("impact")]
+    assert impacts[:5] == ["impact_3", "impact_1", "impact_3", "impact_2", "impact_2"]
+    steps = woodpecker_by_moreau(0.14, 2e-5)
+    errors = np.abs(run(steps[:, 0])[:, :3] - steps[:, 1:4]).max(axis=0)
+    assert (errors < [3e-5, 1e-3, 2e-3]).all()  # of motions of 0.017 m, 0.2 and 0.6
+    settled = fl.steady_state(Woodpecker(), transient=3.0, window=1.5, progress=False)
+    orbit = fl.periodic_orbit(Woodpecker(), settled)
+    assert orbit.period == pytest.approx(settled.period, rel=1e-5)
+    assert np.abs(orbit.multipliers[1:]).max() < 1
