@@ -22,7 +22,7 @@ def model(request):
 
 
 def settled(model):
-    return fl.simulate(model, 100 * model.period, progress=False)
+    return fl.simulate(model, 100.3 * model.period, progress=False)
 
 
 def varied(model):

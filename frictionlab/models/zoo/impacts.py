@@ -16,7 +16,6 @@ from frictionlab.models.mechanism import Block, Mechanism, Point, Wall
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, positive
 
-AT_ONE_INSTANT = "Impacts at one instant leave a motion without a derivative by its start."
 SLENDERNESS = 0.2  # rad, of a block five times as high as wide
 
 
@@ -297,7 +296,7 @@ class NewtonsCradle(ZooModel):
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "eigenvalues": "At rest the balls touch, at the border of all modes.",
-            **dict.fromkeys(("periodic_orbit", "continue_orbit"), AT_ONE_INSTANT),
+            "continue_orbit": "In the end all balls swing as one, with any amplitude: there is no branch.",
         }
     )
 
