@@ -14,6 +14,7 @@ from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, shorten
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import check_flag, check_number, check_t_end, explains_keywords
 
 from .motion_scales import Array, state_scales
@@ -111,6 +112,7 @@ def lyapunov(
     t_end = check_t_end(t_end, "give the seconds to average over")
     blocks = check_number("blocks", blocks, integer=True, least=2, most=MAX_BLOCKS, cure="20 parts are usual")
     automaton = automaton_of(model)
+    refuse_time(model, "Lyapunov exponents")
     state = initial_state_of(model, x0, automaton)
     if transient:
         state = _run(automaton, transient, state, progress).final_state

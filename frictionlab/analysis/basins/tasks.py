@@ -34,6 +34,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 
 PROBE_COUNT = 12  # initial states of the probes, which look for the attractors first
 # initial states in a task: enough that the overhead of a task does not matter
@@ -59,6 +60,7 @@ def run_basin_tasks(
     KeyboardInterrupt
         After ctrl-C, with what `result_of` makes of the results so far, None where there are none.
     """
+    refuse_time(model, "basins")
     check_section(model, options.section)
     initial_state_of(model, starts[0])
     automaton, chosen = automaton_of(model), probe_indices(len(starts))

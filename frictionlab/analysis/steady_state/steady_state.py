@@ -27,6 +27,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, FrozenMapping
 from frictionlab.stability import equilibrium
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import check_flag
 
 if TYPE_CHECKING:
@@ -248,6 +249,7 @@ def steady_state(
     """
     check_flag("progress", progress)
     (chosen,) = merge_keywords("steady_state", keywords, unused="rtol", options=(SteadyStateOptions, options))
+    refuse_time(model, "a steady state")
     check_section(model, chosen.section)
     return find_steady_state(model, initial_state_of(model, x0), chosen, progress)
 

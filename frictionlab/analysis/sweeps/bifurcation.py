@@ -24,6 +24,7 @@ from frictionlab.interruption import InterruptCounter, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import Model, check_parameter_name, require_model
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import check_choice, float_array
 
 Array = NDArray[np.float64]
@@ -263,6 +264,7 @@ def bifurcation(
     if isinstance(x0, str):
         check_choice("x0", x0, INITIAL_STATES)
     models = _models(model, parameter, values)
+    refuse_time(models[0], "a bifurcation diagram")
     check_section(models[0], chosen.section)
     starts = _initial_states(models, "rest" if _is_continued(x0) else x0)
     specification = _sweep_arguments(model, parameter, models, x0, chosen)

@@ -96,6 +96,21 @@ def test_an_orbit_needs_a_model_without_time():
         fl.periodic_orbit(BrakingBelt(), run)
 
 
+@pytest.mark.parametrize(
+    ("study", "what"),
+    [
+        (lambda m: fl.steady_state(m, progress=False), "a steady state"),
+        (lambda m: fl.bifurcation(m, "v0", [0.5, 1.0], progress=False), "a bifurcation diagram"),
+        (lambda m: fl.lyapunov(m, progress=False), "Lyapunov exponents"),
+        (lambda m: fl.basins(m, ("x", [0.0, 1.0]), ("x'", [0.0, 1.0]), progress=False), "basins"),
+        (lambda m: fl.basin_stability(m, {"x": (0.0, 1.0)}, 10, progress=False), "basins"),
+    ],
+)
+def test_what_motions_settle_to_needs_a_model_without_time(study, what):
+    with pytest.raises(ValueError, match=rf"must not depend on the time q\.t to have {what}"):
+        study(BrakingBelt())
+
+
 @fl.model
 class Pressed(fl.MechanicalModel):
     """A mass on a spring under a table of forces, and a damper that a ramp opens."""
