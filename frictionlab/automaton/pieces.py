@@ -94,8 +94,17 @@ class Pieces(sympy.Function):
             return sympy.Min(*values, evaluate=False)
         if values == (*self.borders, x):
             return sympy.Max(*values, evaluate=False)
+        if any(one.has(Pieces, sympy.Piecewise) for one in (x, *self.borders)):
+            return self._by_signs()
         conditions = [x < border for border in self.borders]
         return sympy.Piecewise(*zip(values, [*conditions, True], strict=True), evaluate=False)
+
+    def _by_signs(self) -> Any:
+        """The same by signs: sympy takes minutes for conditions that contain functions in pieces."""
+        half = sympy.Rational(1, 2)
+        above = [half + sympy.sign(half + sympy.sign(self.x - border)) / 2 for border in self.borders]
+        shares = [low - high for low, high in pairwise([sympy.S.One, *above, sympy.S.Zero])]
+        return sympy.Add(*(share * value for share, value in zip(shares, self.values, strict=True)))
 
     def _latex(self, printer: Any) -> str:
         if len(self.values) > MOST_PRINTED:

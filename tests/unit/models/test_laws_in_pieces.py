@@ -272,6 +272,34 @@ def test_a_measured_friction_curve_against_scipy():
     fl.testing.check_law(Measured())
 
 
+@fl.model
+class Spring(fl.MechanicalModel):
+    """A spring whose force goes through points that are parameters."""
+
+    a: float = 0.5
+    y1: float = 0.4
+    y2: float = 1.5
+    coordinates = ("x",)
+    period = 5.0
+
+    def mechanics(self, q, v):
+        force = functions.interpolate(q.x, (0.0, self.a, 1.0, 2.0), (-0.5, self.y1, self.y2, 0.9))
+        return fl.Mechanics(v.x**2 / 2, loads={"x": -force})
+
+
+@pytest.mark.parametrize("changes", [{}, {"y1": 3.0, "y2": 1.0}, {"a": 0.01, "y1": 5.0}, {"y2": 0.4}])
+def test_a_curve_through_points_that_are_parameters(changes):
+    model = Spring(**changes)
+    xs = (0.0, model.a, 1.0, 2.0)
+    curve = PchipInterpolator(xs, (-0.5, model.y1, model.y2, 0.9))
+
+    def rates(t, z):
+        return [z[1], -float(curve(min(max(z[0], 0.0), 2.0)))]
+
+    state, _ = in_pieces(rates, [1.9, 0.0], 2.0, [lambda t, z, x=x: z[0] - x for x in xs])
+    assert run(model, 2.0, [1.9, 0.0]).final_state == pytest.approx(state, abs=1e-9)
+
+
 @pytest.mark.slow
 def test_stick_slip_under_a_measured_curve():
     model = fl.MassOnBelt(friction=Measured(), v=0.55, c=0.02)
