@@ -9,7 +9,7 @@ left and its right vector are refined together, and give its exact slope.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,7 @@ from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, partici
 from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
 from frictionlab.stability.state_matrices import eigenvalues_of_matrices
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
+from frictionlab.structures.window_eigenvalues import has_regular_mass
 from frictionlab.validation import abbreviate, check_limits, float_array
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ FIRST_POINTS = 9  # of the search for changes of stability
 NEAR_ZERO = 4.0  # times the bend of a growth rate over a step: farther from zero it cannot pass it unseen
 NEWTON_STEPS = 30
 ROOT_RTOL = 1e-12  # of the range of the parameter
+COALESCED_SHARE = 1e-7  # of an eigenvalue: rounding parts two that coalesce by the root of its share
+COALESCENCE_STEPS = 60
 REFINEMENTS = 6
 SETTLED_RTOL = 1e-14  # of an eigenvalue: its last refinement
 
@@ -78,7 +81,7 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
         raise ValueError(
             f"values must be one number or more, got {abbreviate(values)}: give those of {parameter}"
         )
-    if structure.size <= MOST_SCANNED and not structure.massless:
+    if _is_scanned(structure, parameter, at):
         return _full_locus(structure, parameter, at)
     samples = [sample(structure, parameter, value) for value in progress_bar(at, "root locus")]
     steps = [_match(structure, parameter, a, b, HALVINGS) for a, b in pairwise(samples)]
@@ -98,7 +101,7 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
     """The changes of stability of a structure, see :func:`frictionlab.stability_changes`."""
     structure.check_parameter(parameter)
     low, high = check_limits("bounds", bounds, "give (low, high)")
-    if structure.size <= MOST_SCANNED and not structure.massless:
+    if _is_scanned(structure, parameter, (low, high)):
         problem: Any = _FullSpectra(structure)  # of an equilibrium problem only the spectra are needed
         return changes_on_lines(problem, parameter, (low, high), {})[0]
     samples = _scan(structure, parameter, (low, high))
@@ -108,6 +111,15 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
             if (a.values[i].real > 0.0) != (b.values[j].real > 0.0):
                 changes.append(_change(structure, parameter, (a, i), (b, j)))
     return _with_counts(sorted(changes, key=lambda one: one.value), samples[0].growing)
+
+
+def _is_scanned(structure: Structure, parameter: str, values: Iterable[float]) -> bool:
+    """Whether full spectra are cheap and right: every motion has mass, no stiffness is complex."""
+    if structure.size > MOST_SCANNED or np.iscomplexobj(structure.pencil.K.data):
+        return False
+    moved = [structure.replace(**{parameter: float(value)}) for value in values]
+    checked = moved if parameter in structure.M.parameters else moved[:1]
+    return all(has_regular_mass(one.pencil) for one in checked)
 
 
 def sample(structure: Structure, parameter: str, value: float) -> Sample:
@@ -207,6 +219,9 @@ def _change(
     low, high = a.at, b.at
     rates = a.values[i].real, b.values[j].real
     rises = rates[1] > rates[0]
+    if _is_mirrored(structure.replace(**{parameter: 0.5 * (low + high)}).pencil):
+        at, value = _coalescence(structure, parameter, a.at if rises else b.at, end if rises else start)
+        return _described(at, value, rises)
     at = low + (high - low) * rates[0] / (rates[0] - rates[1])
     nearer, place = (a, i) if at - low < high - at else (b, j)
     value, shape = (
@@ -227,9 +242,55 @@ def _change(
         inside = low < at + step < high
         value = value + slope * step if inside else value
         at = at + step if inside else 0.5 * (low + high)
+    return _described(at, value, rises)
+
+
+def _described(at: float, value: complex, rises: bool) -> StabilityChange:
     kind = StabilityKind.FLUTTER if abs(value.imag) > abs(value.real) else StabilityKind.DIVERGENCE
     frequency = abs(value.imag) / (2 * np.pi) if kind is StabilityKind.FLUTTER else 0.0
     return StabilityChange(float(at), float(frequency), kind, "loss" if rises else "regain", (0, 0))
+
+
+def _is_mirrored(pencil: QuadraticPencil) -> bool:
+    """Whether -conj(s) is an eigenvalue where s is, as without damping.
+
+    Growth rates are then zeros until two modes coalesce, where they have no slope.
+    """
+    C, K = pencil.C, pencil.K
+    if np.iscomplexobj(K.data):
+        return False
+    return not C.count_nonzero() or not ((C + C.T).count_nonzero() or (K - K.T).count_nonzero())
+
+
+def _coalescence(
+    structure: Structure, parameter: str, still: float, start: tuple[Sample, int]
+) -> tuple[float, complex]:
+    """Where two modes coalesce, between where they are still and where one grows, and the eigenvalue there.
+
+    Squares of growth rates are linear there, so the secant of two is followed; where it does not help the
+    interval is halved.
+    """
+    sampled, place = start
+    growing, value, shape = sampled.at, complex(sampled.values[place]), sampled.shapes[:, place]
+    width, at, slope = abs(growing - still), 0.5 * (growing + still), 0.0
+    for _ in range(COALESCENCE_STEPS):
+        at_once = sample(structure, parameter, at)
+        likeness = np.abs(shape.conj() @ at_once.shapes) ** 2
+        grows = at_once.values.real > COALESCED_SHARE * np.abs(at_once.values)
+        places = np.flatnonzero(grows & (likeness >= SAME_MODE))
+        if len(places):
+            best = places[likeness[places].argmax()]
+            new, shape = complex(at_once.values[best]), at_once.shapes[:, best]
+            slope = (value.real**2 - new.real**2) / (growing - at)
+            growing, value = at, new
+        else:
+            still, slope = at, 0.0
+        ahead = growing - value.real**2 / slope if slope else still
+        inside = min(still, growing) < ahead < max(still, growing)
+        if min(abs(growing - still), abs(growing - ahead) if inside else np.inf) <= ROOT_RTOL * width:
+            return ahead if inside else growing, value
+        at = ahead if inside else 0.5 * (growing + still)
+    return growing, value
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,11 +55,11 @@ class ParametricMatrix:
 
     def at(self, values: Mapping[str, float]) -> Matrix:
         """The matrix at values of the parameters."""
-        return self._sum(self._formulas.numbers(*(values[name] for name in self.parameters)))
+        return self._sum(self._factors(self._formulas.numbers, values))
 
     def stack(self, values: Mapping[str, Any], count: int) -> Any:
         """Full matrices (count, n, n) at arrays (count,) of the parameters."""
-        factors = self._formulas.arrays(*(values[name] for name in self.parameters))
+        factors = self._factors(self._formulas.arrays, values)
         columns = (np.broadcast_to(np.asarray(factor, dtype=float), (count,)) for factor in factors)
         pairs = zip(columns, self.matrices, strict=True)
         return sum(column[:, None, None] * matrix.toarray() for column, matrix in pairs)
@@ -88,6 +88,17 @@ class ParametricMatrix:
     def entries(self) -> int:
         """Entries that are stored, of all terms."""
         return sum(matrix.nnz for matrix in self.matrices)
+
+    def _factors(self, formulas: Callable[..., Any], values: Mapping[str, Any]) -> Any:
+        factors = formulas(*(values[name] for name in self.parameters))
+        for text, factor in zip(self.coefficients, factors, strict=True):
+            if not np.isfinite(factor).all():
+                at = ", ".join(f"{name} = {abbreviate(values[name])}" for name in names_in(text))
+                raise ValueError(
+                    f"the coefficient {text} must be finite, got {abbreviate(factor)} at {at}: take another "
+                    "value"
+                )
+        return factors
 
     def _sum(self, factors: Any) -> Matrix:
         total = sparse.csc_array(self.matrices[0].shape)
@@ -261,13 +272,17 @@ def check_symmetry(name: str, matrix: ParametricMatrix, sign: int, cure: str) ->
         where = name if len(matrix.matrices) == 1 else f"term {i} of {name}"
         raise ValueError(
             f"{where} must be {what}, got {term[row, column]:.6g} at row {row}, column {column}, and "
-            f"{term[column, row]:.6g} across the diagonal: {_triangle(term) or cure}"
+            f"{term[column, row]:.6g} across the diagonal: {_triangle(term, sign) or cure}"
         )
 
 
-def _triangle(term: Matrix) -> str:
-    """The cure for one triangle of a symmetric matrix; "" for any other."""
+def _triangle(term: Matrix, sign: int) -> str:
+    """The cure for one triangle of a symmetric or a skew matrix; "" for any other."""
     coordinates = term.tocoo()
+    diagonal = (coordinates.row == coordinates.col).any()
+    if sign == -1:
+        one = not diagonal and len({*np.sign(coordinates.row - coordinates.col)}) == 1
+        return "it is one triangle of a matrix, so give A - A.T" if one else ""
     if (coordinates.row >= coordinates.col).all() or (coordinates.row <= coordinates.col).all():
         return "it is one triangle of a matrix, so give A + A.T - scipy.sparse.diags_array(A.diagonal())"
     return ""

@@ -84,8 +84,8 @@ class QuadraticPencil:
     def residuals(self, values: ComplexArray, vectors: ComplexArray) -> Array:
         """|Q(s) x| (m,) as a share of |s^2 M x| + |s C x| + |K x|."""
         terms = values**2 * (self.M @ vectors), values * (self.C @ vectors), self.K @ vectors
-        sizes = sum(np.linalg.norm(term, axis=0) for term in terms)
-        return np.linalg.norm(sum(terms), axis=0) / sizes
+        sizes = np.sum([np.linalg.norm(term, axis=0) for term in terms], axis=0)
+        return _shares(np.linalg.norm(sum(terms), axis=0), sizes)
 
     def backward_errors(self, values: ComplexArray, vectors: ComplexArray) -> Array:
         """|Q(s) x| (m,) as a share of (|s|^2 |M| + |s| |C| + |K|) |x|, by Tisseur (2000), Theorem 1.
@@ -94,9 +94,8 @@ class QuadraticPencil:
         """
         mass, damping, stiffness = self._norms
         sizes = np.abs(values) ** 2 * mass + np.abs(values) * damping + stiffness
-        return np.linalg.norm(self.products(values, vectors), axis=0) / (
-            sizes * np.linalg.norm(vectors, axis=0)
-        )
+        left_over = np.linalg.norm(self.products(values, vectors), axis=0)
+        return _shares(left_over, sizes * np.linalg.norm(vectors, axis=0))
 
     @cached_property
     def _norms(self) -> tuple[float, ...]:
@@ -126,6 +125,11 @@ class QuadraticPencil:
         inverses, small = pairs
         values = operator.shift + operator.scale / inverses.astype(complex)
         return Spectrum(values, known.basis[: operator.size] @ small.astype(complex))
+
+
+def _shares(parts: Array, wholes: Array) -> Array:
+    """Parts as shares of wholes; 0 of nothing, as of a rigid motion, in which all terms are zero."""
+    return np.divide(parts, wholes, out=np.zeros_like(parts), where=wholes > 0.0)
 
 
 class _Invariant(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from html import escape
 from types import MappingProxyType
@@ -40,6 +40,7 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
+REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
 LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only the sign matters
 
@@ -118,7 +119,9 @@ class Structure(LargeSystem[WindowEigenvalues]):
         new = []
         for name in MATRICES:
             given = getattr(self, name)
-            if given is None or isinstance(given, (ParametricMatrix, RayleighDamping)):
+            if given is None and name not in REQUIRED:
+                continue
+            if isinstance(given, ParametricMatrix) or (name == "C" and isinstance(given, RayleighDamping)):
                 continue
             object.__setattr__(self, name, parametric_matrix(name, given, self.parameters))
             new.append(name)
@@ -164,7 +167,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
         self.check_parameter(parameter)
         return self._pencil(lambda one: one.derivative(parameter, self.parameters))
 
-    def replace(self, **changes: Any) -> Self:
+    def replace(self, /, **changes: Any) -> Self:
         """The structure with other values of parameters, or other fields; no matrix is read again.
 
         Raises
@@ -180,8 +183,15 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 raise unknown_parameter(type(self).__name__, name, [*self.parameters, *sorted(own)])
         values = {name: value for name, value in changes.items() if name in self.parameters}
         others = {name: value for name, value in changes.items() if name not in values}
-        if values:
-            others["parameters"] = {**self.parameters, **others.get("parameters", {}), **values}
+        if isinstance(self.C, RayleighDamping) and (values or "C" in others):
+            rates = asdict(self.C)  # they are its own, and go with it
+            if "C" not in others:
+                others["C"] = replace(self.C, **{name: values.pop(name) for name in rates if name in values})
+            own_values = {name: value for name, value in self.parameters.items() if name not in rates}
+        else:
+            own_values = dict(self.parameters)
+        if values or "C" in others:
+            others["parameters"] = {**own_values, **(others.get("parameters") or {}), **values}
         return replace(self, **others)
 
     def check_parameter(self, name: Any) -> None:
@@ -239,8 +249,14 @@ class Structure(LargeSystem[WindowEigenvalues]):
     def _checked_parameters(self) -> Mapping[str, float]:
         given = {} if self.parameters is None else self.parameters
         check_mapping("parameters", given, 'give names and values, such as {"r": 5.0}')
-        values = {"alpha": self.C.alpha, "beta": self.C.beta} if isinstance(self.C, RayleighDamping) else {}
-        values |= {name: float(check_number(name, value)) for name, value in given.items()}
+        values = asdict(self.C) if isinstance(self.C, RayleighDamping) else {}
+        for name, value in given.items():
+            number = float(check_number(name, value))
+            if values.setdefault(name, number) != number:
+                raise ValueError(
+                    f"parameters must not contradict RayleighDamping, got {name} = {number:.6g} beside its "
+                    f"{values[name]:.6g}: give it once"
+                )
         for name in values:
             if not name.isidentifier() or name in {each.name for each in fields(self)}:
                 raise ValueError(

@@ -14,7 +14,7 @@ from scipy.optimize import linear_sum_assignment
 from frictionlab.presentation import count, dataframe, shorten
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, Eigenvalues, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
-from frictionlab.stability.state_matrices import eigenpairs_of_matrices
+from frictionlab.stability.state_matrices import SINGULAR_RTOL, eigenpairs_of_matrices, inverse_of
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ RADIUS_SHARE = 1.03  # of the window's upper end: the radius of the disc, which 
 LOW_SHARE = 0.5  # of the upper end: a window that begins higher has a complex shift in its middle
 CENTRED_RADIUS = 1.2  # of half the width of such a window
 EQUAL_RTOL = 1e-9  # share of the largest eigenvalue by which equal ones may differ
-INFINITE = 1e10  # times the median size of eigenvalues: beyond, they are those of freedoms without mass
+INFINITE = 1e10  # times the size of eigenvalues: beyond, they are those of freedoms without mass
 NEUTRAL_FACTOR = 4.0  # times the rounding error of an eigenvalue: a smaller growth rate counts as zero
 DOUBTFUL_FACTOR = 1e3 * NEUTRAL_FACTOR  # the same of an estimate without left vectors
 MACHINE_EPSILON = float(np.finfo(float).eps)
@@ -158,29 +158,56 @@ def _spectrum(pencil: QuadraticPencil, window: tuple[float, float] | None) -> Sp
 
 def dense_spectrum(pencil: QuadraticPencil) -> Spectrum:
     """All finite eigenvalues of a small pencil, from a full matrix of twice its size."""
-    n = pencil.size
-    try:
-        values, vectors = (part[0] for part in eigenpairs_of_matrices(state_matrix(pencil)[None]))
-    except np.linalg.LinAlgError:  # freedoms without mass
-        M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
-        unit, zero = np.eye(n), np.zeros((n, n))
-        pairs: Any = linalg.eig(np.block([[zero, unit], [-K, -C]]), np.block([[unit, zero], [zero, M]]))
-        values, vectors = pairs
-        sizes = np.abs(values)
-        finite = np.isfinite(sizes)
-        finite &= sizes <= INFINITE * np.median(sizes[finite])
-        values, vectors = values[finite], vectors[:, finite]
-    return Spectrum(values.astype(complex), vectors[:n].astype(complex))
+    if not has_regular_mass(pencil):
+        return _spectrum_with_massless_motions(pencil)
+    values, vectors = (part[0] for part in eigenpairs_of_matrices(state_matrix(pencil)[None]))
+    return Spectrum(values.astype(complex), vectors[: pencil.size].astype(complex))
 
 
-def state_matrix(pencil: QuadraticPencil) -> Array:
-    """The matrix (2n, 2n) of (q, v)' = A (q, v).
+def has_regular_mass(pencil: QuadraticPencil) -> bool:
+    """Whether every motion has kinetic energy, by more than rounding."""
+    return inverse_of(pencil.M.toarray()) is not None
+
+
+def _spectrum_with_massless_motions(pencil: QuadraticPencil) -> Spectrum:
+    """The finite eigenvalues of a small pencil with a singular M.
+
+    In the directions of M's eigenvectors its zeros are exact.  Otherwise rounding makes large finite
+    eigenvalues of infinite ones.
 
     Raises
     ------
-    LinAlgError
-        Where M is singular.
+    ArithmeticError
+        Where a motion has neither mass nor damping nor stiffness.
     """
+    n = pencil.size
+    M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
+    scales = 1.0 / np.sqrt(np.where(M.diagonal() > 0.0, M.diagonal(), 1.0))
+    masses, directions = np.linalg.eigh(scales[:, None] * M * scales)
+    masses[masses <= SINGULAR_RTOL * n * masses[-1]] = 0.0
+    directions = scales[:, None] * directions
+    massless, massive = directions[:, masses == 0.0], directions[:, masses > 0.0]
+    held = np.vstack([C, K]) @ massless
+    sizes = np.linalg.svd(held, compute_uv=False)
+    if sizes[-1] <= SINGULAR_RTOL * n * sizes[0]:
+        raise ArithmeticError(
+            "M, C and K must not have a common null vector, got a motion with neither mass nor damping nor "
+            "stiffness: hold it, or leave its freedoms out"
+        )
+    scale = np.sqrt(np.linalg.norm(massive.T @ K @ massive, 2))
+    C, K = directions.T @ C @ directions, directions.T @ K @ directions
+    unit, zero = np.eye(n), np.zeros((n, n))
+    given = np.block([[zero, unit], [-K, -C]]), np.block([[unit, zero], [zero, np.diag(masses)]])
+    pairs: Any = linalg.eig(*given)
+    values, vectors = pairs
+    sizes = np.abs(values)
+    finite = np.isfinite(sizes)
+    finite &= sizes <= INFINITE * max(np.median(sizes[finite]), scale)  # a median may be a rigid motion's
+    return Spectrum(values[finite].astype(complex), directions @ vectors[:n, finite].astype(complex))
+
+
+def state_matrix(pencil: QuadraticPencil) -> Array:
+    """The matrix (2n, 2n) of (q, v)' = A (q, v), of a regular M."""
     n = pencil.size
     M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
     accelerations = np.linalg.solve(M, np.hstack([-K, -C]))
@@ -204,8 +231,10 @@ def _neutral(structure: Structure, spectrum: Spectrum) -> NDArray[np.bool_]:
     leave no doubt.
     """
     values, x = spectrum
-    rough = x.conj() / _products_of_pairs(structure.pencil, x.conj(), spectrum)
-    neutral = np.abs(values.real) <= DOUBTFUL_FACTOR * _rounding(structure.pencil, rough, spectrum)
+    with np.errstate(divide="ignore", invalid="ignore"):  # 0 where two coalesce, as in a rigid motion
+        rough = x.conj() / _products_of_pairs(structure.pencil, x.conj(), spectrum)
+    rounding = _rounding(structure.pencil, rough, spectrum)
+    neutral = ~(np.abs(values.real) > DOUBTFUL_FACTOR * rounding)  # also where there is no estimate
     if neutral.any():
         left = _left_vectors(structure, spectrum)
         # the two-sided Rayleigh quotient leaves nothing but rounding
@@ -218,7 +247,8 @@ def _rounding(pencil: QuadraticPencil, left: ComplexArray, right: Spectrum) -> A
     """Bound of what rounding of the entries moves each eigenvalue (m,), 1/s."""
     sizes, x, y = np.abs(right.values), np.abs(right.vectors), np.abs(left)
     terms = sizes**2 * (abs(pencil.M) @ x) + sizes * (abs(pencil.C) @ x) + abs(pencil.K) @ x
-    return MACHINE_EPSILON * (y * terms).sum(axis=0)
+    with np.errstate(invalid="ignore"):
+        return MACHINE_EPSILON * (y * terms).sum(axis=0)
 
 
 def _products_of_pairs(pencil: QuadraticPencil, left: ComplexArray, right: Spectrum) -> ComplexArray:

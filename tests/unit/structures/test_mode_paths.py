@@ -97,3 +97,34 @@ def test_refused():
         fl.root_locus(structure, "mu", [])
     with pytest.raises(ValueError, match="bounds must be two numbers in ascending order"):
         fl.critical_value(structure, "mu", (1.0, 0.0))
+
+
+def test_coalescence_without_damping_in_many_freedoms():
+    """More freedoms than full spectra are taken of; the growth rate has no slope where it begins."""
+    n = 51
+    coupling = np.zeros((n, n))
+    coupling[0, 1], coupling[1, 0] = 1.0, -1.0
+    stiffness = np.diag([2.0, 1.0, *(100.0 + np.arange(n - 2))])
+    structure = fl.Structure(np.eye(n), stiffness, circulatory=[("mu", coupling)], parameters={"mu": 0.1})
+    (change,) = fl.stability_changes(structure, "mu", (0.0, 0.9))
+    assert np.isclose(change.value, 0.5, rtol=1e-11)
+    assert np.isclose(change.frequency, np.sqrt(1.5) / (2 * np.pi), rtol=1e-9)
+
+
+def test_critical_friction_with_hysteretic_damping():
+    """A root lambda = -s^2 that is real puts s on the imaginary axis."""
+    eta = 0.02
+    structure = fl.Structure(**COUPLED | {"K": np.diag([2.0, 1.0]) * (1 + 1j * eta)})
+    found = fl.critical_value(structure, "mu", (0.0, 1.0))
+    assert found is not None
+
+    def squares(mu):
+        return np.linalg.eigvals(np.array([[2.0 + 2j * eta, mu], [-mu, 1.0 + 1j * eta]]))
+
+    assert abs(squares(found).imag.min()) < 1e-9
+
+
+def test_a_locus_has_no_negative_mass():
+    structure = fl.Structure([("r", [[1.0]])], [[1.0]], parameters={"r": 1.0})
+    with pytest.raises(ValueError, match="M must be positive"):
+        fl.root_locus(structure, "r", [-1.0, 1.0])

@@ -100,3 +100,41 @@ def test_a_large_structure_needs_a_window():
 def test_an_unknown_keyword_is_explained():
     with pytest.raises(TypeError, match="did you mean 'gyroscopic'"):
         fl.Structure(UNIT, STIFF, **{"gyroscopics": UNIT})
+
+
+def test_rayleigh_damping_and_its_parameters_are_one():
+    structure = fl.Structure(UNIT, STIFF, fl.RayleighDamping(0.1, 0.2))
+    other = structure.replace(C=fl.RayleighDamping(0.3, 0.4))
+    assert dict(other.parameters) == {"alpha": 0.3, "beta": 0.4}
+    assert np.allclose(other.pencil.C.toarray(), 0.3 * UNIT + 0.4 * STIFF, rtol=1e-15)
+    assert fl.RayleighDamping(0.5, 0.2) == structure.replace(alpha=0.5).C
+    assert not structure.replace(C=None).parameters
+    with pytest.raises(ValueError, match="alpha must be at least 0"):
+        structure.replace(alpha=-1.0)
+    with pytest.raises(ValueError, match="must not contradict RayleighDamping"):
+        fl.Structure(UNIT, STIFF, fl.RayleighDamping(0.1, 0.2), parameters={"alpha": 5.0})
+
+
+@pytest.mark.parametrize("wrong", [None, fl.RayleighDamping(0.1, 0.2)])
+def test_mass_and_stiffness_are_matrices(wrong):
+    with pytest.raises(ValueError, match="K must be a matrix of numbers"):
+        fl.Structure(UNIT, wrong)
+    with pytest.raises(ValueError, match="M must be a matrix of numbers"):
+        fl.Structure(wrong, UNIT)
+
+
+def test_a_coefficient_must_be_finite():
+    structure = fl.Structure([[1.0]], [("1/r", [[1.0]])], parameters={"r": 1.0})
+    for ask in (
+        lambda: fl.eigenvalues(structure.replace(r=0.0)),
+        lambda: fl.root_locus(structure, "r", [0, 1]),
+    ):
+        with pytest.raises(ValueError, match="the coefficient 1/r must be finite"):
+            ask()
+
+
+def test_cures_for_what_is_not_skew():
+    with pytest.raises(ValueError, match=r"so give A - A\.T"):
+        fl.Structure(UNIT, STIFF, gyroscopic=[[0.0, 1.0], [0.0, 0.0]])
+    with pytest.raises(ValueError, match="give its symmetric part"):
+        fl.Structure(UNIT, STIFF, gyroscopic=UNIT)

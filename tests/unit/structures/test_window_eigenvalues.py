@@ -159,3 +159,34 @@ def test_what_is_shown():
     assert repr(found).startswith("WindowEigenvalues(20 modes, ")
     assert " growing: +" in repr(found)
     assert list(found.to_dataframe().columns)[-2:] == ["residual", "backward_error"]
+
+
+def test_mass_without_full_rank():
+    """M has rank 2 and no zero row: the third motion follows the others without inertia."""
+    factor = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 2.0]])
+    stiffness = np.diag([1.0, 2.0, 3.0])
+    found = fl.eigenvalues(fl.Structure(factor @ factor.T, stiffness))
+    # K x = w^2 F F^T x: with y = F^T x, y = w^2 F^T K^-1 F y
+    exact = np.sqrt(1.0 / np.linalg.eigvalsh(factor.T @ np.linalg.inv(stiffness) @ factor))[::-1]
+    assert np.allclose(found.values[found.values.imag > 0.0], 1j * exact, rtol=1e-13)
+    assert (found.backward_errors < 1e-14).all()
+
+
+def test_rigid_motions_beside_a_freedom_without_mass():
+    found = fl.eigenvalues(fl.Structure(np.diag([1.0, 1.0, 1.0, 0.0]), np.diag([0.0, 0.0, 4.0, 1.0])))
+    assert np.allclose(found.values.imag, [0, 0, 0, 0, -2, 2], rtol=1e-14)
+    assert np.isfinite(found.residuals).all()
+
+
+def test_a_motion_that_nothing_holds():
+    stiffness = np.array([[2.0, 0.0, 0.0], [0.0, 1.0, -1.0], [0.0, -1.0, 1.0]])
+    with pytest.raises(ArithmeticError, match="common null vector"):
+        fl.eigenvalues(fl.Structure(np.diag([1.0, 0.0, 0.0]), stiffness))
+
+
+def test_a_free_structure_needs_no_warning():
+    """Its rigid motion has terms that are all zero, and the eigenvalue 0 twice."""
+    found = fl.eigenvalues(fl.Structure(np.eye(2), [[1.0, -1.0], [-1.0, 1.0]]))
+    assert np.allclose(found.values.imag, [0, 0, -np.sqrt(2), np.sqrt(2)], rtol=1e-14)
+    assert (found.residuals < 1e-15).all()
+    assert (found.backward_errors < 1e-15).all()
