@@ -507,12 +507,12 @@ class _OnSides:
     def _by_numbers(self, part: Pieces) -> Any:
         """A sum of all values times numbers, of which one is 1, the others 0."""
         if self._moving.isdisjoint(part.free_symbols):
-            return part.as_known()
+            return self(part.as_known())
         units = [[int(i == k) for k in range(len(part.values))] for i in range(len(part.values))]
         holds = [Pieces(part.x, *part.borders, *unit) for unit in units]
         return sympy.Add(
             *(
-                getattr(one, "as_known", lambda one=one: one)() * self(value)
+                self(getattr(one, "as_known", lambda one=one: one)()) * self(value)
                 for one, value in zip(holds, part.values)
             )
         )

@@ -298,6 +298,7 @@ def test_a_curve_through_points_that_are_parameters(changes):
 
     state, _ = in_pieces(rates, [1.9, 0.0], 2.0, [lambda t, z, x=x: z[0] - x for x in xs])
     assert run(model, 2.0, [1.9, 0.0]).final_state == pytest.approx(state, abs=1e-9)
+    assert model.automaton().modes is Spring().automaton().modes  # values derive nothing
 
 
 @pytest.mark.slow
