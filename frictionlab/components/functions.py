@@ -266,6 +266,11 @@ def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
     duration : float or Expr
         s, above 0.
 
+    Raises
+    ------
+    ValueError
+        Where the duration is a number that is not above 0.
+
     Examples
     --------
     >>> import frictionlab as fl
@@ -276,6 +281,8 @@ def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
         _number_or_expression(name, given)
         for name, given in {"t": t, "start": start, "end": end, "duration": duration}.items()
     )
+    if not _are_expressions(duration) and not duration > 0:
+        raise ValueError(f"duration must be above 0, got {duration:g}: write piecewise for a step")
     return piecewise(t, (0.0, duration), (start, start + (end - start) * t / duration, end))
 
 

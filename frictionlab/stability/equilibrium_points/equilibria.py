@@ -133,9 +133,11 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     search = first_mode_equilibria(automaton, sliding)
     got = "none was found" if search.why else "got none"
     unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
+    held = [] if automaton.on_demand else [name for name in automaton.names if name not in modes]
+    left_out = f" (those with constraints, {shorten(held)}, are not searched)" if held and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
-        f"{got} in {', '.join(modes)}{unsure}: change its parameters, or simulate its motion"
+        f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters, or simulate its motion"
     )
 
 

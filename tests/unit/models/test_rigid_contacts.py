@@ -91,6 +91,11 @@ def test_a_model_with_a_rigid_contact_is_checked_and_verified():
     assert "v_r(t) < 0" in equations
 
 
+def test_an_equilibrium_on_a_rigid_contact_is_said_not_to_be_searched():
+    with pytest.raises(ValueError, match=r"those with constraints, stick, slip\+, slip-, are not searched"):
+        fl.equilibrium(Puck())
+
+
 @fl.model
 class Rod(fl.MechanicalModel):
     """A rod that falls over, with its lower end on a rough floor."""

@@ -111,6 +111,11 @@ def test_what_motions_settle_to_needs_a_model_without_time(study, what):
         study(BrakingBelt())
 
 
+def test_a_ramp_has_a_duration():
+    with pytest.raises(ValueError, match="duration must be above 0, got 0: write piecewise"):
+        fl.ramp(1.0, 0.0, 1.0, 0.0)
+
+
 @fl.model
 class Pressed(fl.MechanicalModel):
     """A mass on a spring under a table of forces, and a damper that a ramp opens."""
