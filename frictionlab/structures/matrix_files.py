@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, is_zipfile
@@ -55,7 +56,7 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
         return sparse.csc_array(_READERS[file.suffix.lower()](file, variable))
     except OSError as error:
         raise with_cure(error, file, "check the path") from None
-    except (TypeError, KeyError, NotImplementedError, UnicodeDecodeError, BadZipFile) as error:
+    except (TypeError, KeyError, NotImplementedError, UnicodeDecodeError, BadZipFile, zlib.error) as error:
         raise ValueError(
             f"{file.name} must hold a matrix, got a file that cannot be read ({error}): {CURE}"
         ) from None
@@ -64,12 +65,19 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
 def _read_mtx(file: Path, variable: str | None) -> Any:
     with file.open("rb") as stream:
         start = stream.read(len(MATRIX_MARKET))
-    return io.mmread(file) if start == MATRIX_MARKET else _read_coordinates(file, variable)
+    if start != MATRIX_MARKET:
+        return _read_coordinates(file, variable)
+    try:
+        return io.mmread(file)
+    except ValueError as error:  # which does not name the file
+        raise TypeError(error) from None
 
 
 def _read_coordinates(file: Path, _: str | None) -> Any:
     """Rows of row, column, entry, counted from 1, as Abaqus writes them; commas or blanks between."""
     text = file.read_text()
+    if not text.strip():
+        raise TypeError("it is empty")
     try:
         rows = np.loadtxt(text.replace(",", " ").splitlines(), ndmin=2, comments=("%", "*", "#"))
     except ValueError as error:

@@ -59,3 +59,11 @@ def test_a_structure_takes_paths(tmp_path):
     sparse.save_npz(tmp_path / "K.npz", K)
     structure = fl.Structure(np.eye(3), tmp_path / "K.npz")
     assert structure.size == 3
+
+
+@pytest.mark.parametrize("text", ["", "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 3\n"])
+def test_errors_name_files_that_are_empty_or_end_early(tmp_path, text):
+    path = tmp_path / "cut.mtx"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"cut\.mtx must hold a matrix"):
+        fl.read_matrix(path)
