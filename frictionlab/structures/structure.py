@@ -30,6 +30,7 @@ from frictionlab.structures.parametric_matrix import (
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
 from frictionlab.validation import (
+    abbreviate,
     check_limits,
     check_mapping,
     check_number,
@@ -279,8 +280,8 @@ class Structure(LargeSystem[WindowEigenvalues]):
         for name in self.parameters:
             if name not in used:
                 raise ValueError(
-                    f"parameters must be named by a coefficient, got {name!r}, which none names: known are "
-                    f"{shorten(sorted(used)) or 'none'}; leave it out or correct a coefficient"
+                    f"parameters must be named by a coefficient, got {abbreviate(name)}, which none names: "
+                    f"known are {shorten(sorted(used)) or 'none'}; leave it out or correct a coefficient"
                 )
 
     def _check_symmetries(self, names: list[str]) -> None:

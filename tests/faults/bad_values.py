@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy.io
 from scipy.stats import uniform
 
 import frictionlab as fl
@@ -112,6 +113,7 @@ def _scratch() -> Path:
     folder = Path(tempfile.mkdtemp())
     fl.simulate(BELT, 0.5, **QUIET).save(folder / "run.npz")
     fl.bifurcation(BELT, "v", [0.3], **SHORT, **QUIET, workers=1).save(folder / "bifurcation.jsonl")
+    scipy.io.mmwrite(folder / "matrix.mtx", np.eye(2))
     return folder
 
 
@@ -268,6 +270,12 @@ def doors() -> dict[str, Door]:
         "list_models": Door(fl.list_models),
         "model": Door(fl.model, {"cls": type("Mine", (fl.MechanicalModel,), {})}),
         "quadratic_form": Door(fl.quadratic_form, {"matrix": np.eye(2), "x": (1.0, 2.0)}),
+        "read_matrix": Door(fl.read_matrix, {"path": scratch / "matrix.mtx"}),
+        "Structure": Door(
+            lambda **k: fl.eigenvalues(fl.Structure(**k)),
+            {"M": np.eye(2), "K": np.diag([1.0, 2.0])},
+            names=("M", "K", "C", "gyroscopic", "circulatory", "load", "parameters", "window"),
+        ),
         "ramp": Door(fl.ramp, {"t": 1.0, "start": 0.0, "end": 1.0, "duration": 2.0}),
         "table": Door(fl.table, {"t": 1.0, "values": {0.0: 1.0, 2.0: 0.5}}),
         "parameter": Door(

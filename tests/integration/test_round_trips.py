@@ -79,7 +79,8 @@ def public(result):
     module = type(result).__module__ or ""  # classes that sympy makes have none
     if module.startswith("frictionlab.") and not isinstance(result, (fl.Model, Enum)):
         values = {name: getattr(result, name, None) for name in names if name not in SKIPPED}
-        return {name: public(value) for name, value in values.items() if not callable(value)}
+        data = {name: value for name, value in values.items() if not callable(value) and value is not result}
+        return {name: public(value) for name, value in data.items()}
     return repr(result)
 
 

@@ -207,6 +207,11 @@ class OscillatorChain(ZooModel):
     about = "a ring of masses on a belt: one, some or all of them vibrate"
     reference = "A. Papangelo et al., J. Sound and Vibration 417 (2018) 56-64"
 
+    def check(self) -> None:
+        """`masses` is from 1 to 100."""
+        self.check_count("masses", least=1)
+        super().check()
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """x1, x2, ..."""

@@ -300,6 +300,11 @@ class NewtonsCradle(ZooModel):
         }
     )
 
+    def check(self) -> None:
+        """`balls` is from 2 to 100."""
+        self.check_count("balls", least=2)
+        super().check()
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """x1, x2, ..."""

@@ -72,6 +72,11 @@ class BowedString(ZooModel):
     about = "a string in modes under a bow: stick for most of a period, a short flight back"
     reference = "M. E. McIntyre, R. T. Schumacher, J. Woodhouse, J. Acoust. Soc. America 74 (1983) 1325-1345"
 
+    def check(self) -> None:
+        """`modes` is from 1 to 100."""
+        self.check_count("modes", least=1)
+        super().check()
+
     def release(self) -> Mapping[str, float]:
         """In Helmholtz's motion, half-way through stick."""
         first = 2 * self.v / (pi * self.beta)
@@ -156,6 +161,11 @@ class MassOnBeam(ZooModel):
         dict.fromkeys(("eigenvalues", "steady_state", "periodic_orbit", "continue_orbit"), ONCE)
     )
 
+    def check(self) -> None:
+        """`modes` is from 1 to 100."""
+        self.check_count("modes", least=1)
+        super().check()
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """y of the mass, and q1, q2, ... of the beam."""
@@ -236,6 +246,11 @@ class DiscAndPads(ZooModel):
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("steady_state", "periodic_orbit", "continue_orbit"), LINEAR)
     )
+
+    def check(self) -> None:
+        """`diameters` is from 1 to 100."""
+        self.check_count("diameters", least=1)
+        super().check()
 
     @property
     def period(self) -> float:

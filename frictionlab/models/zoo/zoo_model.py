@@ -8,7 +8,9 @@ from typing import Any, ClassVar
 
 from frictionlab.components.component import parameter
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+from frictionlab.validation import check_number
 
+MOST_PARTS = 100
 RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
 NO_EQUILIBRIUM = "The force depends on time, so there is no equilibrium."
 LINEAR = "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic."
@@ -23,6 +25,10 @@ class ZooModel(MechanicalModel):
 
     about: ClassVar[str] = ""
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    def check_count(self, name: str, least: int) -> None:
+        """Raise ValueError unless a number of parts is an integer for which equations can be derived."""
+        check_number(name, getattr(self, name), integer=True, least=least, most=MOST_PARTS)
 
 
 def positive(default: float, unit: str, symbol: str, meaning: str) -> Any:
