@@ -261,6 +261,7 @@ def _solved(guard: Expr, symbols: set[Any]) -> dict[Any, Expr] | None:
     return None
 
 
+@np.errstate(all="ignore")  # what is beyond all floats has no bounds
 def _jumps(function: Expr, reset: Reset, surface: Mapping[Any, Expr]) -> bool:
     """Whether bounds at one place tell that a function is not zero after a reset, nor as it was before.
 
@@ -278,8 +279,7 @@ def _jumps(function: Expr, reset: Reset, surface: Mapping[Any, Expr]) -> bool:
     except TapeError:
         return False
     old, new = (interval(formula.arrays(*at.values())[0]) for at in (before, place))
-    changed = new - old
-    return bool(_without_zero(new) and _without_zero(changed))
+    return _without_zero(new) and _without_zero(new - old)
 
 
 def _without_zero(bounds: Interval) -> bool:

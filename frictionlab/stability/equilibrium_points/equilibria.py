@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
@@ -288,7 +289,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     model : Model or HybridAutomaton
         If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
         first mode that has any, by their distance from the origin.  A model's modes with constraints, such as
-        stick, are left out.  States that enter linearly are eliminated.  If at most four remain, boxes of
+        stick, are left out; where they hold a place, as rigid contacts do, the result is not
+        complete.  States that enter linearly are eliminated.  If at most four remain, boxes of
         their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
         threefold one counts once.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
@@ -375,7 +377,24 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
         )
         for x in points.T
     )
-    return Equilibria(members, why)
+    return Equilibria(members, why or _modes_not_searched(model, automaton))
+
+
+def _modes_not_searched(model: ModelOrAutomaton, automaton: HybridAutomaton) -> str:
+    """Why a model may have equilibria in modes that hold a place, as rigid contacts do; else empty."""
+    velocities = automaton.states[automaton.coordinates : 2 * automaton.coordinates]
+
+    def holds_place(constraints: Iterable[Any]) -> bool:
+        return any(one.free_symbols.isdisjoint(velocities) for one in constraints)
+
+    if isinstance(automaton.modes, ModesOnDemand):
+        regimes = (regime for part in automaton.modes.parts for regime in part if regime.holds)
+        names = [regime.name for regime in regimes if holds_place(regime.conditions)]
+    else:
+        names = [mode.name for mode in automaton.modes if holds_place(mode.constraints)]
+    if not names or not is_sliding(model):
+        return ""
+    return f"modes whose constraints hold the place are not searched: {shorten(dict.fromkeys(names))}"
 
 
 def _newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:

@@ -96,6 +96,14 @@ def test_an_equilibrium_on_a_rigid_contact_is_said_not_to_be_searched():
         fl.equilibrium(Puck())
 
 
+def test_equilibria_in_rigid_contact_are_not_excluded():
+    for model in (Puck(), Landing()):
+        known = fl.equilibria(model)
+        assert not known.complete
+        assert "not searched" in known.why
+    assert fl.equilibria(fl.MassOnBelt()).complete
+
+
 @fl.model
 class Rod(fl.MechanicalModel):
     """A rod that falls over, with its lower end on a rough floor."""
