@@ -381,7 +381,7 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     resting = (contact.relative_velocity, *_alike(system, contact))
     zero = {sign * speed: 1 for speed in resting for sign in (1, -1)}
     if isinstance(contact, Stop):
-        return Reset(_at_rest_in_contact(system, contact), zero | closed(system, contact))
+        return Reset(_at_rest_in_contact(system, contact), zero | zeros_in_contact(system, contact))
     if pair is not None:
         return Reset(_together(system, pair), zero)
     w = system.direction(contact)
@@ -395,7 +395,7 @@ def stick_reset(system: LagrangeSystem, contact: Any) -> Reset:
     return Reset(after, zero)
 
 
-def closed(system: LagrangeSystem, contact: Stop) -> dict[Any, int]:
+def zeros_in_contact(system: LagrangeSystem, contact: Stop) -> dict[Any, int]:
     """What is zero in a rigid contact, seen from either side: its distance, and the rate of this."""
     orders = {contact.distance: 2, system.rate(contact.distance): 1}
     return {sign * function: order for function, order in orders.items() for sign in (1, -1)}
@@ -551,7 +551,9 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
         after = _after_rubbing_impact(system, contact, impulse, law.friction_coefficient)
     else:
         after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
-    return Reset({**placed, **after}, closed(system, contact) if order == 2 else {contact.distance: order})
+    return Reset(
+        {**placed, **after}, zeros_in_contact(system, contact) if order == 2 else {contact.distance: order}
+    )
 
 
 def _after_rubbing_impact(system: LagrangeSystem, contact: Stop, impulse: Any, mu: Any) -> dict[Any, Any]:

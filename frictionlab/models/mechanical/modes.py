@@ -29,7 +29,6 @@ from .contact_regimes import (
     HeldVelocity,
     RegimeEnd,
     chatter_mode,
-    closed,
     crossing_reset,
     holding_reset,
     impact_resets,
@@ -37,6 +36,7 @@ from .contact_regimes import (
     stick_reset,
     unloading_reset,
     yielding_reset,
+    zeros_in_contact,
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
@@ -320,7 +320,7 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
             label, end.function, targets, holding_reset(system, contact, system.chosen(combination)[i].name)
         )
     if end.jump == "open" and isinstance(contact, Stop):
-        return Event(label, end.function, targets, Reset(vanishing=closed(system, contact)))
+        return Event(label, end.function, targets, Reset(vanishing=zeros_in_contact(system, contact)))
     if end.jump == "unload" and isinstance(contact, Friction):
         return Event(label, end.function, targets, unloading_reset(system, contact))
     return Event(label, end.function, targets)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 
 import frictionlab as fl
 from tests.reference.moreau import RigidSystem, time_steps
@@ -154,15 +155,20 @@ def test_a_rod_that_falls_over_agrees_with_newton_and_euler():
     assert np.abs(run["distance"]).max() < 1e-14
 
 
-def test_slip_ends_where_no_force_keeps_the_bodies_apart():
-    """Painleve's paradox: 1/m + (l cos)(l cos - mu l sin)/J comes to zero, here for mu = 3."""
-    model = Rod(mu_k=3.0, mu_s=3.0)
-    start = {"theta": 0.7, "theta'": 0.0, "x'": -3.0, "y": 0.5 * math.sin(0.7), "y'": 0.0}
-    run = fl.simulate(model, 1.0, x0=start, progress=False)
-    assert not run.status.ok
-    theta = run.final_state[2]
-    softness = 1 + 3 * math.cos(theta) * (math.cos(theta) - 3 * math.sin(theta))
-    assert softness < 1e-6 or "no admissible mode" in str(run.status)
+def test_slip_begins_only_where_its_forces_exist():
+    """Painleve's paradox: m W_N^T M^-1 (W_N + mu W_T) = 1 + 3 cos (cos - mu sin) is positive, for mu = 3."""
+
+    def softness(theta):
+        return 1 + 3 * math.cos(theta) * (math.cos(theta) - 3 * math.sin(theta))
+
+    border, ends = brentq(softness, 1.4, 1.55), {}
+    for side in (-1, 1):
+        theta = border + 1e-6 * side
+        start = {"theta": theta, "x'": -8.0, "y": 0.5 * math.sin(theta), "y'": 0.0, "theta'": 0.0}
+        run = fl.simulate(Rod(mu_k=3.0, mu_s=3.0), 1e-6, x0=start, progress=False)
+        ends[side] = run.status.ok, run.mode[-1]
+    assert ends[1] == (True, "slip+")
+    assert not ends[-1][0]
 
 
 @pytest.mark.parametrize(
