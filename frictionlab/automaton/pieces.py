@@ -206,7 +206,8 @@ def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Div
 
 def has_pieces(expressions: Iterable[Any]) -> bool:
     """Whether any of the expressions has a function in pieces."""
-    return any(map(_parts, expressions))
+    # What is no expression is refused later, in words.
+    return any(_parts(one) for one in expressions if hasattr(one, "atoms"))
 
 
 def mode_expressions(mode: Mode) -> Iterator[Any]:

@@ -281,8 +281,10 @@ def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
         _number_or_expression(name, given)
         for name, given in {"t": t, "start": start, "end": end, "duration": duration}.items()
     )
-    if not _are_expressions(duration) and not duration > 0:
-        raise ValueError(f"duration must be above 0, got {duration:g}: write piecewise for a step")
+    if not _are_expressions(duration) and (getattr(duration, "ndim", 0) or not duration > 0):
+        raise ValueError(
+            f"duration must be a number above 0, got {abbreviate(duration)}: write piecewise for a step"
+        )
     return piecewise(t, (0.0, duration), (start, start + (end - start) * t / duration, end))
 
 
