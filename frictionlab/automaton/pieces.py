@@ -184,20 +184,22 @@ def _text(expression: Any) -> str:
 
 def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Division, ...]:
     """What divides modes whose expressions these are; borders of one function that are numbers are joined."""
-    moving, found = frozenset(states), dict[tuple[Any, bool], dict[Any, None]]()
+    moving, by_argument = frozenset(states), dict[tuple[Any, bool], dict[Any, None]]()
     parts = dict.fromkeys(part for one in expressions for part in _parts(one))
     for part in sorted(parts, key=lambda one: len(one.borders), reverse=True):
         if not _moves(part, moving):
             continue
         numbers = all(border.is_number for border in part.borders)
         known = (
-            borders for (x, _), borders in found.items() if x == part.x and {*part.borders} <= {*borders}
+            borders
+            for (x, _), borders in by_argument.items()
+            if x == part.x and {*part.borders} <= {*borders}
         )
         if next(known, None) is None:
             key = part.x, True if numbers else part.borders
-            found.setdefault(key, {}).update(dict.fromkeys(part.borders))
+            by_argument.setdefault(key, {}).update(dict.fromkeys(part.borders))
     divisions = []
-    for number, ((x, numbers), borders) in enumerate(found.items(), 1):
+    for number, ((x, numbers), borders) in enumerate(by_argument.items(), 1):
         label = _text(x)
         ordered = sorted(borders, key=float) if numbers is True else borders
         divisions.append(Division(x, tuple(ordered), label if len(label) <= LONGEST_NAME else f"({number})"))

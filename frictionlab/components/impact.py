@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -108,9 +109,9 @@ def _impact_friction_coefficient() -> Any:
     )
 
 
-def clip(impulse: Any, least: Any, most: Any) -> Any:
-    """An impulse, or the nearest of its limits where it is beyond them."""
-    return (abs(impulse - least) - abs(impulse - most) + least + most) / 2
+def clip(impulse: Any, least: Any, most: Any, size: Callable[[Any], Any] = abs) -> Any:
+    """An impulse, or the nearest of its limits where it is beyond them; `size` is the absolute value."""
+    return (size(impulse - least) - size(impulse - most) + least + most) / 2
 
 
 @dataclass(frozen=True, repr=False)

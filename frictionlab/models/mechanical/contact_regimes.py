@@ -25,7 +25,7 @@ import sympy
 from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import ImpactLaw, PlasticImpact
+from frictionlab.components.impact import ImpactLaw, PlasticImpact, clip
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
 from frictionlab.models.mechanical.dynamic_laws import (
     limit_of_state,
@@ -335,7 +335,10 @@ def _rigid_slip(contact: Stop, system: LagrangeSystem, name: str) -> ContactRegi
         return slip(kinetic, closed, leaving)
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project")
     resting = slip(law.static_limit(sympy.S.One), (*closed, speed), leaving)
-    ends = lambda *forces: (stops, *leaving(*forces))  # noqa: E731  as those of the other regimes
+
+    def ends(reaction: Any, softness: Any) -> tuple[RegimeEnd, ...]:
+        return (stops, *leaving(reaction, softness))
+
     return slip(kinetic, closed, ends, resting=resting, sliding=sign * speed)
 
 
@@ -572,7 +575,7 @@ def _after_rubbing_impact(system: LagrangeSystem, contact: Stop, impulse: Any, m
     stopping = (contact.relative_velocity - coupling * impulse) / softness
     least, most = -limit / (1 - mu * share), limit / (1 + mu * share)
     size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
-    rubbing = (size(stopping - least) - size(stopping - most) + least + most) / 2
+    rubbing = clip(stopping, least, most, size)
     changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
     return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
 

@@ -12,15 +12,22 @@ from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionL
 from frictionlab.components.functions import cos, ramp
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, held_block
+from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import (
+    NO_EQUILIBRIUM,
+    BeltOscillator,
+    ZooModel,
+    not_negative,
+    of_either_sign,
+    positive,
+)
 
 HALT = "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
 
 
 @model
-class PoppStelter(ZooModel):
+class PoppStelter(BeltOscillator):
     """A mass on a belt with friction that falls as a hyperbola: m x'' + c x' + k x = F_T.
 
     The slope of the friction curve is a negative damper.  Steady sliding is stable where the belt is faster
@@ -61,20 +68,9 @@ class PoppStelter(ZooModel):
     N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
     v: float = of_either_sign(0.5, 3.0, "m/s", "v", "speed of the belt")
     friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
-    coordinates = ("x",)
 
     about = "friction that falls as a hyperbola: steady sliding above a belt speed, stick-slip below it"
     reference = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
-
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""
@@ -83,7 +79,7 @@ class PoppStelter(ZooModel):
 
 
 @model
-class ExcitedBeltOscillator(ZooModel):
+class ExcitedBeltOscillator(BeltOscillator):
     """A mass on a belt whose spring hangs on a base that moves: m x'' + c x' + k (x - u cos(Omega t)) = F_T.
 
     As long as the mass slides without stick on a faster belt, Coulomb's friction is a constant force.  With
@@ -131,7 +127,6 @@ class ExcitedBeltOscillator(ZooModel):
     u: float = not_negative(0.5, 2.0, "m", "u", "amplitude of the base")
     Omega: float = positive(0.5, "rad/s", r"\Omega", "angular frequency of the base")
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.8)
-    coordinates = ("x",)
 
     about = "a base that moves beside a belt that runs: linear while it slides, stick-slip and chaos below"
     reference = "N. Hinrichs, M. Oestreich, K. Popp, J. Sound and Vibration 216 (1998) 435-459"
@@ -141,11 +136,6 @@ class ExcitedBeltOscillator(ZooModel):
     def period(self) -> float:
         """That of the base, s."""
         return 2 * pi / self.Omega
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact, one base."""
@@ -316,7 +306,7 @@ class DoubleLayerPad(ZooModel):
 
 
 @model
-class BrakedOscillator(ZooModel):
+class BrakedOscillator(BeltOscillator):
     """A mass on a belt that brakes to a halt: m x'' + c x' + k x = F_T, with the speed v (1 - t/t_b).
 
     A brake squeals at the end of a stop: friction that falls with speed has its steepest slope where the belt
@@ -356,23 +346,12 @@ class BrakedOscillator(ZooModel):
     v: float = of_either_sign(2.0, 5.0, "m/s", "v", "speed of the belt at first")
     t_b: float = positive(100.0, "s", r"t_{\mathrm{b}}", "time in which it stops")
     friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
-    coordinates = ("x",)
 
     about = "a belt that brakes: silence, then a squeal before it stops"
     reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("eigenvalues", "periodic_orbit", "continue_orbit"), HALT)
     )
-
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""

@@ -12,13 +12,20 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.functions import cos
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Belt, Mechanism, Wall, held_block
+from frictionlab.models.mechanism import Mechanism, Wall, held_block
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import (
+    NO_EQUILIBRIUM,
+    BeltOscillator,
+    ZooModel,
+    not_negative,
+    of_either_sign,
+    positive,
+)
 
 
 @model
-class LuGreOscillator(ZooModel):
+class LuGreOscillator(BeltOscillator):
     """A mass on a belt, held by a spring, with LuGre's friction: the stick-slip example of the law's authors.
 
     They draw the spring's end with 0.1 m/s over a ground at rest, which is the same.  The numbers are theirs:
@@ -54,20 +61,9 @@ class LuGreOscillator(ZooModel):
     N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
     v: float = of_either_sign(0.1, 1.0, "m/s", "v", "speed of the belt")
     friction: FrictionLaw = LuGre(mu_k=1.0, mu_s=1.5, v_s=1e-3, sigma_0=1e5, sigma_1=1e5**0.5, sigma_2=0.4)
-    coordinates = ("x",)
 
     about = "bristles in the place of stick: the first example of the LuGre law"
     reference = "C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425"
-
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""
@@ -76,7 +72,7 @@ class LuGreOscillator(ZooModel):
 
 
 @model
-class SpringSlider(ZooModel):
+class SpringSlider(BeltOscillator):
     """A block on a fault, drawn by a spring, with rate-and-state friction: m x'' + k x = mu(v - x', psi) N.
 
     Steady sliding at the speed v is stable where the spring is stiffer than
@@ -117,7 +113,6 @@ class SpringSlider(ZooModel):
     N: float = positive(1.0, "N", "N", "normal force")
     v: float = positive(0.1, "m/s", "v", "speed at which it is drawn")
     friction: FrictionLaw = RateAndState(mu_0=0.6, a=0.05, b=0.08, D_c=0.1, v_0=0.1)
-    coordinates = ("x",)
 
     about = "a block on a fault: earthquakes where the spring is softer than (b - a) N/D_c"
     reference = "J. R. Rice, A. Ruina, J. Applied Mechanics 50 (1983) 343-349"
@@ -133,11 +128,6 @@ class SpringSlider(ZooModel):
         law = self.parameters
         quasistatic = (law["b"] - law["a"]) * self.N / law["D_c"]
         return quasistatic * (1 + self.m * self.v**2 / (law["a"] * self.N * law["D_c"]))
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""
