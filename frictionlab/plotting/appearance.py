@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType, TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -59,10 +59,71 @@ WORK_COLOURS = MappingProxyType(
 )
 SPARE_COLOURS = (SKY, PURPLE, GREEN, ORANGE, YELLOW)
 
+# In print each colour has a lightness of its own, so that a grey copy tells them apart.
+PRINT_COLOURS = MappingProxyType(
+    {
+        BLUE: "#004166",
+        PURPLE: "#754660",
+        GREEN: "#007C5B",
+        VERMILLION: "#D45D00",
+        GREY: "#969696",
+        SKY: "#5EB8EA",
+        ORANGE: "#EEC057",
+        YELLOW: "#F3E968",
+    },
+)
+
 MIN_CONTRAST = 4.5  # ratio of luminances that WCAG 2 asks for between a text and its background
 LIGHT_LUMINANCE = 0.18  # of a background: on a lighter one black is seen better than white
 MIX_STEPS = 50  # shades tried between a colour and white
 HALO_WIDTH = 2.0  # points on both sides of a line together
+
+SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
+LEGEND_SHADE = 0.6  # opacity of a mode in a legend, where no line crosses it
+
+
+class PrintedMode(NamedTuple):
+    """How print tells a mode from others without colour: its line, and the fill of its areas.
+
+    Parameters
+    ----------
+    dashes
+        A line style of matplotlib.
+    width : float
+        Points.
+    grey : str
+        Colour of the line.
+    fill : str
+    hatch : str
+    """
+
+    dashes: Any
+    width: float
+    grey: str
+    fill: str
+    hatch: str = ""
+
+
+PRINTED_MODES = MappingProxyType(
+    {
+        "stick": PrintedMode("-", 2.0, BLACK, "#C8C8C8"),
+        "slip+": PrintedMode("-", 0.8, "#6E6E6E", WHITE),
+        "slip": PrintedMode("-", 0.8, "#6E6E6E", WHITE),
+        "slip-": PrintedMode((0, (4, 1.5)), 1.2, "#3C3C3C", WHITE, "////"),
+        "separation": PrintedMode((0, (1, 1)), 1.2, "#3C3C3C", WHITE, "...."),
+        "chatter": PrintedMode((0, (4, 1, 1, 1)), 1.2, "#969696", "#DCDCDC", "xxxx"),
+    },
+)
+PRINTED_SPARE = (
+    PrintedMode("-", 1.2, "#6E6E6E", WHITE),
+    PrintedMode("-", 2.0, BLACK, "#C8C8C8"),
+    PrintedMode((0, (4, 1.5)), 1.2, "#3C3C3C", WHITE, "////"),
+    PrintedMode((0, (1, 1)), 1.2, "#3C3C3C", WHITE, "...."),
+    PrintedMode((0, (4, 1, 1, 1)), 1.2, "#969696", "#DCDCDC", "xxxx"),
+    PrintedMode("-", 2.0, "#969696", "#DCDCDC"),
+    PrintedMode((0, (4, 1.5)), 2.0, "#6E6E6E", WHITE, "\\\\\\\\"),
+)
+PRINTED_DASHES = "-", "-", (0, (5, 1, 1, 1)), (0, (1, 1))  # of lines with the first four colours
 
 # Any, as matplotlib's stubs admit only its own type of names for settings.
 rcParams: Any = matplotlib.rcParams
@@ -79,6 +140,21 @@ def _cycle(ink: str) -> Any:
 
 
 _SCREEN: dict[str, Any] = {"axes.prop_cycle": _cycle(BLACK)}
+# Lines that a user draws in addition to ours in print; pictures of the package know print by it.
+_PRINT_CYCLE: Any = cycler(
+    color=[BLACK, PRINT_COLOURS[VERMILLION], PRINT_COLOURS[BLUE], PRINT_COLOURS[GREEN]],
+    linestyle=list(PRINTED_DASHES),
+)
+_PRINT: dict[str, Any] = {
+    "axes.prop_cycle": _PRINT_CYCLE,
+    "font.family": ["STIXGeneral"],  # serif, comes with matplotlib, and has the letters of mathematics
+    "mathtext.fontset": "stix",
+    "axes.formatter.use_mathtext": True,
+    "image.cmap": "Greys",
+    "hatch.linewidth": 0.4,
+    "savefig.dpi": 300.0,
+    "pdf.fonttype": 42,  # TrueType fonts, which journals ask for
+}
 STYLES: dict[str, dict[str, Any]] = {
     "screen": _SCREEN,
     # legible from the last row: few inches, large letters
@@ -92,18 +168,27 @@ STYLES: dict[str, dict[str, Any]] = {
         "xtick.major.width": 1.4,
         "ytick.major.width": 1.4,
     },
-    # a figure of four panels, `plot_run`, is as wide as a page of two columns, 7.2 inches
-    "paper": _SCREEN
+    # one column of a journal; a figure of four panels, `plot_run`, is as wide as its page, 7.2 inches
+    "paper": _PRINT
     | {
         "figure.figsize": (4.2, 2.4),
-        "font.size": 7.5,
+        "font.size": 8.0,
         "lines.linewidth": 1.0,
         "lines.markersize": 4.0,
         "axes.linewidth": 0.6,
         "xtick.major.width": 0.6,
         "ytick.major.width": 0.6,
-        "savefig.dpi": 300.0,
-        "pdf.fonttype": 42,  # TrueType fonts, which journals ask for
+    },
+    # the text width of a book of 6 x 9 inches, letters nearly as large as those of its text
+    "book": _PRINT
+    | {
+        "figure.figsize": (4.5, 2.8),
+        "font.size": 9.5,
+        "lines.linewidth": 1.1,
+        "lines.markersize": 5.0,
+        "axes.linewidth": 0.7,
+        "xtick.major.width": 0.7,
+        "ytick.major.width": 0.7,
     },
     "dark": {
         "axes.prop_cycle": _cycle(PALE),
@@ -138,9 +223,11 @@ def style(name: str) -> AppliedStyle:
 
     Parameters
     ----------
-    name : "screen", "projector", "paper" or "dark"
-        "screen": black on white, as without a style.  "projector": large letters and heavy lines.  "paper":
-        small figures, for print.  "dark": light on almost black.
+    name : "screen", "projector", "paper", "book" or "dark"
+        "screen": black on white, as without a style.  "projector": large letters and heavy lines.  "dark":
+        light on almost black.  "paper" and "book" are for print: as wide as the column of a journal or of a
+        book, in serif letters, without titles, as the caption has their words; dashes, lightness and hatching
+        tell in a grey copy what colours tell on a screen.
 
     Returns
     -------
@@ -198,8 +285,10 @@ def is_dark(ax: Axes | None = None) -> bool:
 def legible(colour: Any, ax: Axes | None = None) -> Any:
     """The colour; where a dark background hides it, the nearest lighter shade of it that can be seen.
 
-    Greys are inverted instead: black becomes white.
+    Greys are inverted instead: black becomes white.  In print it is that of the lightness of its own.
     """
+    if in_print():
+        return PRINT_COLOURS.get(colour, colour)
     behind = background(ax)
     if not is_dark(ax) or contrast(colour, behind) >= MIN_CONTRAST:
         return colour
@@ -210,6 +299,11 @@ def legible(colour: Any, ax: Axes | None = None) -> Any:
     shares = (i / MIX_STEPS for i in range(1, MIX_STEPS + 1))
     mixes = (_mixed_with_white(channels, share) for share in shares)
     return next(mix for mix in mixes if contrast(mix, behind) >= MIN_CONTRAST)
+
+
+def in_print() -> bool:
+    """Whether pictures are for print: without titles, and without colours alone to tell things apart."""
+    return rcParams["axes.prop_cycle"] == _PRINT_CYCLE
 
 
 def _mixed_with_white(channels: Any, share: float) -> str:
@@ -311,6 +405,38 @@ def colours_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, s
     return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places_and_names}
 
 
+def mode_lines(run: Trajectory, ax: Axes) -> dict[str, dict[str, Any]]:
+    """Keywords of a line for every mode that a run knows, in the automaton's order."""
+    if not in_print():
+        return {name: pen(colour, ax=ax) for name, colour in mode_colours(run).items()}
+    return {
+        name: {"color": mode.grey, "linestyle": mode.dashes, "linewidth": line_width(mode.width)}
+        for name, mode in _printed_modes(run).items()
+    }
+
+
+def mode_fills(run: Trajectory, ax: Axes | None = None, shade: float | None = None) -> dict[str, Any]:
+    """Keywords of an area for every mode that a run knows, as opaque as `shade`, else as behind lines."""
+    if in_print():
+        return {
+            name: {"facecolor": mode.fill, "hatch": mode.hatch, "edgecolor": "#5A5A5A", "linewidth": 0.0}
+            for name, mode in _printed_modes(run).items()
+        }
+    alpha = shade or (DARK_SHADE if is_dark(ax) else SHADE)
+    return {
+        name: {"facecolor": legible(colour, ax), "linewidth": 0, "alpha": alpha}
+        for name, colour in mode_colours(run).items()
+    }
+
+
+def _printed_modes(run: Trajectory) -> dict[str, PrintedMode]:
+    """How print tells modes apart; those of one colour on a screen are drawn alike."""
+    colours = mode_colours(run)
+    known = {colours[name]: mode for name, mode in PRINTED_MODES.items() if name in colours}
+    spare = iter(mode for mode in PRINTED_SPARE * len(colours) if mode not in known.values())
+    return {name: PRINTED_MODES.get(name) or known.setdefault(c, next(spare)) for name, c in colours.items()}
+
+
 def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
     """Colour, width and dashes of a coordinate's line in `ax`: angles are dashed, as their unit differs.
 
@@ -320,9 +446,11 @@ def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
     if own is not None:
         usual = {"color": legible(BLACK, ax), "linestyle": "-", "linewidth": line_width()}
         return usual | own | ({"linestyle": DASHED} if is_angle(name) else {})
-    colour = legible(LINE_COLOURS[index % len(LINE_COLOURS)], ax)
+    place = index % len(LINE_COLOURS)
     dashed = is_angle(name) or index >= len(LINE_COLOURS)
-    return {"color": colour, "linestyle": DASHED if dashed else "-", "linewidth": line_width()}
+    dashes = PRINTED_DASHES[place] if in_print() else "-"
+    colour = legible(LINE_COLOURS[place], ax)
+    return {"color": colour, "linestyle": DASHED if dashed else dashes, "linewidth": line_width()}
 
 
 def crowding() -> float:

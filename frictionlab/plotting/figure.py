@@ -39,7 +39,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.file_writing import write_file
-from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, rcParams
+from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, in_print, rcParams
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -322,10 +322,17 @@ def add_missing_legend(figure: Any) -> None:
         figure.legend(handles=handles, loc="outside right center", frameon=False, fontsize=font_size(9.0))
 
 
+def set_title(ax: Axes, text: str, **options: Any) -> None:
+    """A title above a panel; none in print, where the caption says it."""
+    if not in_print():
+        ax.set_title(text, **options)
+
+
 def set_long_title(ax: Axes, text: str) -> None:
     """A title that fills the width of a figure, smaller where letters are large."""
-    title = ax.set_title(text)
-    title.set_fontsize(float(title.get_fontsize()) / crowding())
+    if not in_print():
+        title = ax.set_title(text)
+        title.set_fontsize(float(title.get_fontsize()) / crowding())
 
 
 def wrap_label(text: str, length: int) -> str:

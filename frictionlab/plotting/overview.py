@@ -15,6 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import Normal, Stroke
+from matplotlib.text import Annotation
 
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, highest_frequency
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
@@ -25,14 +27,21 @@ from frictionlab.plotting.appearance import (
     BLUE,
     DASHED,
     ENERGY_COLOURS,
+    HALO_WIDTH,
+    LEGEND_SHADE,
     SPARE_COLOURS,
     VERMILLION,
     WORK_COLOURS,
+    background,
     crowding,
     font_size,
+    in_print,
+    ink,
     legible,
+    line_width,
     marker_size,
-    mode_colours,
+    mode_fills,
+    mode_lines,
     pen,
     whole_names,
 )
@@ -43,6 +52,7 @@ from frictionlab.plotting.figure import (
     new_figure,
     restyle,
     set_long_title,
+    set_title,
 )
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import (
@@ -62,7 +72,7 @@ from frictionlab.plotting.time_histories import (
     window_text,
 )
 from frictionlab.presentation import state_unit
-from frictionlab.validation import check_choice, explains_keywords
+from frictionlab.validation import abbreviate, check_choice, explains_keywords
 
 if TYPE_CHECKING:
     from frictionlab.analysis.energy_audit import EnergyAudit
@@ -73,6 +83,8 @@ PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes fr
 DECADES = 5
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 MOST_IN_LEGEND = 6  # modes on sides of the borders of laws in pieces
+SHORTEST_LABELLED = 0.02  # of the size of a panel
+LABEL_DISTANCE = 5.0  # points between a line and its name
 LONGEST_TITLE = 400  # characters of a model that are shown
 
 
@@ -120,19 +132,97 @@ def plot_phase_plane(
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
     lines = []
-    for mode, colour in mode_colours(run).items():
+    for mode, pen_of_mode in mode_lines(run, ax).items():
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
-            lines += ax.plot(x, rate, label=mode, **pen(colour, ax=ax))
+            lines += ax.plot(x, rate, label=mode, **pen_of_mode)
     label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
     ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
 
 
+def label_modes(ax: Axes) -> list[Annotation]:
+    """Write the name of each mode, as stick and slip, beside its line in a phase plane, in place of a legend.
+
+    A name stands once, at the longest stretch of its line.  A mode whose longest stretch is shorter than a
+    fiftieth of the panel, as the flights of chatter, gets none.
+
+    Parameters
+    ----------
+    ax : Axes
+        With the lines of :func:`plot_phase_plane`, or of an orbit or a steady state.
+
+    Returns
+    -------
+    list of Annotation
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> orbit = fl.periodic_orbit(fl.MassOnBelt(), fl.simulate(fl.MassOnBelt(), 30.0))
+    >>> [text.get_text() for text in fl.label_modes(orbit.plot())]
+    ['stick', 'slip+']
+    """
+    if not isinstance(ax, Axes):
+        raise TypeError(
+            f"ax must be axes of matplotlib, got {abbreviate(ax)}: write fl.label_modes(orbit.plot())"
+        )
+    ax.get_xlim(), ax.get_ylim()  # matplotlib finds them when they are first asked for
+    curves = {line: _longest_stretch(line) for line in ax.lines if not str(line.get_label()).startswith("_")}
+    curves = {line: way for line, way in curves.items() if _length(way) > SHORTEST_LABELLED}
+    if not curves:
+        return []
+    middle = np.nanmean(np.concatenate(list(curves.values())), axis=0)
+    texts = [_label_inside(line, way, middle) for line, way in curves.items()]
+    figure: Any = ax.figure
+    for legend in (ax.get_legend(), *(figure.legends if figure.axes == [ax] else ())):
+        if legend is not None:
+            legend.remove()
+    return texts
+
+
+def _longest_stretch(line: Line2D) -> Array:
+    """Points (N, 2) of the longest part of a line without a break, as shares of the panel."""
+    ax: Any = line.axes
+    points = ax.transAxes.inverted().transform(ax.transData.transform(line.get_xydata()))
+    breaks = np.flatnonzero(np.isnan(points).any(axis=1))
+    return max(np.split(points, breaks), key=_length, default=points)
+
+
+def _length(points: Array) -> float:
+    steps = np.diff(points[~np.isnan(points).any(axis=1)], axis=0)
+    return float(np.hypot(*steps.T).sum())
+
+
+def _label_inside(line: Line2D, way: Array, middle: Array) -> Annotation:
+    """The label of a line at the middle of a stretch of it, on the side of the middle of all lines."""
+    way = way[~np.isnan(way).any(axis=1)]
+    along = np.append(0.0, np.hypot(*np.diff(way, axis=0).T).cumsum())
+    place = np.array([np.interp(0.5 * along[-1], along, column) for column in way.T])
+    i = min(int(np.searchsorted(along, 0.5 * along[-1])), len(way) - 1)
+    direction = way[i] - way[max(i - 1, 0)]
+    inwards = np.array([-direction[1], direction[0]]) / (np.hypot(*direction) or 1.0)
+    inwards *= 1.0 if inwards @ (middle - place) >= 0 else -1.0
+    ax: Any = line.axes
+    return ax.annotate(
+        line.get_label(),
+        place,
+        xycoords="axes fraction",
+        xytext=font_size(LABEL_DISTANCE) * inwards,
+        textcoords="offset points",
+        ha="left" if inwards[0] > 0.3 else "right" if inwards[0] < -0.3 else "center",
+        va="bottom" if inwards[1] > 0.3 else "top" if inwards[1] < -0.3 else "center",
+        color=ink(ax),
+        path_effects=[Stroke(linewidth=2.0 * HALO_WIDTH, foreground=background(ax)), Normal()],
+        annotation_clip=False,
+    )
+
+
 def label_phase_plane(ax: Axes, name: str, title: str) -> None:
     """Label the axes with a coordinate and its rate."""
     x, rate = (f"{state_label(each)} ({state_unit(each)})" for each in (name, f"{name}'"))
-    ax.set(xlabel=x, ylabel=rate, title=title)
+    ax.set(xlabel=x, ylabel=rate)
+    set_title(ax, title)
 
 
 def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
@@ -175,7 +265,7 @@ def plot_spectrum(
     ax = axes_or_new(ax)
     if spectrum is None:
         _label_spectrum(ax, shown, f_max)
-        ax.set_title(f"Spectrum of {state_label(shown)}")
+        set_title(ax, f"Spectrum of {state_label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
@@ -290,13 +380,12 @@ def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
 
 
 def _title(figure: Figure, run: Trajectory) -> None:
-    colours = mode_colours(run)
+    fills = mode_fills(run, shade=LEGEND_SHADE)
     # Modes that last a few thousandths of the time are listed too, though too short to be visible.
     modes = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
     labels = _modes_in_legend(run, modes)
-    handles = [
-        Patch(facecolor=legible(colours[name]), alpha=0.6, label=label) for label, name in labels.items()
-    ]
+    edge = {"linewidth": line_width(0.5)} if in_print() else {}
+    handles = [Patch(label=label, **fills[name] | edge) for label, name in labels.items()]
     what = "run" if run.source is None else repr(run.source)
     if len(what) > LONGEST_TITLE:
         what = type(run.source).__name__
@@ -304,7 +393,8 @@ def _title(figure: Figure, run: Trajectory) -> None:
     about = run.description.get("method", {})
     method = about.get("integrator", about.get("name", ""))
     size = font_size(FONT_SIZE + 3) / crowding()
-    figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
+    if not in_print():
+        figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
 
 
@@ -445,7 +535,7 @@ def plot_verification(verification: Verification, ax: Axes | None = None) -> lis
     lines += ax.plot(limits, places, "|", label="largest trusted", **limit)
     ax.set_yticks(places, list(rows))
     ax.set(xscale="log", xlabel="share of the motion's size", ylim=(len(rows) - 0.5, -0.5))
-    ax.set_title(_verdict_title(verification))
+    set_title(ax, _verdict_title(verification))
     ax.grid(axis="y", linewidth=0.5)
     legend_beside(ax)
     return lines

@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, restyle
+from frictionlab.plotting.figure import RunAxes, axes_or_new, legend_beside, new_figure, restyle, set_title
 from frictionlab.plotting.labels import (
     coordinate_axis_label,
     parameter_label,
@@ -81,7 +81,8 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
     picture = picture_of(_EquilibriumFrames(equilibrium), mechanism, np.zeros(1))
     drawn: Any = picture.draw(ax)
     artists = picture.move(drawn, 0, MODE_COLOURS["slip"])
-    ax.set(xlabel=picture.note, title="Equilibrium")
+    ax.set(xlabel=picture.note)
+    set_title(ax, "Equilibrium")
     forces = _forces(equilibrium)
     if isinstance(picture, BeltPicture):
         forces["$F$"] = picture.preload, BLACK
@@ -137,7 +138,8 @@ def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
     ax.bar_label(bars, fmt="%.4g", padding=2)
     ax.axhline(0.0, **pen(GREY, 0.8, ax))
     label = coordinate_axis_label(equilibrium.names) if known else "state"
-    ax.set(ylabel=f"{label}, angle (rad)" if mixed else label, title="Equilibrium")
+    ax.set(ylabel=f"{label}, angle (rad)" if mixed else label)
+    set_title(ax, "Equilibrium")
     ax.margins(y=0.12)
     return list(bars)
 
@@ -413,7 +415,7 @@ def plot_frequency_response(
     what = f"gain of {_label(system, shown[0])}" if len(shown) == 1 else "gain"
     gain.set(yscale="log", ylabel=f"{what} ({units})" if units else what)
     kind = "a force along " if source in system.states else ""
-    gain.set_title(f"Response to {kind}{_label(system, source)}")
+    set_title(gain, f"Response to {kind}{_label(system, source)}")
     for phase in below:
         phase.set_ylabel("phase (degrees)")
     [gain, *below][-1].set_xlabel("frequency (Hz)")

@@ -21,19 +21,21 @@ from frictionlab.plotting.appearance import (
     DASHED,
     GREY,
     ORANGE,
+    PURPLE,
     SKY,
     VERMILLION,
     add_halo,
     background,
     crowding,
     font_size,
+    in_print,
     is_dark,
     legible,
     line_style,
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, wrap_label
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title, wrap_label
 from frictionlab.plotting.labels import (
     distinguishing_labels,
     parameter_label,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
 
 STABLE_COLOUR, STABLE_ON_DARK = "#F2F2F2", "#333333"
 COUNT_COLOURS = (STABLE_COLOUR, SKY, ORANGE, VERMILLION)  # none, one, two, more
+PRINTED_COUNT_COLOURS = (STABLE_COLOUR, ORANGE, VERMILLION, PURPLE)  # ever darker
 DOTTED = (0, (1, 1.5))
 HATCH = "////"
 LABEL_LENGTH = 45  # letters that fit along the height of a figure
@@ -175,6 +178,8 @@ def _draw_mesh(plane: StabilityMap, ax: Axes) -> QuadMesh:
 
 
 def _count_colours(ax: Axes) -> list[str]:
+    if in_print():
+        return [legible(colour, ax) for colour in PRINTED_COUNT_COLOURS]
     return [STABLE_ON_DARK if is_dark(ax) else STABLE_COLOUR, *COUNT_COLOURS[1:]]
 
 
@@ -257,10 +262,8 @@ def plot_hopf(
     ax.set_xlabel(parameter_label(point.model, point.parameter), loc="left")
     # States of an automaton without coordinates may have any unit.
     unit = f" ({state_unit(shown)})" if point.model.coordinates else ""
-    ax.set(
-        ylabel=f"amplitude of {state_label(shown)}{unit}",
-        title=f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz",
-    )
+    ax.set_ylabel(f"amplitude of {state_label(shown)}{unit}")
+    set_title(ax, f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz")
     ax.margins(x=0)
     ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
     ax.xaxis.labelpad += font_size(12.0) if crowding() > 1.0 else 0.0  # else it meets the offset

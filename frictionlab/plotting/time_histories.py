@@ -22,13 +22,11 @@ from frictionlab.plotting.appearance import (
     GREEN,
     ORANGE,
     VERMILLION,
-    is_dark,
-    legible,
     line_style,
-    mode_colours,
+    mode_fills,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, restyle
+from frictionlab.plotting.figure import axes_or_new, restyle, set_title
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
 from frictionlab.presentation import is_angle, state_unit
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
@@ -40,7 +38,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 SAMPLES = 4001
-SHADE, DARK_SHADE = 0.35, 0.2  # opacity of the modes behind lines, on light and on dark backgrounds
 SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
 FORCE_SYMBOLS = {"normal_force": "F_N", "friction_force": "F_T"}
 FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
@@ -164,15 +161,12 @@ def shade_modes(run: Trajectory, ax: Axes, window: Window = DEFAULT_WINDOW) -> l
     """
     start, stop = window_limits(run, window)
     edges, names = mode_intervals(run)
-    colours = mode_colours(run)
     shades = []
-    for mode, colour in colours.items():
+    for mode, fill in mode_fills(run, ax).items():
         spans = _intervals_in_window(edges, [name == mode for name in names], start, stop)
         if spans:
-            options: dict[str, Any] = {"facecolors": legible(colour, ax), "linewidth": 0, "zorder": 0}
-            options["alpha"] = DARK_SHADE if is_dark(ax) else SHADE
             across = ax.get_xaxis_transform()
-            shades.append(ax.broken_barh(spans, (0, 1), transform=across, label=mode, **options))
+            shades.append(ax.broken_barh(spans, (0, 1), transform=across, label=mode, zorder=0, **fill))
     return shades
 
 
@@ -191,7 +185,8 @@ def label_time_axes(
     """Shade the modes, if wanted; label the axes; say in the title what is drawn in which part of the run."""
     if shade:
         shade_modes(run, ax, span)
-    ax.set(xlabel="time (s)", ylabel=ylabel, title=f"{what}, {window_text(run, *span)}")
+    ax.set(xlabel="time (s)", ylabel=ylabel)
+    set_title(ax, f"{what}, {window_text(run, *span)}")
     ax.margins(x=0)
 
 

@@ -20,7 +20,7 @@ from frictionlab.plotting.appearance import (
     legible,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside
+from frictionlab.plotting.figure import axes_or_new, legend_beside, set_title
 from frictionlab.plotting.labels import parameter_symbol
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None) -> list[Artist]:
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(-0.03, 1.03)
     ax.set_xlabel("share of the way between the bounds")
-    ax.set_title(f"{optimum.quantity}: {optimum.value:.5g}")
+    set_title(ax, f"{optimum.quantity}: {optimum.value:.5g}")
     legend_beside(ax)
     return drawn
 

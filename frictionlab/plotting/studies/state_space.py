@@ -36,7 +36,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
+from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.presentation import state_unit
@@ -124,7 +124,7 @@ def plot_orbit(
     alone, ax = ax is None, axes_or_new(ax)
     lines = plot_phase_plane(orbit.trajectory, ax, name=name, window=None)
     kind = "Stable" if orbit.stable else "Unstable"
-    ax.set_title(f"{kind} orbit of period {orbit.period:.6g} s")
+    set_title(ax, f"{kind} orbit of period {orbit.period:.6g} s")
     if alone:
         legend_beside(ax)
     return restyle(lines, line)
@@ -209,7 +209,8 @@ def plot_tangent_flow(flow: TangentFlow, ax: Axes | None = None) -> QuadMesh:
     ax.set_xticks(np.arange(n) + 0.5, labels)
     ax.set_yticks(np.arange(n) + 0.5, labels)
     ax.invert_yaxis()
-    ax.set(xlabel="initial state (SI units)", ylabel="final state (SI units)", title="Fundamental matrix")
+    ax.set(xlabel="initial state (SI units)", ylabel="final state (SI units)")
+    set_title(ax, "Fundamental matrix")
     ax.figure.colorbar(mesh, ax=ax, label="derivative (SI units)")
     return mesh
 

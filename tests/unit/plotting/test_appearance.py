@@ -160,3 +160,35 @@ def test_legible_changes_only_what_is_hidden():
         for colour in ("#0072B2", "#444444", "#00008B", "#300000"):
             assert appearance.contrast(appearance.legible(colour), "black") >= appearance.MIN_CONTRAST
     assert appearance.contrast("black", "white") == pytest.approx(21.0)
+
+
+def lightness(colour):
+    """L* of CIELAB, from 0 for black to 100 for white."""
+    return 116.0 * appearance.luminance(colour) ** (1 / 3) - 16.0
+
+
+def test_in_print_lightness_alone_tells_colours_apart():
+    shades = sorted(map(lightness, appearance.PRINT_COLOURS.values()))
+    assert min(np.diff(shades)) > 7.0
+
+
+@pytest.mark.parametrize("name", ["paper", "book"])
+def test_a_grey_copy_tells_modes_apart_by_dashes_and_hatching(name):
+    run = result("run")
+    with fl.style(name):
+        ax = Figure().add_subplot()
+        lines = [
+            (line["linestyle"], line["linewidth"] > 1.5) for line in appearance.mode_lines(run, ax).values()
+        ]
+        fills = [(fill["facecolor"], fill["hatch"]) for fill in appearance.mode_fills(run, ax).values()]
+    assert len({*lines}) == len({*fills}) == len(run.mode_names) == 5
+
+
+@pytest.mark.parametrize("name", ["overview", "run"])
+def test_pictures_in_print_have_no_titles_and_one_font(name):
+    with fl.style("book"):
+        figure = FIGURES[name]()
+        assert [ax.get_title() for ax in figure.axes] == [""] * len(figure.axes)
+        assert figure.get_suptitle() == ""
+        assert mpl.rcParams["mathtext.fontset"] == "stix"
+        assert {text.get_fontname() for text in figure.findobj(Text) if text.get_text()} == {"STIXGeneral"}

@@ -7,6 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import frictionlab as fl
+from tests.helpers.results import result
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
 
@@ -64,3 +65,25 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
     with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
+
+
+def test_names_of_modes_stand_beside_their_lines_in_place_of_a_legend():
+    ax = result("orbit").plot()
+    texts = fl.label_modes(ax)
+    lines = {str(line.get_label()): line for line in ax.lines}
+    assert {text.get_text() for text in texts} == {"stick", "slip+"}
+    assert not ax.figure.legends
+    assert ax.get_legend() is None
+    FigureCanvasAgg(ax.figure).draw()
+    for text in texts:
+        points = ax.transAxes.inverted().transform(
+            ax.transData.transform(lines[text.get_text()].get_xydata())
+        )
+        assert np.nanmin(np.hypot(*(points - text.xy).T)) < 0.01
+        assert ax.get_window_extent().contains(*text.get_window_extent().get_points().mean(axis=0))
+
+
+def test_labels_of_modes_need_axes_and_lines():
+    assert fl.label_modes(Figure().add_subplot()) == []
+    with pytest.raises(TypeError, match=r"ax must be axes of matplotlib, got None: write fl.label_modes"):
+        fl.label_modes(None)
