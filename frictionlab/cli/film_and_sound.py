@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
+
+from frictionlab.validation import check_path
 
 from .parsing import (
     OneLineParser,
@@ -18,7 +22,7 @@ from .parsing import (
     print_json,
 )
 
-FILM_FORMATS = (".gif", ".html", ".webp")  # those that need no other program
+FILM_HELP = ".gif, .html or .webp; where there is ffmpeg also .mp4 and others (default: run.gif)"
 SOUND_FORMATS = (".wav",)
 PERIODS = 300  # periods of a run where no end time is given: long enough to settle
 EXIT_FAILED = 1
@@ -49,7 +53,7 @@ exit status: 0 written; 1 it could not be written; 2 bad arguments."""
 def add_animate(commands: Any) -> OneLineParser:
     """Add the command `animate`; returns its parser."""
     parser = _run_parser(commands, "animate", "write a film of a run", ANIMATE_DESCRIPTION, ANIMATE_EPILOG)
-    parser.add_argument("-o", "--output", metavar="FILE", default="run.gif", help=f"{_list(FILM_FORMATS)}")
+    parser.add_argument("-o", "--output", metavar="FILE", default="run.gif", help=FILM_HELP)
     parser.add_argument(
         "--window", type=float, metavar="S", help="the last so many seconds (default: 3 periods)"
     )
@@ -65,10 +69,6 @@ def add_sound(commands: Any) -> OneLineParser:
     parser.add_argument("--signal", metavar="NAME", help="a state or an output, such as friction_force")
     parser.add_argument("--pitch", type=float, metavar="X", help="so many times faster than the motion")
     return parser
-
-
-def _list(formats: tuple[str, ...]) -> str:
-    return f"{', '.join(formats)} (default: run{formats[0]})"
 
 
 def _run_parser(commands: Any, name: str, about: str, description: str, epilog: str) -> OneLineParser:
@@ -87,10 +87,10 @@ def animate_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the film; returns the exit status."""
     from frictionlab.interruption import progress
     from frictionlab.plotting import animate
-    from frictionlab.plotting.animation.animate import DEFAULT_WINDOW
+    from frictionlab.plotting.animation.animate import DEFAULT_WINDOW, check_film_path
 
     with progress(not (chosen.quiet or chosen.json)):
-        run = _checked_run(chosen, parser, FILM_FORMATS)
+        run = _checked_run(chosen, parser, check_film_path)
         window = DEFAULT_WINDOW if chosen.window is None else chosen.window
         try:
             film = animate(run, window=window, speed=chosen.speed, fps=chosen.fps)
@@ -105,7 +105,7 @@ def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     from frictionlab.widgets.sound import listen
 
     with progress(not (chosen.quiet or chosen.json)):
-        run = _checked_run(chosen, parser, SOUND_FORMATS)
+        run = _checked_run(chosen, parser, partial(check_path, suffixes=SOUND_FORMATS))
         try:
             sound = listen(run, chosen.signal, pitch=chosen.pitch)
         except ValueError as error:
@@ -114,18 +114,16 @@ def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         return _write(sound, chosen, parser, {**model_data(run.source), **about})
 
 
-def _checked_run(chosen: argparse.Namespace, parser: OneLineParser, formats: tuple[str, ...]) -> Any:
+def _checked_run(
+    chosen: argparse.Namespace, parser: OneLineParser, check_file: Callable[[str, str], Path]
+) -> Any:
     """A run of the chosen model; the options are checked before it."""
     from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
     from frictionlab.analysis.simulate import simulate
     from frictionlab.validation import check_number
 
-    path = Path(chosen.output)
     try:
-        if path.suffix.lower() not in formats:
-            listed = ", ".join(formats)
-            raise ValueError(f"-o must end in one of {listed}, got {chosen.output!r}: take {formats[0]}")
-        check_writable(path, "-o")
+        check_writable(check_file("-o", chosen.output), "-o")
         model = model_from_options(chosen)
         if chosen.t_end is None:
             chosen.t_end = round_down_1_2_5(PERIODS * oscillation_period(model))

@@ -167,7 +167,7 @@ def label_modes(ax: Axes) -> list[Annotation]:
         raise TypeError(
             f"ax must be axes of matplotlib, got {abbreviate(ax)}: write fl.label_modes(orbit.plot())"
         )
-    ax.get_xlim(), ax.get_ylim()  # matplotlib finds them when they are first asked for
+    ax.autoscale_view()  # else matplotlib finds the limits when they are first asked for
     curves = {line: _longest_stretch(line) for line in ax.lines if not str(line.get_label()).startswith("_")}
     curves = {line: way for line, way in curves.items() if _length(way) > SHORTEST_LABELLED}
     if not curves:

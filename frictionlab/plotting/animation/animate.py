@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, HTMLWriter
+from matplotlib.animation import FuncAnimation, HTMLWriter, writers
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -26,6 +29,7 @@ from frictionlab.plotting.appearance import (
     ink,
     marker_size,
     mode_colours,
+    rcParams,
 )
 from frictionlab.plotting.figure import AnimatedFigure, check_figure
 from frictionlab.plotting.overview import plot_phase_plane
@@ -37,7 +41,7 @@ from frictionlab.plotting.time_histories import (
     check_run,
     window_limits,
 )
-from frictionlab.validation import check_number, check_path
+from frictionlab.validation import abbreviate, check_number, check_path
 
 from .parts import Parts, parts
 from .tilting_belt import (
@@ -64,8 +68,8 @@ DEFAULT_WINDOW = Periods(3.0)
 FONT_SIZE = 9.0
 DPI = 80.0  # an animation in a notebook holds every frame as a picture
 
-# What browsers, pillow and ffmpeg write.
-FILM_FORMATS = tuple(".gif .html .htm .webp .apng .mp4 .m4v .mov .avi .mkv .webm .png".split())
+FILM_FORMATS = ".gif", ".html", ".htm", ".webp", ".apng", ".png"  # browsers and pillow write them
+FFMPEG_FORMATS = ".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -302,6 +306,25 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
     return update
 
 
+def check_film_path(name: str, value: Any) -> Path:
+    """The path of a film, of a format that can be written here."""
+    path = check_path(name, value, FILM_FORMATS + FFMPEG_FORMATS)
+    if path.suffix.lower() in FFMPEG_FORMATS and not _has_ffmpeg():
+        raise ValueError(
+            f"{name} must end in {' or '.join(FILM_FORMATS)} where there is no ffmpeg, got "
+            f"{abbreviate(str(value))}: pip install imageio-ffmpeg, or write {path.stem}{FILM_FORMATS[0]}"
+        )
+    return path
+
+
+def _has_ffmpeg() -> bool:
+    """Whether matplotlib finds ffmpeg, which the package imageio-ffmpeg brings too."""
+    if not writers.is_available("ffmpeg"):
+        with suppress(ImportError):
+            rcParams["animation.ffmpeg_path"] = import_module("imageio_ffmpeg").get_ffmpeg_exe()
+    return writers.is_available("ffmpeg")
+
+
 class RunAnimation(FuncAnimation):
     """An animation that shows itself in a notebook, with a bar while its frames are drawn."""
 
@@ -314,10 +337,11 @@ class RunAnimation(FuncAnimation):
     def save(self, filename: Any, *args: Any, **options: Any) -> None:
         """Write a file; see :meth:`matplotlib.animation.Animation.save`.
 
-        An HTML page embeds all of its frames, unless a writer other than "html" is given.
+        Films such as ``.mp4`` need ffmpeg, of the machine or of the package imageio-ffmpeg.  An HTML page
+        embeds all of its frames, unless a writer other than "html" is given.
         """
         if not args and options.get("writer") is None:
-            filename = check_path("filename", filename, FILM_FORMATS)
+            filename = check_film_path("filename", filename)
         if str(filename).lower().endswith((".html", ".htm")) and not args:
             if options.get("writer", "html") != "html":  # its frames may be in a folder beside
                 with name_written_file(filename):

@@ -1,18 +1,21 @@
 """The animation shows the run: places, contact, forces and colours, frame by frame."""
 
 import re
+import sys
 from io import BytesIO
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.animation import FuncAnimation
+from matplotlib import rc_context, rcParams
+from matplotlib.animation import FuncAnimation, writers
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.plotting.animation.animate import frame_times
+from frictionlab.plotting.animation.animate import check_film_path, frame_times
 from frictionlab.plotting.animation.parts import spring_outline
 from frictionlab.plotting.animation.tilting_belt import (
     COLUMNS,
@@ -29,6 +32,7 @@ from frictionlab.plotting.animation.tilting_belt import (
 from frictionlab.plotting.appearance import MODE_COLOURS
 from frictionlab.plotting.figure import AnimatedFigure
 from tests.helpers.cases import slow_but
+from tests.helpers.results import result
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
 SCENES = {
@@ -218,3 +222,22 @@ def test_frames_are_those_that_matplotlib_draws_in_full():
         assert part.getvalue() == whole.getvalue()
         with Image.open(png) as image:
             assert image.convert("RGBA").tobytes() == whole.getvalue()
+
+
+def test_a_film_that_needs_ffmpeg_is_refused_before_it_is_drawn(monkeypatch, tmp_path):
+    monkeypatch.setattr(writers, "is_available", lambda name: False)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    film = fl.animate(result("run"), speed=0.1, fps=6)
+    film._draw_was_started = True  # else matplotlib warns of a film that nobody saw
+    with pytest.raises(ValueError, match=r"got '.*run.mp4': pip install imageio-ffmpeg, or write run.gif"):
+        film.save(tmp_path / "run.mp4", progress_callback=lambda *_: pytest.fail("a frame was drawn"))
+
+
+def test_a_film_takes_the_ffmpeg_of_a_package(monkeypatch):
+    known = []
+    monkeypatch.setattr(writers, "is_available", lambda name: bool(known))
+    package = SimpleNamespace(get_ffmpeg_exe=lambda: known.append("there") or "/somewhere/ffmpeg")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", package)
+    with rc_context():
+        assert check_film_path("filename", "run.MP4").name == "run.MP4"
+        assert rcParams["animation.ffmpeg_path"] == "/somewhere/ffmpeg"
