@@ -44,13 +44,14 @@ PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
 )
 # Every frame has a new value, far from the last; the first frames, while the browser compiles, do not count.
 DRAG = """async ([count, low, high]) => {
-  const slider = document.getElementById("slider-mu_k"), frames = [], solved = [], unseen = 20;
+  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), frames = [], solved = [], unseen = 20;
+  const places = explorer.controls.find(({ name }) => name === "mu_k").positions;
   let last = null;
   for (let i = 0; i < count + unseen; i++) {
-    slider.value = low + (high - low) * (7 * i % count) / count;
+    slider.value = nearest(places, low + (high - low) * (7 * i % count) / count);
     slider.oninput();
     const now = await new Promise(requestAnimationFrame);
-    if (i >= unseen) { frames.push(now - last); solved.push(view.run.milliseconds); }
+    if (i >= unseen) { frames.push(now - last); solved.push(explorer.result.milliseconds); }
     last = now;
   }
   return [frames, solved];

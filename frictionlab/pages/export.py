@@ -26,11 +26,9 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model, require_model
-from frictionlab.pages.page_data import preset_data, slider_data, structure_data, structures, switch_names
-from frictionlab.plotting.animation.parts import MARKS, WIDTH
-from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
+from frictionlab.pages.page_data import chosen_sliders, scene_menu, structure_data, structures, switch_names
+from frictionlab.pages.scene import PANELS, parameter_controls, run_controls, scene_data, switch_control
 from frictionlab.tape.formulas import ELEMENTARY
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.validation import check_path, check_t_end, check_text
@@ -39,18 +37,9 @@ BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
-SCRIPTS = (
-    "functions",
-    "assembler",
-    "jets",
-    "solver",
-    "sampling",
-    "linear_algebra",
-    "layout",
-    "plots",
-    "state",
-    "page",
-)
+SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
+FRONT_END = ("text", "svg", "plot", "layout", "panels", "words", "controls", "state", "explorer")
+SCRIPTS = (*FRONT_END, *SOLVER_SCRIPTS, "browser_engine", "page")
 
 
 # What an exported page may do: run its own scripts, by their digests, and WebAssembly; show itself in its own
@@ -125,29 +114,24 @@ def export_page(
     if t_end is None:
         t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
     check_t_end(t_end)
-    scene = {
-        "title": title or type(model).__name__,
-        "version": __version__,
-        "call": _call(model),
-        "t_end": float(t_end),
-        "period": float(oscillation_period(model)),
-        "switches": [{"name": n, "about": model.nonlinearities[n].about} for n in names],
-        "sliders": slider_data(model, sliders),
-        "presets": preset_data(model, names, presets),
-        "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
-        "mechanism": _mechanism(model),
-        "method": method_data(),
-    }
-    script = _script()
+    scene = page_scene(model, names, sliders, presets, float(t_end), title)
+    script = script_text(SCRIPTS)
     solver = solver_data(script)
     derived = {key: structure_data(each) for key, each in structures(model, names).items()}
     return write_text(path, _html(scene, derived, solver, script))
 
 
-def _call(model: Model) -> str:
-    """The name by which Python code calls the model's class."""
-    name, ours = type(model).__name__, type(model).__module__.startswith("frictionlab.")
-    return f"fl.{name}" if ours else name
+def page_scene(
+    model: Model, names: tuple[str, ...], sliders: Any, presets: Any, t_end: float, title: str | None
+) -> dict[str, Any]:
+    """The scene of a page: its switches are those of these names."""
+    chosen, ranges = chosen_sliders(model, sliders)
+    switches = [switch_control(name, model.nonlinearities[name].about, True) for name in names]
+    controls = [*switches, *parameter_controls(model, chosen, ranges), *run_controls(model, t_end)]
+    scene = scene_data(model, controls, PANELS[model.mechanism is None :], title=title)
+    about = f"exact solver, in your browser; frictionlab {__version__}"
+    menu = scene_menu(model, names, presets)
+    return scene | {"about": about, "switches": names, "menu": menu, "method": method_data()}
 
 
 def method_data() -> dict[str, Any]:
@@ -165,52 +149,28 @@ def method_data() -> dict[str, Any]:
     }
 
 
-def _mechanism(model: Model) -> dict[str, Any] | None:
-    """The model's picture as data: what its parts are, and the fields of each."""
-    mechanism = model.mechanism
-    if isinstance(mechanism, TiltingBelt):
-        return {
-            "kind": "TiltingBelt",
-            "names": {name: aside for name, (_, aside) in SPRING_LABELS.items()},
-        }
-    if isinstance(mechanism, Mechanism):
-        parts = [_part(part) for part in mechanism.parts]
-        return {"kind": "Mechanism", "parts": parts, "width": WIDTH, "marks": MARKS}
-    return None
-
-
-def _part(part: Any) -> dict[str, Any]:
-    return {"part": type(part).__name__} | {name: _field(value) for name, value in vars(part).items()}
-
-
-def _field(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return {"x": value[0], "y": value[1], "right": "", "up": ""}
-    return dict(vars(value)) if hasattr(value, "right") else value
-
-
-def _script() -> str:
+def script_text(names: Sequence[str]) -> str:
+    """Scripts of the front end, after the drawing of mechanisms."""
     drawing = resources.files("frictionlab.plotting.animation").joinpath("drawing.js")
-    return drawing.read_text(encoding="utf-8") + "".join(_text(f"{name}.js") for name in SCRIPTS)
+    return drawing.read_text(encoding="utf-8") + "".join(text_of(f"{name}.js") for name in names)
 
 
-def _text(name: str) -> str:
+def text_of(name: str) -> str:
+    """A file of the front end."""
     return (resources.files("frictionlab.pages") / "scripts" / name).read_text(encoding="utf-8")
 
 
 def _html(
     scene: dict[str, Any], derived: dict[str, dict[str, Any]], solver: dict[str, Any], script: str
 ) -> str:
-    licence = "/*! uPlot\n" + _text("uplot/licence.txt").replace("*/", "") + "*/\n"
     constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(derived)}
     data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
     parts = {
         "TITLE": html.escape(scene["title"]),
-        "STYLE": _text("uplot/uplot.css") + _text("page.css"),
-        "UPLOT": licence + _text("uplot/uplot.js"),
+        "STYLE": text_of("explorer.css"),
         "SCRIPT": data + script,
     }
-    page = _text("page.html")
+    page = text_of("page.html")
     for name, part in parts.items():
         page = page.replace(f"<!--{name}-->", part)
     policy = POLICY.format(scripts=_digests(page, "script"), styles=_digests(page, "style"))

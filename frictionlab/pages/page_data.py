@@ -1,4 +1,4 @@
-"""The data of a page: the structures of a model, its sliders, switches and presets, checked.
+"""The data of a page: the structures of a model, its sliders, switches and scenes, checked.
 
 A structure is the tape's arrays, its numbers, outputs and equilibria.  The arrays are those with which a run
 in Python would begin, made by the same functions, so that the page need not know their shapes: each has a
@@ -17,15 +17,14 @@ import sympy as sp
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.components.component import Parameter
 from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
 from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
-from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
+from frictionlab.pages.scene import main_parameters, quantity_data
 from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
@@ -40,7 +39,6 @@ from frictionlab.validation import (
     did_you_mean_or_known,
 )
 
-OPEN_SLIDERS = 8  # shown at first where none are chosen; the others are one click away
 MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 
 
@@ -67,8 +65,7 @@ def structure_data(model: Model) -> dict[str, Any]:
     return {
         "parameters": [symbol.name for symbol in parameters],
         "fixed": {s.name: float(v) for s, v in automaton.parameters.items() if s.name not in known},
-        "states": [symbol.name for symbol in automaton.states],
-        "coordinates": len(model.coordinates),
+        **quantity_data(model, automaton),
         "modes": list(program.modes),
         "guards": list(program.guards),
         "colours": _colours(program, modes),
@@ -213,69 +210,34 @@ def structures(model: Model, switches: Sequence[str]) -> dict[str, Model]:
     return {",".join(some): model.without(*some) if some else model for some in sets}
 
 
-def slider_data(model: Model, sliders: Mapping[str, Any] | Sequence[str] | None) -> list[dict[str, Any]]:
-    """One entry for each parameter: name, symbol, unit, meaning, range; `open` if it is shown at first."""
-    about = parameter_metadata(type(model), model.components)
+def chosen_sliders(model: Model, sliders: Any) -> tuple[list[str], dict[str, tuple[float, float]]]:
+    """The parameters whose sliders are shown at first, and the ranges that were given for them."""
     names = list(model.parameters)
     if sliders is None:
-        chosen = _default_sliders(model)
-    elif isinstance(sliders, Mapping):
+        return main_parameters(model), {}
+    if isinstance(sliders, Mapping):
         chosen = list(sliders)
     else:
         chosen = list(check_sequence("sliders", sliders, "give names of parameters in a list"))
-    ranges = sliders if isinstance(sliders, Mapping) else {}
     for name in chosen:
         if not isinstance(name, str) or name not in names:
             raise ValueError(
                 f"sliders has no parameter {abbreviate(name)}{did_you_mean_or_known(name, names)}"
             )
-    ordered = [*chosen, *(name for name in names if name not in chosen)]
-    return [
-        _slider(name, about[name], model.parameters[name], ranges.get(name)) | {"open": name in chosen}
-        for name in ordered
-    ]
-
-
-def _default_sliders(model: Model) -> list[str]:
-    """Parameters of the laws first, as the motion depends on them most."""
-    own = set(parameter_metadata(type(model), {}))
-    laws = [name for name in model.parameters if name not in own]
-    first = [name for name in ("mu_k", "mu_s", "F", "v", "k_nl", "k2", "Omega") if name in model.parameters]
-    return list(dict.fromkeys([*first, *laws, *model.parameters]))[:OPEN_SLIDERS]
-
-
-def _slider(name: str, about: Parameter, value: float, bounds: Any) -> dict[str, Any]:
-    low, high = _range(name, about, value, bounds)
-    return {
-        "name": name,
-        "symbol": about.symbol,
-        "unit": about.unit,
-        "meaning": about.meaning,
-        "value": float(value),
-        "low": low,
-        "high": high,
-        "log": bool(about.log and low > 0),
+    if not isinstance(sliders, Mapping):
+        return chosen, {}
+    return chosen, {
+        name: check_limits(f"the range of slider {name!r}", ends, "give (low, high)")
+        for name, ends in sliders.items()
     }
 
 
-def _range(name: str, about: Parameter, value: float, bounds: Any) -> tuple[float, float]:
-    if bounds is not None:
-        low, high = check_limits(f"the range of slider {name!r}", bounds, "give (low, high)")
-    elif about.range is not None:
-        low, high = about.range
-    else:
-        twice = 2 * abs(value) or 1.0
-        low, high = (0.0 if about.minimum is not None else -twice), twice
-    if about.log and low <= 0 < value and bounds is None:
-        low = min(value, high) / 1e3
-    return float(min(low, value)), float(max(high, value))
-
-
-def preset_data(model: Model, switches: Sequence[str], presets: Any) -> list[dict[str, Any]]:
-    """Names with values of parameters and, as ``without``, the switches that are off."""
+def scene_menu(model: Model, switches: Sequence[str], presets: Any) -> list[dict[str, Any]]:
+    """The scenes of a page, each with its name and the state of the controls that differ."""
     presets = {} if presets is None else presets
     check_mapping("presets", presets, 'give each a name, such as {"flutter": {"mu_k": 1.4}}')
-    return [_preset(model, switches, name, values) for name, values in presets.items()]
+    made = [_preset(model, switches, name, values) for name, values in presets.items()]
+    return [{"name": "", "label": "as exported", "state": {}}, *made] if made else []
 
 
 def _preset(model: Model, switches: Sequence[str], name: str, values: Any) -> dict[str, Any]:
@@ -288,4 +250,5 @@ def _preset(model: Model, switches: Sequence[str], name: str, values: Any) -> di
             hint = did_you_mean_or_known(switch, list(switches))
             raise ValueError(f"presets[{abbreviate(name)}] has no switch {abbreviate(switch)}{hint}")
     model.replace(**values)  # raises for unknown names and values that break a rule
-    return {"name": name, "values": {key: float(value) for key, value in values.items()}, "without": off}
+    state = {key: float(value) for key, value in values.items()}
+    return {"name": name, "state": state | {f"switch-{switch}": False for switch in off}}

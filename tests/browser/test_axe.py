@@ -22,7 +22,7 @@ PAGES = ("index.html", "getting-started.html", "models/slider-on-rigid-belt.html
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_an_exported_page(browser, axe, tmp_path, model, theme):
     page = opened(browser, exported(model, tmp_path / "page.html"))
-    page.evaluate("(name) => setTheme(name)", theme)
+    page.evaluate("(name) => explorer.setTheme(name)", theme)
     page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
     assert faults(page, axe) == []
     page.context.close()

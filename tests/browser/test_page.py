@@ -30,14 +30,15 @@ TEN = [
 ]
 SECONDS = 1.0
 PATIENCE = 30.0  # s
-RUN = """([values, without, start, end]) => {
-  resetSettings();
-  Object.assign(settings, { off: without, start, end });
-  Object.assign(settings.values, values);
-  showControls();
-  compute(false);
-  return { state: view.run.state, times: Array.from(view.run.eventTimes), eigenvalues: view.eigenvalues,
-           status: document.getElementById("status").textContent };
+PANELS = ("mechanism", "response", "phase", "forces", "spectrum", "eigenvalues")
+RUN = """([values, without, start, duration]) => {
+  const off = Object.fromEntries(without.map((name) => [`switch-${name}`, false]));
+  explorer.state = { ...SCENE.initial, ...values, ...off, start, duration };
+  explorer.showState();
+  explorer.compute(false);
+  const { engine: { run }, result } = explorer;
+  return { state: run.state, times: Array.from(run.eventTimes), eigenvalues: result.eigenvalues,
+           status: explorer.status.textContent };
 }"""
 
 
@@ -109,8 +110,8 @@ def test_all_eight_structures_have_the_bits_of_simulate(page, without):
 
 
 BOTH_WAYS = """async ([without, mu]) => {
-  const { solver } = view, structure = STRUCTURES[without];
-  const value = (name) => name === "mu_k" ? mu : settings.values[name] ?? structure.fixed[name];
+  const { solver } = explorer.engine, structure = STRUCTURES[without];
+  const value = (name) => name === "mu_k" ? mu : explorer.state[name] ?? structure.fixed[name];
   const values = structure.parameters.map(value);
   const run = () => {
     const { state, steps, events, eventTimes } = solver.run(structure, values, structure.release(values), 1);
@@ -163,40 +164,43 @@ def test_the_file_is_below_a_megabyte(slider):
 
 
 def picture(page, name):
-    return page.evaluate("(id) => document.getElementById(id).toDataURL()", name)
+    return page.evaluate("(name) => explorer.panels[name].canvas.toDataURL()", name)
+
+
+def final(page):
+    return page.evaluate("explorer.result.final")
 
 
 def test_a_slider_changes_the_pictures_and_the_state(page):
     page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    before = [picture(page, name) for name in ("mechanism", "phase")], page.inner_text("#final")
-    page.fill("#slider-mu_k", "2")
-    wait_until(page, "(text) => document.getElementById('final').innerText !== text", before[1])
-    assert page.evaluate("settings.values.mu_k") == pytest.approx(2.0, abs=0.02)
-    assert all(new != old for new, old in zip([picture(page, n) for n in ("mechanism", "phase")], before[0]))
+    before = [picture(page, name) for name in PANELS], final(page)
+    slider = page.locator(".fl-mu_k input[type=range]")
+    slider.focus()
+    page.keyboard.press("PageUp")
+    wait_until(page, "(state) => String(explorer.result.final) !== String(state)", before[1])
+    assert page.evaluate("explorer.state.mu_k") == page.evaluate("explorer.result.parameters.mu_k") > 1.4
+    wait_until(page, "explorer.result.complete")
+    assert all(new != old for new, old in zip(map(lambda n: picture(page, n), PANELS), before[0]))
 
 
 DRAGS = """async (count) => {
-  const slider = document.getElementById("slider-mu_k"), drawn = {};
-  for (const id of ["history", "forces", "eigenvalues"]) {
-    const { chart } = plots[id], set = chart.setData;
-    chart.setData = (...given) => { drawn[id] = (drawn[id] ?? 0) + 1; return set.apply(chart, given); };
-  }
+  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), painted = {}, paint = explorer.paint;
+  explorer.paint = function (panel, look) { painted[panel.name] = true; return paint.call(this, panel, look); };
   for (let i = 0; i < count; i++) {
-    slider.value = 0.2 + 0.1 * i / count;
+    slider.value = 20 + i;
     slider.oninput();
     await new Promise(requestAnimationFrame);
   }
-  const followed = Object.keys(drawn);
-  while (view.samples.times.length !== WINDOW_SAMPLES) await new Promise((done) => setTimeout(done, 50));
-  const place = view.run.structure.parameters.indexOf("mu_k");
-  return { followed, shown: settings.values.mu_k, settled: view.run.values[place] };
+  const followed = Object.keys(painted);
+  while (!explorer.result.complete) await new Promise((done) => setTimeout(done, 50));
+  return { followed, shown: explorer.state.mu_k, settled: explorer.result.parameters.mu_k };
 }"""
 
 
 def test_all_plots_follow_a_slider_and_are_whole_when_it_stops(browser, slider):
     page = opened(browser, slider)
     found = page.evaluate(DRAGS, 20)
-    assert set(found["followed"]) == {"history", "forces", "eigenvalues"}
+    assert set(found["followed"]) >= {"response", "phase", "forces", "eigenvalues"}
     assert found["shown"] == found["settled"]
     assert not page.problems
     page.context.close()
@@ -205,9 +209,9 @@ def test_all_plots_follow_a_slider_and_are_whole_when_it_stops(browser, slider):
 def test_the_link_holds_what_is_set(browser, slider):
     page = opened(browser, slider, fragment="#mu_k=2&without=geometry&t_end=0.5")
     run = fl.simulate(fl.SliderOnBelt(mu_k=2.0).without("geometry"), 0.5)
-    assert page.evaluate("view.run.state") == run.final_state.tolist()
-    assert page.evaluate("linkText()") == "mu_k=2&without=geometry&t_end=0.5"
-    assert not page.is_checked("#switch-geometry")
+    assert final(page) == run.final_state.tolist()
+    assert page.evaluate("linkText(explorer.state, SCENE)") == "mu_k=2&without=geometry&t_end=0.5"
+    assert not page.is_checked(".fl-switch-geometry input")
     page.context.close()
 
 
@@ -227,7 +231,7 @@ INTRUDE = """async () => {
 def test_a_page_runs_nothing_but_its_own_scripts_whatever_its_title(browser, tmp_path):
     path = exported(fl.MassOnBelt(c=0.1), tmp_path / "page.html", t_end=1.0, title="a <!--<script> b")
     page = opened(browser, path)
-    assert page.title() == page.inner_text("h1") == "a <!--<script> b"
+    assert page.title() == page.inner_text("h1.fl-title") == "a <!--<script> b"
     assert not page.problems
     answer, intruded, broken = page.evaluate(INTRUDE)
     assert (answer, intruded) == ("refused", None)
@@ -236,18 +240,18 @@ def test_a_page_runs_nothing_but_its_own_scripts_whatever_its_title(browser, tmp
 
 
 def test_presets_and_switches(page):
-    page.select_option("#preset", label="strong")
-    wait_until(page, "view.run.structure === STRUCTURES.geometry")
-    wait_until(page, "settings.values.F === 1000")
-    page.check("#switch-geometry")
-    wait_until(page, "view.run.structure === STRUCTURES['']")
+    page.select_option(".fl-scene select", label="strong")
+    wait_until(page, "explorer.result.structure === STRUCTURES.geometry")
+    wait_until(page, "explorer.state.F === 1000")
+    page.check(".fl-switch-geometry input")
+    wait_until(page, "explorer.result.structure === STRUCTURES['']")
 
 
 def test_copied_python_computes_the_same(page):
     found = page.evaluate(RUN, [{"mu_k": 0.7}, ["cubic"], "rest", 0.5])
-    page.click("#copy")
-    wait_until(page, "view.copied")
-    text = page.evaluate("view.copied")
+    page.click("button.fl-copy")
+    wait_until(page, "explorer.copied")
+    text = page.evaluate("explorer.copied")
     scope = {}
     exec(text.replace("print(run.final_state.tolist())", "state = run.final_state.tolist()"), scope)
     assert scope["state"] == found["state"]
@@ -255,12 +259,12 @@ def test_copied_python_computes_the_same(page):
 
 def test_play_moves_the_picture(page):
     page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    before = page.inner_text("#now")
-    page.click("#play")
-    wait_until(page, "(text) => document.getElementById('now').innerText !== text", before)
-    assert page.inner_text("#play") == "pause"
-    page.click("#play")
-    assert page.inner_text("#play") == "play"
+    before = page.inner_text(".fl-now")
+    page.click("button.fl-play")
+    wait_until(page, "(text) => explorer.now.innerText !== text", before)
+    assert page.inner_text("button.fl-play") == "pause"
+    page.click("button.fl-play")
+    assert page.inner_text("button.fl-play") == "play"
 
 
 @pytest.mark.parametrize("reduced", [pytest.param(False, marks=pytest.mark.slow), True])
@@ -271,14 +275,14 @@ def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider
         page.goto("about:blank")
         page.goto(slider.resolve().as_uri() + "#play=1&mu_k=1.5")
         page.wait_for_selector("body[data-ready]")
-    assert page.inner_text("#play") == ("play" if reduced else "pause")
-    begin = page.evaluate("view.time")
+    assert page.inner_text("button.fl-play") == ("play" if reduced else "pause")
+    begin = page.evaluate("explorer.share")
     if reduced:
         page.wait_for_timeout(200)
-        assert page.evaluate("view.time") == begin
+        assert page.evaluate("explorer.share") == begin
     else:
-        page.wait_for_function("(begin) => view.time !== begin", arg=begin)
-    assert page.input_value("#number-mu_k") == "1.5"
+        page.wait_for_function("(begin) => explorer.share !== begin", arg=begin)
+    assert page.input_value(".fl-mu_k .fl-field") == "1.5"
     assert not page.problems
     page.context.close()
 
@@ -316,24 +320,22 @@ def test_a_broken_rule_is_said_in_the_words_of_the_model(page, values):
 
 def test_typed_values_are_checked_too(page):
     page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    page.fill("#number-mu_s", "1")
+    page.fill(".fl-mu_s .fl-field", "1")
     page.keyboard.press("Tab")
-    page.wait_for_selector("#status.bad")
-    assert page.inner_text("#status") == words_of(fl.SliderOnBelt(mu_k=1.4), {"mu_s": 1.0})
-    page.fill("#number-mu_s", "2")
+    page.wait_for_selector(".fl-status.fl-bad")
+    assert page.inner_text(".fl-status") == words_of(fl.SliderOnBelt(mu_k=1.4), {"mu_s": 1.0})
+    page.fill(".fl-mu_s .fl-field", "2")
     page.keyboard.press("Tab")
-    page.wait_for_selector("#status:not(.bad)")
+    page.wait_for_selector(".fl-status:not(.fl-bad)")
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
-    at_ends = """(end) => SCENE.sliders.map((about) => {
-      resetSettings();
-      settings.end = 0.05;
-      settings.values[about.name] = about[end];
-      compute(false);
-      const status = document.getElementById("status").textContent, { values, structure } = view.run;
-      return [about.name, about[end], status, values[structure.parameters.indexOf(about.name)]];
+    at_ends = """(end) => SCENE.controls.filter(({ parameter }) => parameter).map((about) => {
+      explorer.state = { ...SCENE.initial, duration: 0.05, [about.name]: about[end] };
+      explorer.compute(false);
+      const { parameters } = explorer.result;
+      return [about.name, about[end], explorer.status.textContent, parameters[about.name]];
     })"""
     found = page.evaluate(at_ends, end)
     model = fl.SliderOnBelt(mu_k=1.4)
@@ -345,7 +347,7 @@ def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
             assert status == words_of(model, {name: value})
 
 
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", [1920, 1280, 390])
 def test_nothing_is_wider_than_the_screen(browser, slider, width):
     page = opened(browser, slider, width)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
@@ -388,7 +390,9 @@ OTHERS = [
 @pytest.mark.parametrize("model", slow_but(OTHERS[:2], OTHERS), ids=lambda model: repr(model)[:40])
 def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
     page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
-    found = page.evaluate("({ state: view.run.state, times: Array.from(view.run.eventTimes) })")
+    found = page.evaluate(
+        "({ state: explorer.result.final, times: Array.from(explorer.engine.run.eventTimes) })"
+    )
     run = fl.simulate(model, 5.0)
     assert found["state"] == run.final_state.tolist()
     assert found["times"] == run.events.t.tolist()
@@ -397,9 +401,9 @@ def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
 
 
 LONG_RUN = """([end]) => {
-  const { solver } = view, structure = structureNow(), values = parametersOf(structure);
+  const { engine, engine: { solver } } = explorer, structure = engine.structureOf(explorer.state);
+  const values = engine.parametersOf(structure, explorer.state);
   const run = solver.run(structure, values, structure.release(values), end);
-  view.run = run;
   const first = Array.from(sample(solver, run, Float64Array.of(0.25 * end, 0.75 * end)).column("x1"));
   return { state: run.state, steps: run.steps, times: Array.from(run.eventTimes), first };
 }"""
@@ -426,10 +430,12 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
     model = fl.MassOnBelt(friction=Softening(), c=0.1)
     page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0), fragment="#rate=3.5")
     run = fl.simulate(model.replace(rate=3.5), 5.0)
-    assert page.evaluate("view.run.state") == run.final_state.tolist()
+    assert final(page) == run.final_state.tolist()
     for values in ({"rate": -1.0}, {"mu_k": 2.5}, {"mu_k": 1234567.0, "mu_s": 2e6}, {"rate": 51.0}):
-        page.evaluate("(values) => { Object.assign(settings.values, values); compute(false); }", values)
-        assert page.inner_text("#status") == words_of(model, {"rate": 3.5} | values)
-        page.evaluate("readLink('#rate=3.5')")
+        page.evaluate(
+            "(values) => { Object.assign(explorer.state, values); explorer.compute(false); }", values
+        )
+        assert page.inner_text(".fl-status") == words_of(model, {"rate": 3.5} | values)
+        page.evaluate("explorer.state = readLink('#rate=3.5', SCENE).state")
     assert not page.problems
     page.context.close()

@@ -10,22 +10,19 @@ function roundDown125(x) {
   return [5, 2, 1].map((d) => d * power).find((v) => v <= x * (1 + 1e-9)) ?? power;
 }
 
-function theme() { // colours of the page
-  const style = getComputedStyle(document.documentElement), read = (name) => style.getPropertyValue(`--${name}`).trim();
-  return { ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"), force: read("force") };
+// The picture of a result as {scene, draw, row(samples, i), note}, or null; `about` is the mechanism as data.
+function pictureOf(about, result, look) {
+  if (!about) return null;
+  return (about.kind === "TiltingBelt" ? tiltingBelt : partsPicture)(about, result, look);
 }
 
-function pictureOf(run, samples, parameters) { // {scene, row(sample, i), note}, or null
-  if (!SCENE.mechanism) return null;
-  return (SCENE.mechanism.kind === "TiltingBelt" ? tiltingBelt : partsPicture)(run, samples, parameters);
+function colouredScene({ structure }, look) {
+  const { ink, paper, grey, pale, letters } = look, colours = structure.colours;
+  return { ink, paper, grey, pale, letters, colours, force_colours: [legible("#0072B2", look), COLOURS.vermillion, ink] };
 }
 
-function colouredScene(run) {
-  const { ink, paper, grey, pale, force } = theme();
-  return { ink, paper, grey, pale, letters: px(0.87), colours: run.structure.colours, force_colours: [force, COLOURS.vermillion, ink] };
-}
-
-function tiltingBelt(run, samples, p) {
+function tiltingBelt(about, result, look) {
+  const { samples, structure, parameters: p } = result;
   const get = (data, name, i) => data.byName[name]?.[i] ?? 0;
   const size = Math.max(p.l1, p.l2) || 0.2, wheels = [Math.max(p.l1, 0.25 * size), Math.max(p.l2, 0.25 * size)];
   const room = 0.4 * Math.min(...wheels), top = largest(["x1", "y1", "x2", "y2"].map(samples.column));
@@ -37,12 +34,12 @@ function tiltingBelt(run, samples, p) {
   const limits = [[Math.min(walls[0], anchor[0], -wheels[0] - radius - reach) - margin, walls[1] + margin], [walls[2] - margin, anchor[1] + 2 * margin]];
   const force = Math.max(largest([samples.column("normal_force"), samples.column("friction_force")]), Math.abs(p.F));
   const scale = force / (0.6 * size) || 1;
-  const scene = { ...colouredScene(run), size, wheels, radius, block, spring, walls, anchor, limits, reach, scale, preload: p.F, names: SCENE.mechanism.names };
+  const scene = { ...colouredScene(result, look), size, wheels, radius, block, spring, walls, anchor, limits, reach, scale, preload: p.F, names: about.names };
   return {
     scene, draw: mechanism, note: `displacements × ${s}, tilt as it is`,
     row(data, i) {
       const [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map((name) => s * get(data, name, i)), phi = get(data, "phi", i), mode = data.modes[i];
-      const foot = run.structure.modes[mode] === "separation" ? y1 : y2 - (x1 - x2) * phi;
+      const foot = structure.modes[mode] === "separation" ? y1 : y2 - (x1 - x2) * phi;
       return {
         slider_x: x1, slider_y: y1 + spring, foot_x: x1, foot_y: foot, belt_x: x2, belt_y: y2, slope: -phi,
         travel: s * p.v * data.times[i], normal_force: get(data, "normal_force", i), friction_force: get(data, "friction_force", i), mode,
@@ -51,8 +48,8 @@ function tiltingBelt(run, samples, p) {
   };
 }
 
-function partsPicture(run, samples, p) {
-  const { parts, width, marks } = SCENE.mechanism, names = new Set();
+function partsPicture(about, result, look) {
+  const { samples, structure, parameters: p } = result, { parts, width, marks } = about, names = new Set();
   for (const part of parts) for (const place of Object.values(part)) for (const name of [place?.right, place?.up]) if (name) names.add(name.replace("-", ""));
   const value = (data, name, i) => data.byName[name]?.[i] ?? p[name] ?? 0;
   const top = Math.max(...[...names].map((name) => samples.byName[name] ? largest([samples.byName[name]]) : Math.abs(p[name] ?? 0)), 0);
@@ -62,11 +59,11 @@ function partsPicture(run, samples, p) {
   const contacts = parts.filter(({ part }) => part === "Forces").map(({ contact }) => contact);
   const forces = contacts.flatMap((contact) => ["normal_force", "friction_force"].map((name) => samples.byName[name + contact] ?? new Float64Array(1)));
   const arrow = LONGEST_ARROW / (largest(forces) || Infinity);
-  const base = colouredScene(run), shapes = [];
+  const base = colouredScene(result, look), shapes = [];
   const places = { // the numbers of each part's shapes in a frame
     Wall: (part, d, i) => [[...at(part.start, d, i), ...at(part.end, d, i)]],
     Spring: (part, d, i) => {
-      const end = at(part.end, d, i), loose = part.loose && run.structure.modes[d.modes[i]] === part.loose;
+      const end = at(part.end, d, i), loose = part.loose && structure.modes[d.modes[i]] === part.loose;
       const start = loose ? [end[0] + part.start.x - part.end.x, end[1] + part.start.y - part.end.y] : at(part.start, d, i);
       return [[...start, ...end]];
     },

@@ -1,71 +1,76 @@
-// The settings of the page: parameters, switches, start and end; their text as a link and as Python.
-const settings = { values: {}, off: [], start: "rest", end: SCENE.t_end, plays: false };
+// The state of a front end: a value for each control, by its name.  Earlier states; a state as a link, and as a file.
+const SAME_MOVE = 700; // milliseconds: steps of one control that follow each other faster than this are undone together
+const MOST_STATES = 200;
+const FORMAT = "frictionlab explorer";
+const LINK_WORDS = { start: "x0", duration: "t_end" }; // in links, the words of fl.simulate
+const sameValue = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-function resetSettings() {
-  settings.values = Object.fromEntries(SCENE.sliders.map(({ name, value }) => [name, value]));
-  Object.assign(settings, { off: [], start: "rest", end: SCENE.t_end });
-}
+class StateHistory {
+  constructor(first) { Object.assign(this, { states: [first], place: 0, moved: "", since: 0 }); }
 
-const structureNow = () => STRUCTURES[SCENE.switches.map(({ name }) => name).filter((name) => settings.off.includes(name)).join(",")];
+  get present() { return this.states[this.place]; }
 
-function parametersOf(structure) { // in the order of the automaton's parameters
-  const values = structure.parameters.map((name) => settings.values[name] ?? structure.fixed[name]);
-  const chatter = structure.parameters.indexOf("chatter");
-  if (structure.rate) values[chatter] = chatterLimit(structure.rate(values)[0]);
-  return values;
-}
+  record(state) { // a new one drops those that had been undone
+    const now = performance.now(), changed = differences(this.present, state);
+    if (!changed.length) return;
+    const together = changed.length === 1 && changed[0] === this.moved && now - this.since < SAME_MOVE && this.place > 0;
+    this.states.splice(this.place + (together ? 0 : 1));
+    this.states = [...this.states, state].slice(-MOST_STATES);
+    Object.assign(this, { place: this.states.length - 1, moved: changed.length === 1 ? changed[0] : "", since: now });
+  }
 
-function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them
-  return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
-}
-
-function linkText() {
-  const parts = SCENE.sliders.filter(({ name, value }) => settings.values[name] !== value).map(({ name }) => `${encodeURIComponent(name)}=${settings.values[name]}`);
-  if (settings.off.length) parts.push(`without=${settings.off.join(",")}`);
-  if (settings.start !== "rest") parts.push(`x0=${settings.start}`);
-  if (settings.end !== SCENE.t_end) parts.push(`t_end=${settings.end}`);
-  return parts.join("&");
-}
-
-function readLink(text) {
-  resetSettings();
-  settings.plays = false;
-  for (const [name, value] of new URLSearchParams(text.replace(/^#/, ""))) {
-    if (name === "without") settings.off = SCENE.switches.map((s) => s.name).filter((s) => value.split(",").includes(s));
-    else if (name === "x0") settings.start = value === "near" ? "near" : "rest";
-    else if (name === "play") settings.plays = value === "1"; // it plays as soon as it is loaded, for pages embedded in others
-    else if (name === "t_end") settings.end = Number(value) > 0 && Number.isFinite(Number(value)) ? Number(value) : SCENE.t_end;
-    else if (name in settings.values && value !== "" && Number.isFinite(Number(value))) settings.values[name] = Number(value);
+  step(by) { // the state before or after, or null
+    if (!this.states[this.place + by]) return null;
+    this.place += by;
+    this.moved = "";
+    return this.present;
   }
 }
 
-function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null
-  let found, at = 0;
-  try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
-  for (const { relations, values: count, message } of rules.words) {
-    const broken = found.slice(at, at + relations).every(Boolean), shown = found.slice(at + relations, at + relations + count);
-    at += relations + count;
-    if (broken) return message.map((part, i) => i % 2 ? formatted(shown[(i - 1) / 2], part) : part).join("");
+function linkText(state, scene) { // what differs from the beginning
+  const changed = differences(scene.initial, state), parts = scene.name ? [["scene", scene.name]] : [];
+  const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter), add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
+  changed.filter(isParameter).forEach(add);
+  if (changed.some(isSwitch)) parts.push(["without", switchesOff(state).join(",")]);
+  changed.filter((name) => !isParameter(name) && !isSwitch(name)).forEach(add);
+  return parts.map(([name, text]) => `${encodeURIComponent(name)}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%20", "+")}`).join("&");
+}
+
+const isSwitch = (name) => name.startsWith("switch-");
+const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name) && !state[name]).map((name) => name.slice("switch-".length));
+
+function readLink(text, scene) { // {state, scene, plays}; what no control can be set to is left out
+  const state = { ...scene.initial }, words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
+  const found = { state, scene: "", plays: false, given: {} };
+  for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
+    if (word === "scene") found.scene = value;
+    else if (word === "play") found.plays = value === "1"; // it plays as soon as it is loaded, for pages embedded in others
+    else found.given[word] = value;
+    const about = scene.controls.find(({ name }) => name === (words[word] ?? word)), number = Number(value);
+    if (word === "without") {
+      for (const name of Object.keys(state).filter(isSwitch)) state[name] = !value.split(",").includes(name.slice("switch-".length));
+    } else if (about?.kind === "number" && value !== "" && Number.isFinite(number) && (word !== "t_end" || number > 0)) state[about.name] = number;
+    else if (about?.kind === "choice" && about.options.includes(value) || about?.kind === "text") state[about.name] = value;
+    else if (about?.kind === "range") state[about.name] = value.split(",").map(Number);
   }
-  return null;
+  return found;
 }
 
-function withExponent(v, digits) { // as Python writes it
-  const [number, power] = v.toExponential(digits).split("e");
-  return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+function stateText(state, scene) {
+  const changed = Object.fromEntries(differences(scene.initial, state).map((name) => [name, state[name]]));
+  return JSON.stringify({ format: FORMAT, model: scene.call, scene: scene.name ?? "", changed }, null, 1);
 }
 
-function formatted(v, format) { // as Python's format "g" writes it; else all digits, as repr does
-  const size = Math.abs(v);
-  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0` : String(v);
-  const rounded = Number(v.toPrecision(6));
-  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
+function stateFromText(text) { // {model, scene, changed}
+  let data;
+  try { data = JSON.parse(text); } catch { data = null; }
+  if (!data?.changed || !data.format) throw new RangeError("the file must be one that an explorer saved");
+  if (data.format !== FORMAT) throw new RangeError(`the file must be one that an explorer saved, got the format '${data.format}'`);
+  return data;
 }
 
-function pythonText() {
-  const present = structureNow().parameters, number = formatted;
-  const values = SCENE.sliders.filter(({ name }) => present.includes(name)).map(({ name }) => `${name}=${number(settings.values[name])}`);
-  const off = settings.off.length ? `.without(${settings.off.map((name) => `"${name}"`).join(", ")})` : "";
-  const replaced = off ? `${SCENE.call}()${off}.replace(${values.join(", ")})` : `${SCENE.call}(${values.join(", ")})`;
-  return `import frictionlab as fl\n\nmodel = ${replaced}\nrun = fl.simulate(model, ${number(settings.end)}, x0="${settings.start}")\nprint(run.final_state.tolist())\n`;
+function csvText({ structure, samples }) { // a line of names, then one for each time; numbers have all their digits
+  const columns = Object.keys(samples.byName), values = columns.map(samples.column);
+  const lines = Array.from(samples.times, (t, i) => [t, ...values.map((v) => v[i]), structure.modes[samples.modes[i]]].join(","));
+  return [["t", ...columns, "mode"].join(","), ...lines, ""].join("\n");
 }

@@ -9,7 +9,8 @@ import pytest
 import frictionlab as fl
 from frictionlab.compilation import manifest
 from frictionlab.pages import export
-from frictionlab.pages.page_data import preset_data, slider_data, structures, switch_names
+from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
+from frictionlab.pages.scene import parameter_controls
 
 
 def test_all_eight_structures_of_the_slider_are_there():
@@ -24,10 +25,10 @@ def test_a_nonlinearity_that_the_model_is_without_has_no_switch():
 
 def test_chosen_sliders_come_first_and_all_parameters_are_there():
     model = fl.SliderOnBelt(mu_k=1.4)
-    found = slider_data(model, {"F": (0.0, 1000.0)})
+    found = parameter_controls(model, *chosen_sliders(model, {"F": (0.0, 1000.0)}))
     assert found[0]["name"] == "F"
     assert (found[0]["low"], found[0]["high"]) == (0.0, 1000.0)
-    assert [each["open"] for each in found] == [True] + [False] * (len(model.parameters) - 1)
+    assert [each["group"] for each in found] == ["main"] + ["structure"] * (len(model.parameters) - 1)
     assert {each["name"] for each in found} == {*model.parameters}
 
 
@@ -48,8 +49,8 @@ def test_bad_options_are_named_before_anything_is_written(options, text, tmp_pat
 
 
 def test_presets_keep_values_and_switches():
-    found = preset_data(fl.SliderOnBelt(), ("geometry",), {"a": {"mu_k": 2, "without": "geometry"}})
-    assert found == [{"name": "a", "values": {"mu_k": 2.0}, "without": ["geometry"]}]
+    _, found = scene_menu(fl.SliderOnBelt(), ("geometry",), {"a": {"mu_k": 2, "without": "geometry"}})
+    assert found == {"name": "a", "state": {"mu_k": 2.0, "switch-geometry": False}}
 
 
 def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path):
@@ -96,9 +97,9 @@ class Elements(HTMLParser):
 def test_a_page_may_run_its_own_scripts_and_nothing_else(title):
     """The digests are computed anew from what a parser of HTML takes for scripts and styles."""
     solver = {"module": "", "tables": {}}
-    page = Elements(export._html({"title": title}, {}, solver, export._script()))
+    page = Elements(export._html({"title": title}, {}, solver, export.script_text(export.SCRIPTS)))
     assert page.texts["title"] == [title]
-    assert [len(page.texts[kind]) for kind in ("script", "style")] == [2, 1]
+    assert [len(page.texts[kind]) for kind in ("script", "style")] == [1, 1]
     assert not any("<!--" in text for text in page.texts["script"])  # such a text would hide their end
     rules = dict(rule.split(" ", 1) for rule in page.policy.split("; "))
     own = {

@@ -1,0 +1,165 @@
+// The engine of an exported page: the kernels in the browser.  A state gives a result, as panels and words take it.
+const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 500, SPECTRUM_SAMPLES = 4096, REST_SAMPLES = 65, DECAY_SAMPLES = 400;
+const DRAG_PATIENCE = 40, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
+const PERIODS_SHOWN = 10, PERIODS_HEARD = 100;
+const AT_REST = 1e-9, SEEN = 1e-3, AFTER_REST = 1.15, STEADY = 0.95; // as in frictionlab/widgets/result.py
+
+class BrowserEngine {
+  constructor(solver) { Object.assign(this, { solver, run: null, equilibrium: null }); }
+
+  structureOf(state) {
+    const off = switchesOff(state);
+    return STRUCTURES[SCENE.switches.filter((name) => off.includes(name)).join(",")];
+  }
+
+  parametersOf(structure, state) { // in the order of the automaton's parameters
+    const values = structure.parameters.map((name) => state[name] ?? structure.fixed[name]);
+    if (structure.rate) values[structure.parameters.indexOf("chatter")] = chatterLimit(structure.rate(values)[0]);
+    return values;
+  }
+
+  has(name, state) { return this.structureOf(state).parameters.includes(name); }
+
+  ask(state, dragging, explorer) {
+    try { explorer.show(this.compute(state, dragging), dragging); } catch (error) { explorer.fail(error.message); }
+  }
+
+  compute(state, dragging) { // the result; an error in words where there is none
+    const structure = this.structureOf(state), values = this.parametersOf(structure, state), broken = brokenRule(structure, values);
+    if (broken) throw new RangeError(broken);
+    const [known, start] = this.startState(structure, values, state);
+    const run = this.solver.run(structure, values, start, state.duration, dragging ? DRAG_PATIENCE : PATIENCE);
+    this.run = run;
+    return this.resultOf(run, known, state, dragging);
+  }
+
+  startState(structure, values, state) { // the equilibrium, or null, and the state in which the run begins
+    const zero = structure.near.map(() => 0), last = this.equilibrium?.length === zero.length ? this.equilibrium : structure.near;
+    const known = equilibriumOf(structure, values, [last, structure.near, zero]);
+    this.equilibrium = known ? known.z : null;
+    if (state.start === "own") return [known, ownState(state.own, structure.states)];
+    if (state.start === "rest") return [known, structure.release(values)];
+    if (!known) throw new RangeError("there is no equilibrium to start near of: start from rest");
+    return [known, known.z.map((v, i) => (i < structure.coordinates ? 1.01 * v : v))];
+  }
+
+  resultOf(run, known, state, dragging) {
+    const { structure } = run, [start, stop] = this.span(run, SCENE.windows[state.window]);
+    const samples = sampleWithEvents(this.solver, run, start, stop, dragging ? DRAG_SAMPLES : WINDOW_SAMPLES);
+    const coordinate = structure.states.slice(0, structure.coordinates).includes(state.coordinate) ? state.coordinate : structure.states[0];
+    const facts = dragging ? {} : this.facts(run);
+    return {
+      structure, samples, start, stop, coordinate, from: state.start, highest: SCENE.highest, size: largest(structure.states.slice(0, structure.coordinates).map(samples.column)),
+      parameters: Object.fromEntries(structure.parameters.map((name, i) => [name, run.values[i]])),
+      finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode], final: run.state,
+      struck: Array.from(run.eventTimes).some((t) => t > start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
+      equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
+      reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or stiffnesses",
+      complete: !dragging, drawings: {}, milliseconds: run.milliseconds,
+    };
+  }
+
+  statusText(run) {
+    const how = run.status === RUNNING ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
+    return `${sentence(how)}. ${run.steps} steps, ${run.events} events, solved in ${run.milliseconds.toFixed(1)} ms`;
+  }
+
+  equilibriumData({ z, sliding }, { structure, values }) {
+    const outputs = structure.outputs.functions[sliding.mode](z, values), of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
+    return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"), friction_force: of("friction_force") };
+  }
+
+  coordinatesAt(run, times) { return run.structure.states.slice(0, run.structure.coordinates).map(sample(this.solver, run, times, NO_OUTPUTS).column); }
+
+  isAtRest(run, start, stop) {
+    const columns = this.coordinatesAt(run, sampleTimes(start, stop, REST_SAMPLES)), began = this.coordinatesAt(run, Float64Array.of(0));
+    const size = Math.max(largest(columns), largest(columns.map((x, k) => x.map((v) => v - began[k][0]))));
+    return spread(columns) <= AT_REST * size;
+  }
+
+  timeOfRest(run) { // from then on no coordinate visibly differs from its last value
+    const times = sampleTimes(0, run.end, SAMPLES), columns = this.coordinatesAt(run, times);
+    const away = times.map((_, i) => Math.max(...columns.map((x) => Math.abs(x[i] - x.at(-1))))), most = SEEN * largest([away]);
+    return Math.max(times[Math.min(away.findLastIndex((v) => v > most) + 1, times.length - 1)], run.eventTimes.at(-1) ?? 0);
+  }
+
+  span(run, window) { // the part that is shown
+    if (window === null) return [0, run.end];
+    const seconds = window === "moving" ? PERIODS_SHOWN * SCENE.period : window, start = Math.max(0, run.end - seconds);
+    if (window !== "moving" || !start || !this.isAtRest(run, start, run.end)) return [start, run.end];
+    return [0, Math.min(run.end, AFTER_REST * this.timeOfRest(run))];
+  }
+
+  facts(run) {
+    const seconds = PERIODS_SHOWN * SCENE.period, moving = !this.isAtRest(run, Math.max(0, run.end - seconds), run.end);
+    const size = (end) => spread(this.coordinatesAt(run, sampleTimes(Math.max(0, end - seconds), end, DECAY_SAMPLES)));
+    return { moving, rest: moving ? NaN : this.timeOfRest(run), decays: size(run.end) < STEADY * size(run.end / 2) };
+  }
+
+  spectrum(run, name) { // of the run's second half, or of the last periods
+    const span = Math.min(run.end / 2, PERIODS_HEARD * SCENE.period);
+    if (span * SCENE.highest < 5) return null;
+    const signal = sample(this.solver, run, sampleTimes(run.end - span, run.end, SPECTRUM_SAMPLES), NO_OUTPUTS).column(name), step = span / (SPECTRUM_SAMPLES - 1);
+    const found = amplitudes(signal), frequencies = Float64Array.from(found, (_, i) => i / (SPECTRUM_SAMPLES * step));
+    const count = Math.max(8, frequencies.findIndex((f) => f > SCENE.highest)), shown = found.subarray(1, count), place = shown.indexOf(largest([shown]));
+    return { frequencies: frequencies.subarray(1, count), amplitudes: shown, strongest: frequencies[1 + place], largest: shown[place] };
+  }
+
+  instant(t) { return [sample(this.solver, this.run, Float64Array.of(t)), 0]; } // from the dense output, not between samples
+
+  hear() { // the end of the run: at most three seconds, played `pitch` times as fast as it happened
+    const { run, solver } = this, { signal, pitch } = SCENE.sound, rate = 44100, count = Math.floor(Math.min(3, run.end / pitch) * rate), data = new Float32Array(Math.max(count, 1));
+    for (let i = 0; i < count; i += SAMPLES) {
+      const times = Float64Array.from({ length: Math.min(SAMPLES, count - i) }, (_, k) => run.end - (count - i - k) / rate * pitch), found = sample(solver, run, times);
+      data.set(found.byName[signal] ?? found.column(run.structure.states[run.structure.coordinates]), i);
+    }
+    const mean = data.reduce((a, b) => a + b, 0) / count, peak = data.reduce((a, b) => Math.max(a, Math.abs(b - mean)), 1e-300);
+    const samples = data.map((v, i) => 0.9 * (v - mean) / peak * Math.min(1, i / 480, (count - i) / 480));
+    return { samples, rate, text: `${signal.replace("_", " ")}, ${shortNumber(pitch, 3)} times as high as it is` };
+  }
+
+  python(state) {
+    const { parameters } = this.structureOf(state), names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
+    const off = switchesOff(state), without = off.length ? `.without(${off.map((name) => `"${name}"`).join(", ")})` : "";
+    const values = names.map(({ name }) => `${name}=${formatted(state[name])}`).join(", ");
+    const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]` : `"${state.start}"`;
+    const model = without ? `${SCENE.call}()${without}.replace(${values})` : `${SCENE.call}(${values})`;
+    return `import frictionlab as fl\n\nmodel = ${model}\nrun = fl.simulate(model, ${formatted(state.duration)}, x0=${start})\nprint(run.final_state.tolist())\n`;
+  }
+}
+
+const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])]))); // of the coordinate that varies most
+
+function ownState(text, names = null) {
+  const values = text.split(/[,;]/).filter((part) => part.trim()).map(Number);
+  if (!values.every(Number.isFinite)) throw new RangeError(`the own state must be numbers with commas between, got '${text}': write for example 0.01, 0, ...`);
+  if (names && values.length !== names.length) throw new RangeError(`the own state must have ${names.length} numbers, got ${values.length}: ${names.join(", ")}`);
+  return values;
+}
+
+function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them
+  return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
+}
+function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null
+  let found, at = 0;
+  try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
+  for (const { relations, values: count, message } of rules.words) {
+    const broken = found.slice(at, at + relations).every(Boolean), shown = found.slice(at + relations, at + relations + count);
+    at += relations + count;
+    if (broken) return message.map((part, i) => i % 2 ? formatted(shown[(i - 1) / 2], part) : part).join("");
+  }
+  return null;
+}
+
+function withExponent(v, digits) { // as Python writes it
+  const [number, power] = v.toExponential(digits).split("e");
+  return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+}
+
+function formatted(v, format) { // as Python's format "g" writes it; else all digits, as repr does
+  const size = Math.abs(v);
+  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0` : String(v);
+  const rounded = Number(v.toPrecision(6));
+  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
+}
+

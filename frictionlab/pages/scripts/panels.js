@@ -1,0 +1,87 @@
+// The panels that have names: functions of a result that return a drawing, or null where they have nothing to show.
+//
+// A result is what an engine computes: {structure, samples, start, stop, equilibrium, eigenvalues, spectrum, ...}.  Its structure
+// names states, modes and outputs, with labels, units and colours; its samples are arrays of the part that is shown.
+const PALETTE = ["#000000", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"];
+const GREY = "#999999", ROUNDING = 1e-12; // share of an eigenvalue's size below which its real part is a rounding error
+const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
+
+const isAngle = (result, name) => result.structure.units[name].startsWith("rad");
+const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;
+const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
+
+function curvesByMode({ structure, samples: { modes } }, x, y, look) { // a curve for each mode that occurs, up to the sample after
+  return [...new Set(modes)].sort((a, b) => a - b).map((mode) => {
+    const shown = (i) => modes[i] === mode || i > 0 && modes[i - 1] === mode;
+    const values = Float64Array.from(y, (v, i) => (shown(i) ? v : NaN));
+    return { label: structure.modes[mode], x, y: values, colour: structure.colours[mode], ...look };
+  });
+}
+
+function modeStrip(result) {
+  const { times } = result.samples;
+  return curvesByMode(result, times, new Float64Array(times.length).fill(0.02), { width: 7, axis: "strip" });
+}
+
+function coordinateCurves(result, names) {
+  const mixed = names.some((name) => isAngle(result, name)) && !names.every((name) => isAngle(result, name));
+  return names.map((name, i) => {
+    const angle = isAngle(result, name), axis = mixed && angle ? "right" : "left";
+    const colour = PALETTE[i % PALETTE.length], dash = angle || i >= PALETTE.length;
+    return { label: result.structure.labels[name], x: result.samples.times, y: result.samples.column(name), colour, dash, axis };
+  });
+}
+
+function historyDrawing(result, names, words) {
+  const curves = coordinateCurves(result, names), units = [...new Set(names.map((name) => result.structure.units[name]))];
+  const left = names.find((_, i) => curves[i].axis === "left"), right = names.find((_, i) => curves[i].axis === "right");
+  const label = (name, dashed) => (name ? `${words[isAngle(result, name) ? 1 : 0]} (${result.structure.units[name]})${dashed ? ", dashed" : ""}` : "");
+  return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves, xlim: [result.start, result.stop] };
+}
+
+function response(result) {
+  const drawing = historyDrawing(result, coordinatesOf(result), ["displacement", "angle"]);
+  return { ...drawing, curves: [...drawing.curves, ...modeStrip(result).map((curve) => ({ ...curve, label: `_${curve.label}` }))] };
+}
+
+function forces(result) {
+  const { structure: { forces: drawn }, samples: { times, column } } = result, names = Object.keys(drawn);
+  if (!names.length) { // the rates, where a model has no contact forces
+    const drawing = historyDrawing(result, coordinatesOf(result).map((name) => `${name}'`), ["velocity", "angular velocity"]);
+    return { ...drawing, title: "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
+  }
+  const curves = names.map((name) => ({ label: drawn[name][0], x: times, y: column(name), colour: drawn[name][1] }));
+  return { xlabel: "time (s)", ylabel: "contact force (N)", curves: [...curves, ...modeStrip(result)], xlim: [result.start, result.stop] };
+}
+
+function phase(result) {
+  const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
+  const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
+  if (equilibrium) curves.push({ label: "equilibrium", x: [equilibrium.q[place]], y: [0], marker: "+", size: 11, line: false });
+  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves };
+}
+
+function spectrum(result) {
+  const name = result.coordinate, { labels, units } = result.structure, xlim = [0, result.highest];
+  const about = { xlabel: "frequency (Hz)", ylabel: `amplitude of ${labels[name]} (${units[name]})`, log: true, xlim };
+  const found = result.spectrum;
+  if (!found) return { ...about, curves: [], note: "the run is too short for a spectrum" };
+  if (!(found.largest > SILENT * result.size)) return { ...about, curves: [], note: "at rest" };
+  const curve = { label: "_spectrum", x: found.frequencies, y: found.amplitudes, width: 1 };
+  return { ...about, curves: [curve], note: `strongest line ${shortNumber(found.strongest, 4)} Hz` };
+}
+
+function eigenvaluePanel(result) {
+  if (!result.eigenvalues) return null; // the words say why there are none
+  const upper = result.eigenvalues.filter(([, im]) => im >= 0), neutral = upper.every(([re, im]) => Math.abs(re) <= ROUNDING * Math.hypot(re, im));
+  const grows = ([re, im]) => re > ROUNDING * Math.hypot(re, im), some = (chosen, label, look) => ({ label, x: chosen.map(([re]) => re), y: chosen.map(([, im]) => im / (2 * Math.PI)), line: false, size: 8, ...look });
+  const curves = [
+    { label: "_no growth", x: [0, 0], y: [0, 1], colour: GREY, width: 1, axis: "strip" },
+    some(upper.filter((value) => !grows(value)), "decays", { colour: "#0072B2", marker: "o" }),
+    some(upper.filter(grows), "grows", { colour: "#D55E00", marker: "^" }),
+  ];
+  return { xlabel: "growth rate (1/s)", ylabel: "frequency (Hz)", curves, ...(neutral ? { xlim: [-1, 1] } : {}) };
+}
+
+const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel };
+const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces", spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding" };

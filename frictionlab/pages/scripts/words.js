@@ -1,0 +1,54 @@
+// What a result says in words: whether steady sliding is stable, what the run does, why it ended.
+const VERBS = { stick: "sticks", "slip+": "slips", "slip-": "slips", slip: "slips", separation: "separates" };
+const STARTS = { rest: "from rest", near: "from near the equilibrium", own: "from your own state" };
+const NOTHING_SLIDES = "Nothing in this model slides steadily on something that moves, so there is no steady sliding to be stable or unstable.";
+const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
+
+function verdict(result) {
+  const happens = runText(result), values = result.eigenvalues;
+  if (!values) {
+    const what = happens ? ` ${sentence(happens)}.` : "", reason = result.reason.replace(/[.]?$/, ".");
+    return result.structure.slides ? `No steady sliding: ${reason}${what}` : `${NOTHING_SLIDES}${what}`;
+  }
+  const text = stabilityText(values), joint = text === "stable" ? "but" : "and";
+  return `Steady sliding is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;
+}
+
+function stabilityText(values) {
+  const upper = values.filter(([, im]) => im >= 0), share = ([re, im]) => re / (Math.hypot(re, im) || 1);
+  const growing = upper.filter((value) => share(value) > ROUNDING).sort((a, b) => b[0] - a[0]);
+  if (!growing.length) return upper.every((value) => share(value) < -ROUNDING) ? "stable" : "neither stable nor unstable: a mode neither grows nor decays";
+  const [re, im] = growing[0], modes = growing.length === 1 ? "1 mode grows" : `${growing.length} modes grow`;
+  return `unstable: ${modes}, at ${shortNumber(re, 4)} 1/s and ${shortNumber(im / (2 * Math.PI), 4)} Hz`;
+}
+
+function runText(result) { // a clause: what the run does at its end; empty where it settles to the equilibrium
+  if (!result.finished) return "";
+  const from = STARTS[result.from];
+  if (!result.moving) return result.mode.includes("slip") ? "" : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
+  const what = motionText(result);
+  if (!what && result.decays) return "";
+  const { largest, strongest } = result.spectrum ?? {}, pitch = largest > SILENT * result.size ? ` at ${shortNumber(strongest, 3)} Hz` : "";
+  return `${from} this run ${what || "vibrates"}${pitch}`;
+}
+
+function motionText({ structure, samples, struck }) { // as its modes tell; empty where they tell nothing
+  const regimes = new Set([...new Set(samples.modes)].flatMap((mode) => structure.modes[mode].split(" | ")));
+  if (regimes.size === 1 && regimes.has("flight")) return struck ? "hits its stop" : "";
+  const verbs = [...new Set(Object.keys(VERBS).filter((regime) => regimes.has(regime)).map((regime) => VERBS[regime]))];
+  if (verbs.length > 1) return `${verbs.slice(0, -1).join(", ")} and ${verbs.at(-1)}`;
+  return regimes.has("slip+") && regimes.has("slip-") ? "slips to and fro" : "";
+}
+
+function equilibriumTexts({ structure, equilibrium }) { // "x1 = 0.15 m" ..., with LaTeX
+  if (!equilibrium) return [];
+  const rows = coordinatesOf({ structure }).map((name, i) => [structure.labels[name], equilibrium.q[i], structure.units[name]]);
+  rows.push(["penetration", equilibrium.penetration, "m"], ["$F_N$", equilibrium.normal_force, "N"], ["$F_T$", equilibrium.friction_force, "N"]);
+  return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) => `${label} = ${shortNumber(value)} ${unit}`);
+}
+
+function differences(before, now) { // names of the controls that two states do not share
+  return Object.keys({ ...before, ...now }).filter((name) => JSON.stringify(before[name]) !== JSON.stringify(now[name]));
+}
+
+const shownValue = (value) => (value === true ? "on" : value === false ? "off" : typeof value === "number" ? shortNumber(value, 7) : String(value));
