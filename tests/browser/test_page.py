@@ -180,12 +180,13 @@ def test_a_slider_changes_the_pictures_and_the_state(page):
     wait_until(page, "(state) => String(explorer.result.final) !== String(state)", before[1])
     assert page.evaluate("explorer.state.mu_k") == page.evaluate("explorer.result.parameters.mu_k") > 1.4
     wait_until(page, "explorer.result.complete")
-    assert all(new != old for new, old in zip(map(lambda n: picture(page, n), PANELS), before[0]))
+    assert all(new != old for new, old in zip((picture(page, n) for n in PANELS), before[0]))
 
 
 DRAGS = """async (count) => {
-  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), painted = {}, paint = explorer.paint;
-  explorer.paint = function (panel, look) { painted[panel.name] = true; return paint.call(this, panel, look); };
+  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), painted = {};
+  const { paint } = explorer;
+  explorer.paint = (panel, look) => { painted[panel.name] = true; paint.call(explorer, panel, look); };
   for (let i = 0; i < count; i++) {
     slider.value = 20 + i;
     slider.oninput();
