@@ -178,13 +178,13 @@ class Regime:
     name : str
     conditions : tuple of Expr
         Functions that must not be negative where a mode with this regime is entered.
-    holds : bool
-        Whether modes with it have constraints.
+    sticks : bool
+        Whether it keeps a velocity at zero wherever the bodies are, as stick does.
     """
 
     name: str
     conditions: tuple[Expr, ...] = ()
-    holds: bool = False
+    sticks: bool = False
 
 
 Parts = tuple[tuple[Regime, ...], ...]

@@ -27,7 +27,7 @@ from frictionlab.pages.javascript import javascript_function, javascript_of_form
 from frictionlab.pages.scene import main_parameters, quantity_data
 from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
-from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
+from frictionlab.stability.equilibrium_points.steady_rates import is_free, steady_rates
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Program

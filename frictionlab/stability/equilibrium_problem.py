@@ -21,6 +21,8 @@ from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalue
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
 
+COMPLETING_STEPS = 4  # of Newton's method from nearby: one is enough where a distance is linear
+
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumProblem:
@@ -41,7 +43,8 @@ class EquilibriumProblem:
     derive_guards : callable
         Gives the functions that are positive while the motion stays in this mode: v_r, the penetration.
     following : tuple of int
-        Places of states that follow from the others, such as the angle of what turns.
+        Places of states that follow from the others, such as the angle of what turns, or the height on a
+        rigid contact: they have no eigenvalues of their own.
     """
 
     model: ModelOrAutomaton
@@ -73,15 +76,41 @@ class EquilibriumProblem:
         return x, matrices
 
     def without_following(self, matrices: Array) -> Array:
-        """State matrices (..., m, m) without the states that follow from the others."""
+        """State matrices (..., m, m) without the states that follow from the others.
+
+        Raises
+        ------
+        ValueError
+            If no state is left.
+        """
+        if self.following and len(self.following) == matrices.shape[-1]:
+            raise ValueError(
+                f"the equilibrium of {type(self.model).__name__} must leave a coordinate free to have "
+                "eigenvalues, got contacts that hold all: it stays as long as they push"
+            )
         for axis in (-2, -1) if self.following else ():
             matrices = np.delete(matrices, self.following, axis=axis)
         return matrices
 
-    def with_following(self, vectors: Any, axis: int = -2) -> Any:
-        """Vectors (..., m, k) of these matrices with zeros at the states that follow from the others."""
+    def with_following(self, vectors: Any, matrices: Any = None) -> Any:
+        """Vectors (..., m, k) of these matrices with the states that follow from the others.
+
+        Those are given by the whole state matrices (..., m, m); with None they are zero, as in left vectors.
+        """
         places = [place - i for i, place in enumerate(self.following)]
-        return np.insert(vectors, places, 0.0, axis=axis) if places else vectors
+        if not places:
+            return vectors
+        whole = np.insert(vectors, places, 0.0, axis=-2)
+        if matrices is not None:
+            whole[..., self.following, :] = matrices[..., self.following, :] @ whole
+        return whole
+
+    def completed(self, x: Array) -> Array:
+        """A state (m,) near an equilibrium with the states that follow from the others."""
+        whole, places = x.copy(), list(self.following)
+        for _ in range(COMPLETING_STEPS if places else 0):
+            whole[places] += self.flow.rhs(whole, self.values)[places]
+        return whole
 
     def spectra(self, changes: Mapping[str, Any]) -> ComplexArray:
         """Eigenvalues (N, m), the largest growth rate first."""

@@ -106,7 +106,8 @@ def _conditions(regime: ContactRegime) -> Regime:
         needs += [] if regime.sliding is None else [regime.sliding]
     else:
         needs = [end.function for end in regime.ends(regime.force, None)]
-    return Regime(regime.name, tuple(needs), bool(regime.held))
+    distances = len(regime.constraints) - len(regime.held)  # a rigid contact has one and its rate
+    return Regime(regime.name, tuple(needs), len(regime.held) > distances)
 
 
 class ContactForces(NamedTuple):

@@ -291,12 +291,15 @@ def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityCha
 def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityChange) -> HopfPoint:
     states, matrices = problem.linearised({parameter: change.value})
     state, matrix = states[:, 0], matrices[0]
-    pair = critical_pair(matrix, change.frequency)
+    pair = critical_pair(problem.without_following(matrix), change.frequency)
     if pair is None:
         raise ValueError(
             f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
+    left = problem.with_following(pair.left[:, None])[:, 0]
+    right = problem.with_following(pair.right[:, None], matrix)[:, 0]
+    pair = Eigenpair(pair.value, left, right, complex(left @ right)).normalised
     values = {**problem.parameters, parameter: change.value}
     at = EquilibriumDerivatives(problem.flow, state, tuple(values.values()))
     slopes = at.bilinear(pair.left, pair.right)

@@ -43,16 +43,16 @@ def displaced_equilibrium(model: Model) -> Array:
     ValueError
         If there is no equilibrium, or it is at the origin and cannot be linearised.
     """
-    point = equilibrium(model)
+    point, problem = equilibrium(model), equilibrium_problem(model)
     state, n = point.state.copy(), len(point.q)
     state[:n] *= NEAR_EQUILIBRIUM_FACTOR
+    state = problem.completed(state)
     try:
         matrix = jacobian(model, point.state)
     except ValueError:
         if point.q.any():
             return state
         raise
-    problem = equilibrium_problem(model)
     mode = _least_stable_mode(problem, matrix)
     if mode.value.real <= 0 and point.q.any():
         return state
@@ -61,7 +61,8 @@ def displaced_equilibrium(model: Model) -> Array:
         return state
     right = mode.right
     largest = right[np.argmax(np.abs(right[:n]) if right[:n].any() else np.abs(right))]
-    return state + DISPLACEMENT * (1.0 if np.isinf(size) else size) * (right * abs(largest) / largest).real
+    length = DISPLACEMENT * (1.0 if np.isinf(size) else size)
+    return problem.completed(state + length * (right * abs(largest) / largest).real)
 
 
 def _least_stable_mode(problem: EquilibriumProblem, whole: Array) -> Eigenpair:
@@ -71,8 +72,8 @@ def _least_stable_mode(problem: EquilibriumProblem, whole: Array) -> Eigenpair:
     values.real[is_neutral(matrix, values)] = 0.0
     value = complex(values[np.lexsort((np.abs(values.imag), values.real))[-1]])
     mode = eigenpair(matrix, value)
-    left = problem.with_following(mode.left, axis=-1)
-    right = problem.with_following(mode.right / np.abs(mode.right).max(), axis=-1)
+    left = problem.with_following(mode.left[:, None])[:, 0]
+    right = problem.with_following(mode.right[:, None] / np.abs(mode.right).max(), whole)[:, 0]
     return Eigenpair(value, left, right, complex(left @ right))
 
 

@@ -34,7 +34,8 @@ class Eigenvalues(Drawable):
         rounding of the state matrix could explain is 0.
     vectors : complex array (m, m)
         The eigenvectors as columns: coordinates, then velocities, then further states; m = 2n without these.
-        Of coordinates that turn together m does not count one, from which the others are measured.
+        Of coordinates that turn together m does not count one, from which the others are measured; nor does
+        it count a coordinate, and its velocity, that a closed rigid contact gives by the others.
     equilibrium : Equilibrium
         Where the system was linearised.
     """
@@ -169,12 +170,13 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
             2,
         )
     problem = equilibrium_problem(model)
-    matrix = problem.without_following(jacobian(model, point.state))
+    whole = jacobian(model, point.state)
+    matrix = problem.without_following(whole)
     values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
     values.real[is_neutral(matrix, values)] = 0.0
     # The two of a conjugate pair agree exactly in |Im| and Re.
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
-    return Eigenvalues(values[order], problem.with_following(vectors[:, order]), point)
+    return Eigenvalues(values[order], problem.with_following(vectors[:, order], whole), point)
 
 
 def damping_ratios(values: ComplexArray) -> Array:

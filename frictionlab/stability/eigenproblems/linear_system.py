@@ -32,7 +32,7 @@ from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, dampin
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
-from frictionlab.stability.equilibrium_points.steady_rotation import is_free
+from frictionlab.stability.equilibrium_points.steady_rates import is_free
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.validation import (
     abbreviate,

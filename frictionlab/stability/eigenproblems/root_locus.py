@@ -379,14 +379,18 @@ def root_locus(model: ModelOrAutomaton | LargeSystem[Any], parameter: str, value
         at,
         path.values,
         problem.names,
-        *_shapes_and_participation(problem, path),
+        *_shapes_and_participation(problem, parameter, path),
         path.unstable,
     )
 
 
-def _shapes_and_participation(problem: EquilibriumProblem, path: Any) -> tuple[ComplexArray, Array]:
+def _shapes_and_participation(
+    problem: EquilibriumProblem, parameter: str, path: Any
+) -> tuple[ComplexArray, Array]:
     n = len(problem.names)
-    right, left = problem.with_following(path.right), problem.with_following(path.left, axis=-1)
+    matrices = problem.linearised({parameter: path.at})[1] if problem.following else None
+    right = problem.with_following(path.right, matrices)
+    left = problem.with_following(path.left.swapaxes(1, 2)).swapaxes(1, 2)
     with np.errstate(invalid="ignore"):  # NaN where there is no equilibrium
         return mode_shapes(right, n), participation_factors(left, right, n)
 

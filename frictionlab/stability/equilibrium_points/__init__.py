@@ -10,6 +10,8 @@ equation in the penetration.
     polynomial, ``polynomial`` gives its coefficients.
 ``steady_modes``
     All others: the modes in which equilibria are searched for, as functions.
+``steady_rates``
+    The rates of a mode whose zeros these are: cyclic coordinates turn, closed rigid contacts hold distances.
 ``newton``, ``low_rank_newton``
     All zeros of a flow by Newton's method, and a zero followed to other values of the parameters.
 ``root_boxes``

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import JOINT
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, state_unit
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
@@ -29,7 +28,9 @@ from frictionlab.stability.equilibrium_points.sliding import (
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
     SteadyMode,
+    all_mode_equilibria,
     first_mode_equilibria,
+    has_many_modes,
     parameter_values,
     steady_modes,
 )
@@ -100,12 +101,22 @@ def _nearest_equilibrium_problem(
         If no mode has one.
     """
     automaton = automaton_at_rest(model)
-    mode, points, *_ = first_mode_equilibria(automaton, is_sliding(model))
+    if closest_to is None:
+        mode, points, *_ = first_mode_equilibria(automaton, is_sliding(model))
+    else:
+        mode, points, *_ = min(
+            all_mode_equilibria(automaton, is_sliding(model)),
+            key=lambda one: _distances(one.points, closest_to).min(initial=np.inf),
+        )
     if not points.size:
         raise _no_equilibrium_error(model)
-    offsets = points if closest_to is None else points - closest_to[:, None]
-    i = 0 if closest_to is None else int(np.argmin(np.linalg.norm(offsets, axis=0)))
+    i = 0 if closest_to is None else int(np.argmin(_distances(points, closest_to)))
     return _problem_from_equilibrium(model, automaton, mode, points[:, i])
+
+
+def _distances(points: Array, state: Array) -> Array:
+    """Distances (K,) of points (m, K) from a state (m,)."""
+    return np.linalg.norm(points - state[:, None], axis=0)
 
 
 def _problem_from_equilibrium(
@@ -129,13 +140,13 @@ def _problem_from_equilibrium(
 def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
-    modes = [each.name for each in steady_modes(automaton, sliding)]
+    modes = [each.name for each in steady_modes(automaton, sliding)] or ["no mode"]
     what = type(model).__name__ if sliding else "the automaton"
     search = first_mode_equilibria(automaton, sliding)
     got = "none was found" if search.why else "got none"
     unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
-    held = [] if automaton.on_demand else [name for name in automaton.names if name not in modes]
-    left_out = f" (those with constraints, {shorten(held)}, are not searched)" if held and sliding else ""
+    left = [] if automaton.on_demand else [name for name in automaton.names if name not in modes]
+    left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
         f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters, or simulate its motion"
@@ -287,10 +298,11 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     Parameters
     ----------
     model : Model or HybridAutomaton
-        If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of the
-        first mode that has any, by their distance from the origin.  A model's modes with constraints, such as
-        stick, are left out; where they hold a place, as rigid contacts do, the result is not
-        complete.  States that enter linearly are eliminated.  If at most four remain, boxes of
+        If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of each
+        mode, mode by mode, by their distance from the origin; of more than 27 modes, those of the first that
+        has any.  In a mode in which rigid contacts are closed they keep distances at
+        zero, and push.  A model's modes with stick are left out: there each place within the friction cone
+        is one.  States that enter linearly are eliminated.  If at most four remain, boxes of
         their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
         threefold one counts once.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
@@ -365,7 +377,7 @@ def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
 
 def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
     automaton = automaton_at_rest(model)
-    mode, points, why = first_mode_equilibria(automaton, is_sliding(model))
+    searched = all_mode_equilibria(automaton, is_sliding(model))
     values, names = parameter_values(automaton), _state_names(automaton)
     members = (
         Equilibrium(
@@ -375,20 +387,12 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
             model=model,
             names=names,
         )
+        for mode, points, _ in searched
         for x in points.T
     )
-    return Equilibria(members, why or _modes_not_searched(model, automaton))
-
-
-def _modes_not_searched(model: ModelOrAutomaton, automaton: HybridAutomaton) -> str:
-    """Why a model with rigid contacts may have equilibria besides those in flight; empty for others.
-
-    The names tell, so that no equations need be read.
-    """
-    first = automaton.names[0].split(JOINT)
-    if not is_sliding(model) or "flight" not in first or len(automaton.names) == 1:
-        return ""
-    return "modes in which rigid contacts are closed are not searched"
+    last = searched[-1]
+    unsearched = f"modes after {last.mode.name} are not searched" if has_many_modes(automaton) else ""
+    return Equilibria(members, last.why or (unsearched if last.points.size else ""))
 
 
 def _newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:

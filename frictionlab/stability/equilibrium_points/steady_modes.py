@@ -2,12 +2,13 @@
 
 All are functions of the states and the parameters.  For models of the library they are kept in files, so that
 sympy is not needed to find their equilibria again.  In an automaton all modes are searched.  In a model only
-those without constraints are: in stick every position within the friction cone is an equilibrium.
+those are whose constraints give states, as those of rigid contacts do: in stick every position within the
+friction cone is an equilibrium.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
@@ -16,18 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand, Regime
+from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders
-from frictionlab.stability.equilibrium_points.newton import find_zeros
-from frictionlab.stability.equilibrium_points.steady_rotation import is_free, steady_rates
+from frictionlab.stability.equilibrium_points.newton import Zeros, find_zeros
+from frictionlab.stability.equilibrium_points.steady_rates import is_free, states_by_constraints, steady_rates
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 Array = NDArray[np.float64]
+MOST_MODES = 27  # in which equilibria are searched for: those of three contacts
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
-SHOWN = "penetration", "normal_force", "friction_force"  # outputs that an equilibrium shows
+# what an equilibrium shows, and the outputs that have it: F_N of a rigid contact is its reaction
+SHOWN = ("penetration",), ("normal_force", "reaction"), ("friction_force",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,7 @@ class SteadyMode:
     ----------
     name : str
     holds : bool
-        Whether it has constraints.
+        Whether it has constraints that give no states.
     flow : Flow
         With the margins that have to stay positive: event functions and normal force.
     derivations : Derivations
@@ -75,7 +78,7 @@ class SteadyMode:
 
         def outputs() -> list[Any]:
             given = self.derive().outputs
-            return [given.get(name, sympy.nan) for name in SHOWN]
+            return [next((given[name] for name in names if name in given), sympy.nan) for names in SHOWN]
 
         return tuple(map(float, self._formulas("shown", outputs).arrays(*x, *values)))
 
@@ -109,12 +112,14 @@ class SteadyMode:
 def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMode]:
     """The modes in which equilibria are searched for, derived one by one.
 
-    For a model (`sliding`) those without constraints.
+    For a model (`sliding`) those without stick; see `is_free`.
     """
     derivations = automaton.derivations
     if sliding and derivations is not None:
-        return _cached_modes(automaton, derivations)
-    return (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
+        modes = _cached_modes(automaton, derivations)
+    else:
+        modes = (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
+    return (mode for mode in modes if _can_last_at_rest(automaton, mode))
 
 
 def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
@@ -146,8 +151,8 @@ class ModeEquilibria(NamedTuple):
     Parameters
     ----------
     mode : SteadyMode
-        The first mode with equilibria inside its guards; if no mode has any, the last one searched.
     points : array (m, K)
+        Those inside its guards.
     why : str
         In which mode, this or one searched before, others cannot be excluded, and why; empty if in none.
     """
@@ -158,34 +163,59 @@ class ModeEquilibria(NamedTuple):
 
 
 def first_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> ModeEquilibria:
-    """The equilibria of the first mode that has any inside its guards."""
+    """The equilibria of the first mode that has any inside its guards; if none has, of the last searched."""
+    return _search(_search_key(automaton, sliding), True)[-1]
+
+
+def all_mode_equilibria(automaton: HybridAutomaton, sliding: bool) -> tuple[ModeEquilibria, ...]:
+    """The equilibria of each mode; where there are many modes, up to the first that has any."""
+    return _search(_search_key(automaton, sliding), has_many_modes(automaton))
+
+
+def has_many_modes(automaton: HybridAutomaton) -> bool:
+    """Whether equilibria are searched for only up to the first mode that has any."""
+    return isinstance(automaton.names, ModeNames) and automaton.names.more_than(MOST_MODES)
+
+
+def _search_key(automaton: HybridAutomaton, sliding: bool) -> SearchKey:
     structure = automaton.derivations if sliding else None
     if structure is None:
         structure = automaton.modes, automaton.states, tuple(automaton.parameters), automaton.coordinates
-    return _first_mode_equilibria(SearchKey(structure, parameter_values(automaton), sliding, automaton))
+    return SearchKey(structure, parameter_values(automaton), sliding, automaton)
 
 
 @lru_cache(maxsize=64)
-def _first_mode_equilibria(key: SearchKey) -> ModeEquilibria:
-    """As :func:`first_mode_equilibria`; cached, since one analysis asks for them several times."""
-    automaton, mode, why = key.automaton, None, ""
+def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
+    """The equilibria of the modes, one at least, until the first that has any or of all; cached, since one
+    analysis asks for them several times.
+    """
+    automaton, why, searched = key.automaton, "", []
     for mode in steady_modes(automaton, key.sliding):
+        points = np.zeros((mode.flow.size, 0))
         if not mode.holds or _allows_rest(automaton, mode.derive()):
-            zeros = find_zeros(mode.flow, key.values)
+            zeros = _zeros_of_mode(mode, key.values)
             why = why or (f"in {mode.name} {zeros.why}" if zeros.why else "")
             points = zeros.points[:, mode.admits(zeros.points, key.values)]
-            if points.size:
-                return ModeEquilibria(mode, points, why)
-    mode = mode or _derived_mode(automaton, automaton.modes[0])
-    return ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), why)
+        searched.append(ModeEquilibria(mode, points, why))
+        if points.size and first:
+            break
+    if not searched:
+        mode = _derived_mode(automaton, automaton.modes[0])
+        searched.append(ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), why))
+    return tuple(searched)
+
+
+@lru_cache(maxsize=256)
+def _zeros_of_mode(mode: SteadyMode, values: tuple[float, ...]) -> Zeros:
+    """The zeros of a mode's flow, inside its guards or not."""
+    return find_zeros(mode.flow, values)
 
 
 def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Iterator[SteadyMode]:
     names = derivations.value(
         "steady modes", lambda: [m.name for m in automaton.modes if is_free(automaton, m)]
     )
-    modes = (_steady_mode(ModeKey(derivations, name, automaton)) for name in names)
-    return (mode for mode in modes if _can_last_at_rest(automaton, mode)) if automaton.on_demand else modes
+    return (_steady_mode(ModeKey(derivations, name, automaton)) for name in names)
 
 
 def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
@@ -221,11 +251,9 @@ def _steady_mode(key: ModeKey) -> SteadyMode:
 
     rates = formulas("rates", lambda mode: steady_rates(automaton, mode).rates)
     flow = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
-    following: tuple[int, ...] = ()
-    if automaton.cyclic or len(automaton.state_names) > 2 * automaton.coordinates:
-        name = f"following states in {key.name}"
-        following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive()).following))
-    holds = not on_disk and derive().holds  # those on disk are free
+    name = f"following states in {key.name}"
+    following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive()).following))
+    holds = not on_disk and bool(states_by_constraints(automaton, derive()).left)  # those on disk are free
     return SteadyMode(key.name, holds, flow, derivations, derive, partial(_inputs, automaton), following)
 
 
@@ -234,16 +262,11 @@ def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
 
 
 def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
-    """Whether the conditions of all regimes of a mode can hold at zero velocities; see `_can_rest`."""
+    """Whether the conditions of a mode can hold at zero velocities: not in slip against a running belt."""
 
     def derive() -> Formulas:
-        modes: Any = automaton.modes
-        conditions = (
-            condition
-            for part, i in zip(modes.parts, modes.names.combination_of(mode.name))
-            for condition in part[i].conditions
-        )
-        return formulas_of(_inputs(automaton), _without_states(automaton, tuple(conditions)))
+        conditions = [event.function for event in mode.derive().events]
+        return formulas_of(_inputs(automaton), _without_states(automaton, conditions))
 
     formulas = kept_formulas(mode.derivations, f"at rest in {mode.name}", derive)
     zeros = np.zeros(mode.flow.size)
@@ -252,10 +275,12 @@ def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
 
 def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:
     if isinstance(automaton.modes, ModesOnDemand):
-        return automaton.modes.select(
-            lambda regime: not (sliding and regime.holds) and _can_rest(automaton, regime)
+        modes: Iterable[Mode] = automaton.modes.select(
+            lambda regime: not (sliding and regime.sticks) and _can_rest(automaton, regime)
         )
-    return (mode for mode in automaton.modes if not sliding or is_free(automaton, mode))
+    else:
+        modes = automaton.modes
+    return (mode for mode in modes if not sliding or is_free(automaton, mode))
 
 
 def _margins(mode: Mode) -> tuple[Any, ...]:

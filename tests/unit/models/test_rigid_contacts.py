@@ -92,17 +92,11 @@ def test_a_model_with_a_rigid_contact_is_checked_and_verified():
     assert "v_r(t) < 0" in equations
 
 
-def test_an_equilibrium_on_a_rigid_contact_is_said_not_to_be_searched():
-    with pytest.raises(ValueError, match=r"those with constraints, stick, slip\+, slip-, are not searched"):
-        fl.equilibrium(Puck())
-
-
-def test_equilibria_in_rigid_contact_are_not_excluded():
-    for model in (Puck(), Landing()):
-        known = fl.equilibria(model)
-        assert not known.complete
-        assert "not searched" in known.why
-    assert fl.equilibria(fl.MassOnBelt()).complete
+def test_equilibria_in_rigid_contact_are_all_known():
+    (point,) = known = fl.equilibria(Puck())
+    assert known.complete
+    assert point.q == pytest.approx([0.1, 0.0], rel=1e-14)
+    assert (point.normal_force, point.friction_force) == pytest.approx((10.0, 2.0), rel=1e-14)
 
 
 @fl.model

@@ -1,0 +1,195 @@
+"""Steady motions as equilibria: the rates of a mode whose zeros are its steady motions.
+
+Cyclic coordinates turn for ever.  Where nothing depends on how far some of them have turned together, as a
+motor and the shaft on it, their velocities need not vanish.  One coordinate of each such group, the carrier
+q_1, is set to zero.  The others are measured from it, as q_i - r_i q_1 with the ratio r_i in which they turn,
+so that their rates are v_i - r_i v_1.  Of the flow that is left a steady rotation is an equilibrium, with the
+eigenvalues of the whole system but the zero of the carrier.
+
+A closed rigid contact keeps a distance g(q) at zero, which gives one coordinate and its velocity by the
+others: q_k = h(q), v_k = dh/dt.  They are put in place of q_k and v_k, so what is left is the flow in minimal
+coordinates, as if written by hand.  If g is linear in no coordinate, h is two steps of Newton's method from
+q_k itself: where g = 0 its derivatives up to the third are those of the exact h, and more is never asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.lazy_names import sympy
+
+
+class SteadyRates(NamedTuple):
+    """Rates whose zeros are the steady motions of a mode, and the places of states that follow from others.
+
+    These are carriers, whose rates are minus themselves, and states that a constraint gives, such as a
+    deflection at its limit or the height on a rigid contact.  The rate of one that a constraint gives is what
+    it gives minus the state.  No other rate depends on them.
+    """
+
+    rates: tuple[Any, ...]
+    following: tuple[int, ...] = ()
+
+
+def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
+    """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any."""
+    rates = list(mode.flow)
+    names, n = automaton.state_names, automaton.coordinates
+    places = sorted(names.index(name) for name in automaton.cyclic)
+    carriers = _carriers(automaton, mode, places) if places else {}
+    for place in places:
+        moving = (ratios.get(place, 0) * automaton.states[n + one] for one, ratios in carriers.items())
+        rates[place] = rates[place] - sum(moving, sympy.S.Zero)
+    for carrier in carriers:
+        rates[carrier] = -automaton.states[carrier]
+    given = states_by_constraints(automaton, mode).given
+    held = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
+    for place, rate in [*enumerate(rates)] if held else ():
+        rates[place] = sympy.sympify(rate, strict=True).xreplace(held)
+    for place, one in given.items():
+        rates[place] = one.rate
+    return SteadyRates(tuple(rates), tuple(sorted({*carriers, *given})))
+
+
+def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
+    """Whether each constraint of a mode gives a state, so that its equilibria are single points.
+
+    In stick each place within the friction cone is one.
+    """
+    return not mode.limit and not states_by_constraints(automaton, mode).left
+
+
+class GivenState(NamedTuple):
+    """What a constraint says of a state: its value by the others, and a rate that is zero there."""
+
+    value: Any
+    rate: Any
+
+
+class ConstrainedStates(NamedTuple):
+    """The states that the constraints of a mode give, by their places, and the constraints that give none."""
+
+    given: dict[int, GivenState]
+    left: tuple[Any, ...]
+
+
+def states_by_constraints(automaton: HybridAutomaton, mode: Mode) -> ConstrainedStates:
+    """The states that constraints give: a distance a coordinate and its velocity, the limit of a friction law
+    the law's state.
+    """
+    n, states = automaton.coordinates, automaton.states
+    left = [sympy.sympify(constraint, strict=True) for constraint in mode.constraints]
+    distances = [one for one in left if _is_distance(one, states, n)]
+    rates = [_rate(one, states[:n], states[n : 2 * n]) for one in distances]
+    others = [one for one in left if one not in distances and all(sympy.expand(one - r) for r in rates)]
+    given = _held_coordinates(automaton, distances)
+    if len(given) == 2 * len(distances) == len(left) - len(others):
+        left = others  # else a distance lacks its rate, or two distances are one
+    else:
+        given = {}
+    unknown = []
+    for constraint in left:
+        place, slope = _law_state(constraint, states, n)
+        if place is None:
+            unknown.append(constraint)
+        else:
+            rate = -constraint / slope
+            given[place] = GivenState(states[place] + rate, rate)
+    return ConstrainedStates(given, tuple(unknown))
+
+
+def _is_distance(constraint: Any, states: Sequence[Any], n: int) -> bool:
+    """Whether a constraint is one of coordinates alone."""
+    return bool(used := constraint.free_symbols & {*states}) and used <= {*states[:n]}
+
+
+def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | None, Any]:
+    """The place of the further state that a constraint gives, and its slope; None for velocities."""
+    moving = not constraint.free_symbols.isdisjoint(states[n : 2 * n])
+    further = [] if moving else [x for x in states[2 * n :] if x in constraint.free_symbols]
+    slope = sympy.diff(constraint, further[-1]) if further else sympy.S.Zero
+    if slope == 0 or not slope.free_symbols.isdisjoint(states):
+        return None, slope
+    return states.index(further[-1]), slope
+
+
+def _held_coordinates(automaton: HybridAutomaton, distances: Sequence[Any]) -> dict[int, GivenState]:
+    """The coordinates that distances of zero give, and their velocities, by their places."""
+    n, states = automaton.coordinates, automaton.states
+    q, v, solved = states[:n], states[n : 2 * n], {}
+    for distance in distances:
+        left = sympy.expand(distance.xreplace({x: one.value for x, one in solved.items()}))
+        candidates = [x for x in q if x in left.free_symbols and x.name not in automaton.cyclic]
+        candidates = [x for x in candidates if x not in solved]
+        if not candidates:
+            return {}
+        x = min(reversed(candidates), key=lambda x: _order_of_choice(sympy.diff(left, x), x, states))
+        root = _root(left, x)
+        solved = {
+            other: GivenState(*(part.xreplace({x: root.value}) for part in one))
+            for other, one in solved.items()
+        }
+        solved[x] = root
+    free = [i for i in range(n) if q[i] not in solved]
+    given = {}
+    for x, one in solved.items():
+        place = q.index(x)
+        speed = _rate(one.value, [q[i] for i in free], [v[i] for i in free])
+        given[place], given[n + place] = one, GivenState(speed, speed - v[place])
+    return given
+
+
+def _rate(function: Any, q: Sequence[Any], v: Sequence[Any]) -> Any:
+    """The rate of a function of coordinates."""
+    return sum((sympy.diff(function, x) * rate for x, rate in zip(q, v, strict=True)), sympy.S.Zero)
+
+
+def _order_of_choice(slope: Any, x: Any, states: Sequence[Any]) -> int:
+    """Which coordinate a distance gives: first one with a slope that is a number, then one that is linear."""
+    used = slope.free_symbols & {*states}
+    return 2 if x in used else 1 if used else 0
+
+
+def _root(function: Any, x: Any) -> GivenState:
+    """Where a function of x is zero, if it is linear in x; else two steps of Newton's method from x."""
+    slope = sympy.diff(function, x)
+    if x in slope.free_symbols:
+        step = x - function / slope
+        return GivenState(step.xreplace({x: step}), -function / slope)
+    value = sympy.expand(-function.subs(x, 0) / slope)
+    return GivenState(value, value - x)
+
+
+def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> dict[int, dict[int, Any]]:
+    """The carriers, each with the ratios in which the others turn with it, by their places.
+
+    Empty where something depends on how far any of the coordinates have turned.
+    """
+    states = {*automaton.states}
+    angles = [automaton.states[place] for place in places]
+    functions = (*mode.flow[automaton.coordinates :], *(e.function for e in mode.events), *mode.constraints)
+    rows = []
+    for slopes in _gradients(functions, angles):
+        first = next((slope for slope in slopes if slope != 0), None)
+        if first is None:
+            continue
+        ratios = [sympy.cancel(slope / first) for slope in slopes]
+        if any(ratio.free_symbols & states for ratio in ratios):
+            return {}
+        rows.append(ratios)
+    matrix = sympy.Matrix(len(rows), len(places), [one for row in rows for one in row])
+    carriers = {}
+    for together in matrix.nullspace():
+        ratios = {place: ratio for place, ratio in zip(places, together, strict=True) if ratio != 0}
+        # of a basis vector of sympy, the entry of the free column is the last that is not zero, and 1
+        carriers[max(ratios)] = ratios
+    return carriers
+
+
+def _gradients(functions: Iterable[Any], angles: Sequence[Any]) -> Iterable[list[Any]]:
+    for function in functions:
+        expression = sympy.sympify(function, strict=True)
+        if not expression.free_symbols.isdisjoint(angles):
+            yield [sympy.diff(expression, angle) for angle in angles]

@@ -1,0 +1,269 @@
+"""Equilibria in closed rigid contacts, against minimal coordinates, index-1 pencils and stiff layers."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.linalg
+import sympy as sp
+
+import frictionlab as fl
+
+sin, cos = fl.functions.sin, fl.functions.cos
+
+
+@fl.model
+class OnTheBelt(fl.MechanicalModel):
+    """A mass on a belt under its weight, held above by a rigid contact: `MassOnBelt` with N = m g."""
+
+    m: float = 1.0
+    k: float = 20.0
+    c: float = 0.1
+    g: float = 10.0
+    v: float = 0.5
+    lift: float = 0.0
+    friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.2, mu_s=0.4, v_s=0.3)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        ground = fl.Stop(q.y, fl.PlasticImpact(), friction=self.friction, relative_velocity=self.v - v.x)
+        return fl.Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2,
+            potential=self.k * q.x**2 / 2 + (self.m * self.g - self.lift) * q.y,
+            dissipation=self.c * v.x**2 / 2,
+            contacts=(ground,),
+        )
+
+
+@fl.model
+class InOneCoordinate(fl.MechanicalModel):
+    """The same without the coordinate that the contact holds."""
+
+    m: float = 1.0
+    k: float = 20.0
+    c: float = 0.1
+    g: float = 10.0
+    v: float = 0.5
+    friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.2, mu_s=0.4, v_s=0.3)
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            kinetic=self.m * v.x**2 / 2,
+            potential=self.k * q.x**2 / 2,
+            dissipation=self.c * v.x**2 / 2,
+            contacts=(fl.Friction(self.v - v.x, self.m * self.g, self.friction),),
+        )
+
+
+def test_a_mass_that_a_rigid_contact_holds_is_the_mass_on_a_belt():
+    held, flat = OnTheBelt(), InOneCoordinate()
+    known = fl.equilibria(held)
+    assert known.complete
+    assert len(known) == 1
+    assert known[0].normal_force == pytest.approx(10.0, rel=1e-15)
+    assert known[0].q == pytest.approx([fl.equilibrium(flat).q[0], 0.0], rel=1e-14)
+    one, other = fl.eigenvalues(held), fl.eigenvalues(flat)
+    assert one.values == pytest.approx(other.values, rel=1e-12)
+    assert one.vectors.shape == (4, 2)
+    assert not one.vectors[1::2].any()
+    for quantity in (fl.GrowthRate(), fl.CriticalValue("mu_s", (0.25, 9.0))):
+        mine, theirs = (fl.sensitivity(model.replace(v=0.9), quantity) for model in (held, flat))
+        slopes = dict(zip(mine.parameters, mine.derivatives, strict=True))
+        for name, slope in zip(theirs.parameters, theirs.derivatives, strict=True):
+            assert slopes[name] == pytest.approx(slope, rel=1e-10, abs=1e-12)
+
+
+def test_a_rigid_contact_changes_and_regains_stability_with_its_hopf_point():
+    held, flat = OnTheBelt(), InOneCoordinate()
+    (change,), (known,) = (fl.stability_changes(model, "v", (0.01, 3.0)) for model in (held, flat))
+    assert (change.kind, change.direction) == ("flutter", "regain")
+    assert change.value == pytest.approx(known.value, rel=1e-12)
+    one, other = (fl.hopf(model, "v", (0.01, 3.0)) for model in (held, flat))
+    assert one.first_lyapunov == pytest.approx(other.first_lyapunov, rel=1e-10)
+    at = change.value * np.array([1.01, 1.02])
+    assert one.amplitude(at)[:, 0] == pytest.approx(other.amplitude(at)[:, 0], rel=1e-9)
+    assert one.valid_until == pytest.approx(other.valid_until, rel=1e-9)
+    values = [0.2, 0.5, 1.0]
+    loci = [fl.root_locus(model, "v", values).values for model in (held, flat)]
+    assert loci[0] == pytest.approx(loci[1], rel=1e-12)
+    grid = [("v", values), ("k", [10.0, 30.0])]
+    maps = [fl.stability_map(model, *grid, progress=False).unstable.tolist() for model in (held, flat)]
+    assert maps[0] == maps[1]
+
+
+def test_a_contact_that_would_pull_has_no_equilibrium():
+    assert len(fl.equilibria(OnTheBelt(lift=9.9))) == 1
+    assert not fl.equilibria(OnTheBelt(lift=10.1))
+    with pytest.raises(ValueError, match=r"inside its guards, got none in flight \(stick, slip\+, slip-"):
+        fl.eigenvalues(OnTheBelt(lift=10.1))
+
+
+@fl.model
+class RodOnBelt(fl.MechanicalModel):
+    """A rod on springs, its lower end on a belt: sprung at its centre, where its weight and a load act."""
+
+    m: float = 1.0
+    l: float = 0.5
+    k: float = 300.0
+    turning: float = 40.0
+    at: float = 0.9
+    P: float = 40.0
+    v: float = 1.0
+    c: float = 0.05
+    stiffness: float = 0.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.4)
+    coordinates = ("x", "y", "theta")
+
+    def end(self, q, v):
+        return q.y - self.l * sin(q.theta), self.v - v.x - self.l * sin(q.theta) * v.theta
+
+    def mechanics(self, q, v):
+        distance, speed = self.end(q, v)
+        return fl.Mechanics(
+            kinetic=self.m * (v.x**2 + v.y**2) / 2 + self.m * self.l**2 * v.theta**2 / 6,
+            potential=self.k * q.x**2 / 2 + self.turning * (q.theta - self.at) ** 2 / 2 + self.P * q.y,
+            dissipation=self.c * (v.x**2 + v.y**2 + v.theta**2) / 2,
+            contacts=self.contacts(distance, speed),
+        )
+
+    def contacts(self, distance, speed):
+        return (fl.Stop(distance, fl.PlasticImpact(), friction=self.friction, relative_velocity=speed),)
+
+
+@fl.model
+class RodOnLayer(RodOnBelt):
+    """The same rod on a layer that is stiff instead of rigid."""
+
+    stiffness: float = 1e9
+
+    def contacts(self, distance, speed):
+        return (fl.Friction(speed, lambda depth: self.stiffness * depth, self.friction, -distance),)
+
+
+def rod_pencil(rod, state, reaction):
+    """The rod's equations as an index-1 pencil, with the reaction as an unknown, by sympy."""
+    x, y, theta, vx, vy, w, push = unknowns = sp.symbols("x y theta vx vy w push")
+    p = rod.parameters
+    m, l, rub = p["m"], p["l"], p["mu_k"] * push
+    ax = (-p["k"] * x - p["c"] * vx + rub) / m
+    ay = (-p["P"] - p["c"] * vy + push) / m
+    moment = -p["turning"] * (theta - p["at"]) - p["c"] * w + l * (rub * sp.sin(theta) - push * sp.cos(theta))
+    aw = moment / (m * l**2 / 3)
+    gap = y - l * sp.sin(theta)
+    rate = vy - l * sp.cos(theta) * w
+    closing = ay - l * sp.cos(theta) * aw + l * sp.sin(theta) * w**2
+    rows = sp.Matrix([vx, gap, w, ax, rate, aw, closing])
+    at = dict(zip(unknowns, [*state, reaction], strict=True))
+    assert max(abs(float(row)) for row in rows.subs(at)) < 1e-11
+    matrix = np.array(rows.jacobian(unknowns).subs(at), dtype=float)
+    values = np.asarray(scipy.linalg.eigvals(matrix, np.diag([1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0])))
+    return np.sort_complex(values[np.isfinite(values) & (np.abs(values) < 1e6)])
+
+
+@pytest.mark.slow
+def test_a_rod_that_slides_on_its_end_has_the_eigenvalues_of_its_pencil():
+    rod = RodOnBelt()
+    point, modes = fl.equilibrium(rod), fl.eigenvalues(rod)
+    assert point.friction_force == pytest.approx(0.3 * point.normal_force, rel=1e-14)
+    assert np.sort_complex(modes.values) == pytest.approx(
+        rod_pencil(rod, point.state, point.normal_force), rel=1e-11
+    )
+    assert modes.vectors[1] == pytest.approx(0.5 * math.cos(point.q[2]) * modes.vectors[2], rel=1e-14)
+    shapes = fl.root_locus(rod, "P", [30.0, 40.0]).shapes[-1]
+    assert shapes[1] == pytest.approx(0.5 * math.cos(point.q[2]) * shapes[2], rel=1e-13)
+    run = fl.simulate(rod, 0.5, x0="near", progress=False)
+    assert set(run.mode) == {"slip+"}
+    assert np.abs(run["distance"]).max() < 1e-14
+
+
+@pytest.mark.slow
+def test_a_rigid_contact_is_the_limit_of_a_stiff_one():
+    rigid = fl.eigenvalues(RodOnBelt()).values
+    stiff = (fl.eigenvalues(RodOnLayer(stiffness=k)).values[:4] for k in (1e6, 1e8))
+    first, second = (np.abs(values - rigid).max() for values in stiff)
+    assert second < 1e-5
+    assert second == pytest.approx(first / 100, rel=0.01)
+
+
+@fl.model
+class Bead(fl.MechanicalModel):
+    """A bead in a round bowl, whose distance is linear in no coordinate; a load feeds energy in."""
+
+    R: float = 0.5
+    feed: float = 0.0
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            kinetic=(v.x**2 + v.y**2) / 2,
+            potential=9.81 * q.y,
+            contacts=(fl.Stop(self.R**2 - q.x**2 - q.y**2, fl.PlasticImpact()),),
+            loads={"x": self.feed * v.x - v.x**3 - q.x * v.x},
+        )
+
+    def release(self):
+        return {"y": -self.R}
+
+
+@fl.model
+class BeadByAngle(fl.MechanicalModel):
+    R: float = 0.5
+    feed: float = 0.0
+    coordinates = ("phi",)
+
+    def mechanics(self, q, v):
+        x, across = self.R * sin(q.phi), self.R * cos(q.phi)
+        load = self.feed * across * v.phi - (across * v.phi) ** 3 - x * across * v.phi
+        return fl.Mechanics(
+            kinetic=self.R**2 * v.phi**2 / 2, potential=-9.81 * across, loads={"phi": load * across}
+        )
+
+
+@pytest.mark.slow
+def test_a_distance_that_is_linear_in_no_coordinate_gives_the_same_cycle():
+    at_rest = ((model, fl.equilibrium(model)) for model in (Bead(), BeadByAngle()))
+    bowl, angle = (fl.hopf(model, "feed", (-1.0, 1.0), equilibrium=rest) for model, rest in at_rest)
+    assert bowl.state == pytest.approx([0.0, -0.5, 0.0, 0.0], abs=1e-15)
+    assert bowl.frequency == pytest.approx(math.sqrt(9.81 / 0.5) / (2 * math.pi), rel=1e-12)
+    assert bowl.crossing_speed == pytest.approx(angle.crossing_speed, rel=1e-12)
+    assert bowl.amplitude(0.01)[0] == pytest.approx(0.5 * angle.amplitude(0.01)[0], rel=1e-10)
+    assert bowl.cycle_frequency(0.01) == pytest.approx(angle.cycle_frequency(0.01), rel=1e-12)
+
+
+@fl.model
+class TwoBlocksInARow(fl.MechanicalModel):
+    """Two blocks on springs, pressed together: one coordinate holds the other."""
+
+    push: float = 3.0
+    c: float = 0.3
+    coordinates = ("x1", "x2")
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(
+            kinetic=v.x1**2 + v.x2**2 / 2,
+            potential=4.0 * q.x1**2 + 3.0 * q.x2**2,
+            dissipation=self.c * v.x1**2 / 2,
+            contacts=(fl.Stop(q.x2 - q.x1, fl.PlasticImpact()), fl.Stop(q.x1 + 5.0, fl.PlasticImpact())),
+            loads={"x1": self.push},
+        )
+
+
+def test_several_stops_are_searched_in_all_modes():
+    known = fl.equilibria(TwoBlocksInARow())
+    assert known.complete
+    (point,) = known
+    assert point.q == pytest.approx([3.0 / 14.0] * 2, rel=1e-14)
+    expected = np.roots([3.0, 0.3, 14.0])
+    assert np.sort_complex(fl.eigenvalues(TwoBlocksInARow()).values) == pytest.approx(
+        np.sort_complex(expected), rel=1e-12
+    )
+    assert fl.equilibrium(TwoBlocksInARow(push=-3.0)).q == pytest.approx([-3.0 / 8.0, 0.0], rel=1e-14)
+
+
+def test_what_contacts_hold_altogether_has_no_eigenvalues():
+    ball = fl.BouncingBall()
+    assert fl.equilibrium(ball).q == pytest.approx([0.0], abs=0.0)
+    for ask in (fl.eigenvalues, lambda model: fl.stability_changes(model, "g", (1.0, 9.0))):
+        with pytest.raises(ValueError, match="must leave a coordinate free to have eigenvalues"):
+            ask(ball)
