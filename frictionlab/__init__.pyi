@@ -20,6 +20,7 @@ from .analysis.fitting.data import SpectrumRecord as SpectrumRecord
 from .analysis.fitting.data import TimeRecord as TimeRecord
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
+from .analysis.impulses import impulses as impulses
 from .analysis.load import load as load
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
@@ -119,6 +120,7 @@ from .hybrid.variational.tangent_flow import tangent_flow as tangent_flow
 from .interruption import partial_result as partial_result
 from .interruption import progress as progress
 from .models import BouncingBall as BouncingBall
+from .models import Contact as Contact
 from .models import DenHartog as DenHartog
 from .models import FreeCoulomb as FreeCoulomb
 from .models import Friction as Friction

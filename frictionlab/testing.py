@@ -346,18 +346,16 @@ def check_lagrange(model: MechanicalModel, run: Trajectory) -> None:
 
 def _contact_forces(stated: StatedMechanics, run: Trajectory, places: Places) -> Iterator[tuple[Any, Any]]:
     """The forces of the contacts by a run's outputs, each with its direction (N, n)."""
-    known = run.automaton.outputs
     for k, contact in enumerate(stated.contacts, start=1):
-        suffix = "" if "friction_force" in known or "reaction" in known else f"_{k}"
+        suffix = "" if len(stated.contacts) == 1 else f"_{k}"
         normal = stated.normal_direction(contact, places.states)
         if contact.rigid:
             yield run.output(f"reaction{suffix}", places.t), normal
-        if contact.speed is None:
-            continue
-        yield (
-            run.output(f"friction_force{suffix}", places.t),
-            stated.rubbing_direction(contact, places.states),
-        )
+        if contact.speed is not None:
+            yield (
+                run.output(f"friction_force{suffix}", places.t),
+                stated.rubbing_direction(contact, places.states),
+            )
         if not contact.rigid and (contact.gap is not None or contact.normal is not None):
             yield run.output(f"normal_force{suffix}", places.t), normal
 

@@ -2,9 +2,9 @@
 
 ``simulate``, ``ensemble``, ``load``
     One run of a model; many runs at once; a run from a file.  ``initial_states`` has what they begin from.
-``lyapunov``, ``motion_scales``, ``energy_audit``, ``parameter_flow``
-    Of a motion: its exponents; its ranges, period and spectrum; its energy balance; its derivatives by
-    parameters.
+``lyapunov``, ``motion_scales``, ``energy_audit``, ``impulses``, ``parameter_flow``
+    Of a motion: its exponents; its ranges, period and spectrum; its energy balance; the impulses of its
+    impacts; its derivatives by parameters.
 ``verify``
     Whether a run can be trusted.  ``run_conditions`` judges it by the conditions of its modes,
     ``stated_conditions`` and ``stated_mechanics`` by what the model states, ``run_comparison`` by other runs,

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from frictionlab.analysis.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
@@ -30,7 +31,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     rubbing_direction,
 )
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
-from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
@@ -44,7 +45,6 @@ WORKS = (
     *("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "moving masses"),
     *("moving contacts", "contact", "moving load"),
 )
-TOUCHING = 1e-9  # share of its largest value in a run below which a gap is closed at an impact
 
 # A step is at most a quarter of the radius of convergence, and a piece is shorter: ten nodes miss less than
 # rounding.
@@ -68,11 +68,6 @@ class ContactTerms:
         Material penetration rate (m/s), -W_N . q' plus `moved`; None where the contact cannot be lost.
     moved : callable or None
         How fast (m/s) the penetration grows by time alone; None where the contact does not move with time.
-    gap : callable or None
-        The gap (m), of contacts that move with time.
-    directions : tuple of callable
-        The entries of W_N and, of a contact with friction, then those of W_T; for contacts that
-        move with time.
     travel : callable or None
         Full less material penetration rate (m/s), with which F_N does work beyond that of the contact's
         spring; None where it is zero by construction.
@@ -90,8 +85,6 @@ class ContactTerms:
     speed: Callable[..., Any] | None = None
     approach: Callable[..., Any] | None = None
     moved: Callable[..., Any] | None = None
-    gap: Callable[..., Any] | None = None
-    directions: tuple[Callable[..., Any], ...] = ()
     travel: Callable[..., Any] | None = None
     penetration: Callable[..., Any] | None = None
     law: Callable[..., Any] | None = None
@@ -129,7 +122,6 @@ class Terms:
     powers: Mapping[str, Callable[..., Any]]
     contacts: tuple[ContactTerms, ...]
     moved: MovedMasses | None
-    masses: tuple[Callable[..., Any], ...]  # row by row; only where a contact moves with time
 
 
 class Balance:
@@ -137,7 +129,8 @@ class Balance:
 
     def __init__(self, model: MechanicalModel, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
-        self._terms = terms_of(model.structure_key)
+        self._model, self._terms = model, terms_of(model.structure_key)
+        self._striking = impulse_terms(model.structure_key).contacts
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
         """The energies (J), each (N,)."""
@@ -175,7 +168,7 @@ class Balance:
                 np.where(ends, np.sum(changes, axis=0), 0.0) if changes else 0.0 * gained
             )
         if any(contact.moved is not None for contact in self._terms.contacts):
-            work = self._work_of_moved_contacts(run, ~ends & (before != after).any(axis=1))
+            work = self._work_of_moved_contacts(run)
             stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
             moved = work + np.where(ends, stored, 0.0)
             jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": moved}
@@ -190,30 +183,13 @@ class Balance:
         parts = [self._contact_energy(contact, states, modes) for contact in springs]
         return np.sum(parts, axis=0) if parts else np.zeros(len(states))
 
-    def _work_of_moved_contacts(self, run: Trajectory, jumps: Array) -> Array:
+    def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
-        before, after = run.events.before, run.events.state
-        n = self.automaton.coordinates
-        contacts = [contact for contact in self._terms.contacts if contact.gap is not None]
-        work, masses = np.zeros(len(before)), self._matrix(self._terms.masses, before, n)
-        sides = [self._matrix(contact.directions, before, n) for contact in contacts]
-        gaps = [np.abs(self._at(contact.gap, before)) for contact in contacts]
-        widest = [np.abs(self._at(contact.gap, run.states)).max(initial=0.0) for contact in contacts]
-        speeds = [np.zeros(len(before)) if c.moved is None else self._at(c.moved, before) for c in contacts]
-        for e in np.flatnonzero(jumps):
-            hit = [i for i, gap in enumerate(gaps) if gap[e] <= TOUCHING * widest[i]]
-            impulse = masses[e] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
-            columns = np.concatenate([np.zeros((0, n)), *(sides[i][e] for i in hit)]).T
-            shares, at = np.linalg.lstsq(columns, impulse)[0], 0
-            for i in hit:
-                work[e] += shares[at] * speeds[i][e]  # the first is that of the normal force
-                at += len(sides[i][e])
+        work = np.zeros(len(run.events))
+        for one, (normal, _) in zip(self._striking, impulses_of_contacts(run, self._model), strict=True):
+            moved = self._terms.contacts[one.place].moved
+            work += 0.0 if moved is None else normal * self._at(moved, run.events.before)
         return work
-
-    def _matrix(self, entries: Sequence[Any], states: Array, columns: int) -> Array:
-        """Matrices (N, rows, columns) whose entries, row by row, are functions of states."""
-        values = [self._at(entry, states) for entry in entries]
-        return np.reshape(np.transpose(values), (len(states), -1, columns))
 
     def _at(self, function: Any, states: Array) -> Array:
         return np.broadcast_to(np.asarray(function(*states.T, *self._values), dtype=float), len(states))
@@ -226,11 +202,10 @@ class Balance:
         if contact.moved is not None:
             pushed = self._output(contact.normal + contact.number, states, modes)
             yield "moving contacts", pushed * self._at(contact.moved, states)
-        if contact.speed is None:
-            return
-        friction = self._output("friction_force" + contact.number, states, modes)
-        yield "belt drive", friction * self._at(contact.speed, states)
-        yield "friction", -friction * self._output("relative_velocity" + contact.number, states, modes)
+        if contact.speed is not None:
+            friction = self._output("friction_force" + contact.number, states, modes)
+            yield "belt drive", friction * self._at(contact.speed, states)
+            yield "friction", -friction * self._output("relative_velocity" + contact.number, states, modes)
         if contact.approach is None:
             return
         normal = self._output("normal_force" + contact.number, states, modes)
@@ -280,14 +255,12 @@ def terms_of(key: StructureKey) -> Terms:
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
     )
     contacts = tuple(_contact(system, i, compiled, key) for i in range(len(mechanics.contacts)))
-    in_time = any(contact.moved is not None for contact in contacts)
     return Terms(
         kinetic=compiled(mechanics.kinetic),
         potential={name: compiled(energy) for name, energy in given.items() if energy != 0},
         powers={name: compiled(power) for name, power in _powers(system).items()},
         contacts=contacts,
         moved=_moved_masses(system, compiled),
-        masses=tuple(map(compiled, system.mass)) if in_time else (),
     )
 
 
@@ -309,6 +282,8 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
             forces += (
                 [("normal_force" + of, system.normal(contact))] if contact.penetration is not None else []
             )
+        elif isinstance(contact, Contact):
+            forces += [("normal_force" + of, system.normal(contact))]
         else:
             forces += [("reaction" + of, system.direction(contact))]
             if contact.rubs:
@@ -331,15 +306,16 @@ def _powers(system: LagrangeSystem) -> dict[str, Any]:
 
 def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: StructureKey) -> ContactTerms:
     contact, numbered = system.mechanics.contacts[i], contact_suffix(system, i)
-    if not isinstance(contact, Friction):
+    if isinstance(contact, Stop):
         belt = compiled(system.at_rest(contact.relative_velocity)) if contact.rubs else None
-        terms = ContactTerms(numbered, i, belt, normal="reaction")
-        return replace(terms, **_motion_in_time(system, contact, compiled))
-    terms = ContactTerms(numbered, i, compiled(system.at_rest(contact.relative_velocity)))
+        return ContactTerms(numbered, i, belt, moved=_moved(system, contact, compiled), normal="reaction")
+    rubs = isinstance(contact, Friction)
+    belt = compiled(system.at_rest(contact.relative_velocity)) if rubs else None
+    terms = ContactTerms(numbered, i, belt)
     if contact.penetration is None:
         return terms
     approach = material_rate(system, contact)
-    terms = replace(terms, approach=compiled(approach), **_motion_in_time(system, contact, compiled))
+    terms = replace(terms, approach=compiled(approach), moved=_moved(system, contact, compiled))
     force = contact.normal_force(GAP) if callable(contact.normal_force) else None
     if force is None or not sp.sympify(force, strict=True).free_symbols.isdisjoint(system.states):
         return terms
@@ -360,26 +336,10 @@ def _borders_of_law(force: Any) -> set[Any]:
     return {border for part in parts if part.x == GAP for border in part.borders if not border.has(GAP)}
 
 
-def _motion_in_time(
-    system: LagrangeSystem, contact: Friction | Stop, compiled: Callable[..., Any]
-) -> dict[str, Any]:
-    """The terms of a contact that moves with time; what jumps need of any contact of such a model."""
-    gap = -contact.penetration if isinstance(contact, Friction) else contact.distance
-    moved = -system.explicit_rate(gap)
-    if isinstance(contact, Friction):
-        directions = [*system.normal(contact), *system.direction(contact)]
-    else:
-        directions = [
-            *system.direction(contact),
-            *(rubbing_direction(system, contact) if contact.rubs else ()),
-        ]
-    if not system.clocks:
-        return {}
-    return {
-        "moved": None if moved == 0 else compiled(moved),
-        "gap": compiled(gap),
-        "directions": tuple(map(compiled, directions)),
-    }
+def _moved(system: LagrangeSystem, contact: AnyContact, compiled: Callable[..., Any]) -> Any:
+    """How fast the gap of a contact closes by time alone; None where it does not move with time."""
+    moved = system.explicit_rate(-contact.distance if isinstance(contact, Stop) else contact.penetration)
+    return None if moved == 0 else compiled(moved)
 
 
 def _dot(one: Any, other: Any) -> Any:

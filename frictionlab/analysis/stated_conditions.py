@@ -268,10 +268,10 @@ class _StatementCheck:
             closed = np.isin(regimes, CLOSED_REGIMES) & contact.rigid
             yield "a closed contact is open", np.where(closed, np.abs(gap), 0.0)
         if contact.pressing is not None and self._separates(contact):
-            force, rubs = self._share(contact.pressing), np.isin(regimes, [*RUBBING, "slip"])
-            yield "the normal force pulls", np.where(rubs, -force, 0.0)
+            force, pressed = self._share(contact.pressing), np.isin(regimes, CLOSED_REGIMES)
+            yield "the normal force pulls", np.where(pressed, -force, 0.0)
             if contact.gap is not None:
-                yield "friction acts on a contact that is open", np.where(rubs, gap, 0.0)
+                yield "forces act on a contact that is open", np.where(pressed, gap, 0.0)
 
     def _separates(self, contact: StatedContact) -> bool:
         """Whether the contact has regimes without forces, so that it does not pull."""
@@ -321,10 +321,16 @@ class _StatementCheck:
         for i, contact in enumerate(self.stated.contacts):
             regimes = self._regimes_of(i, places.modes)
             normal = self.stated.normal_direction(contact, places.states)
+            closed = regimes == "contact"
+            if contact.pressing is not None and contact.speed is None:
+                pressing = np.where(closed, self.stated.at(contact.pressing, places.states), 0.0)
+                force = pressing[:, None] * normal
+                given, sizes = given + force, sizes + np.abs(force)
+                continue
             if contact.speed is None:
                 columns.append(normal)
                 least.append(np.zeros(len(regimes)))
-                most.append(np.where(regimes == "contact", np.inf, 0.0))
+                most.append(np.where(closed, np.inf, 0.0))
                 continue
             if contact.rigid:
                 for edge, closed in self._cone(contact, regimes, normal, places, slack):
@@ -448,7 +454,7 @@ class _StatementCheck:
                 rows.append(np.where(there[:, None], row, 0.0))
                 rates.append(np.where(there, rate, 0.0))
             resting.append(still)
-            at += 1 if contact.speed is None else 2
+            at += 2 if contact.speed is not None else int(contact.rigid)
         holdable = []
         for k in range(len(places.t)):
             W, inverse = forces.columns[k].T, np.linalg.inv(masses[k])

@@ -18,8 +18,8 @@ import sympy as sp
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
-from frictionlab.models.mechanical.equations_of_motion import time_of
-from frictionlab.models.mechanical.mechanics import Friction, Stop, mechanics_at
+from frictionlab.models.mechanical.equations_of_motion import time_of, with_dampers
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Stop, mechanics_at
 from frictionlab.models.symbols import (
     parameter_symbols,
     structure_values,
@@ -44,8 +44,8 @@ class StatedContact:
     Parameters
     ----------
     speed, pressing, limit : callable or None
-        v_r (m/s), F_N (N) and the static limit of friction (N), of contacts with friction.  A dynamic law has
-        no limit.
+        v_r (m/s) and the static limit of friction (N), of contacts with friction; a dynamic law has no limit.
+        F_N (N) of contacts that are not rigid.
     sliding : mapping of int to callable
         Friction (N) along v_r where this is positive, by 1, or negative, by -1.  Limit and friction
         of a rigid contact are shares of F_N, which follows from the motion.
@@ -100,6 +100,7 @@ def _statement_of(key: StructureKey) -> Statement:
     time = time_of(copy)
     about = mechanics_at(copy, q, v, phase, further, *time)
     time = [one for one in time if about.depends_on(one)]
+    about = with_dampers(about, q, v, time)
     in_time = about.frequency is not None
     of_laws = [tuple(map(symbol, names)) for names in about.law_states]
     states = [
@@ -131,10 +132,12 @@ def _statement_of(key: StructureKey) -> Statement:
 
 
 def _contact(
-    contact: Friction | Stop, of_law: tuple[Any, ...], compiled: Callable[[Any], StateFunction]
+    contact: AnyContact, of_law: tuple[Any, ...], compiled: Callable[[Any], StateFunction]
 ) -> StatedContact:
     if isinstance(contact, Stop):
         return _rigid_contact(contact, compiled)
+    if isinstance(contact, Contact):
+        return StatedContact(compiled(-contact.penetration), None, pressing=compiled(contact.pressing))
     speed, force, law = contact.relative_velocity, contact.pressing, contact.law
     elastic, largest = None, limit_of_state(contact)
     if largest is not None:

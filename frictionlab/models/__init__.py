@@ -36,12 +36,13 @@ from .library.dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt
 from .library.impact_oscillators import BouncingBall, ImpactOscillator
 from .library.sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 from .mechanical.mechanical_model import MechanicalModel
-from .mechanical.mechanics import Friction, Mechanics, Stop, quadratic_form
+from .mechanical.mechanics import Contact, Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism
 from .model import Model
 
 __all__ = [
     "BouncingBall",
+    "Contact",
     "DenHartog",
     "FreeCoulomb",
     "Friction",

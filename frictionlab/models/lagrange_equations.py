@@ -41,7 +41,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
     values_on_one_side,
 )
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
-from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbols import symbol, symbolic_copy
 
@@ -173,6 +173,8 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
     (contact,), modes = system.mechanics.contacts, system.names
     if isinstance(contact, Stop):
         return ("impact",) * (len(modes) > 1)
+    if isinstance(contact, Contact):
+        return ()
     hits = "separation" in modes and contact.impact is not None
     smooth = limit_of_state(contact) is None
     return ("slip",) * ("slip+" in modes and smooth) + ("impact",) * hits
@@ -188,13 +190,14 @@ def _functions(system: LagrangeSystem) -> dict[Any, Any]:
 
 
 def _named_forces(system: LagrangeSystem) -> LagrangeSystem:
-    contacts = tuple(
-        replace(contact, normal_force=_contact_function(system, "F_N", i))
-        if isinstance(contact, Friction)
-        else contact
-        for i, contact in enumerate(system.mechanics.contacts)
-    )
-    return replace(system, mechanics=replace(system.mechanics, contacts=contacts))
+    def named(contact: AnyContact, force: Any) -> AnyContact:
+        if isinstance(contact, Friction):
+            return replace(contact, normal_force=force)
+        return replace(contact, force=force) if isinstance(contact, Contact) else contact
+
+    contacts = enumerate(system.mechanics.contacts)
+    shown = tuple(named(contact, _contact_function(system, "F_N", i)) for i, contact in contacts)
+    return replace(system, mechanics=replace(system.mechanics, contacts=shown))
 
 
 def _mode_equations(
@@ -256,12 +259,14 @@ def _forces(
     if isinstance(contact, Stop):
         return _forces_of_stop(write, chosen, i, force)
     normal, regime = _contact_function(system, "F_N", i), chosen[i]
+    pressed = equation(normal, 0 if regime.name in APART else write(contact.pressing))
+    if isinstance(contact, Contact):
+        return (pressed,)
     if regime.name.startswith("slip") and not regime.constraints:
         friction = _friction(write, mode, regime, i)
     else:
         friction = write(solve_contact_forces(write.named, chosen).forces[i])
-    pressed = 0 if regime.name in APART else write(contact.pressing)
-    return equation(normal, pressed), equation(force, friction)
+    return pressed, equation(force, friction)
 
 
 def _forces_of_stop(
@@ -277,7 +282,7 @@ def _forces_of_stop(
     return normal, equation(_contact_function(system, "F_T", i), write(friction))
 
 
-def _rubs_rigidly(contact: Friction | Stop) -> bool:
+def _rubs_rigidly(contact: AnyContact) -> bool:
     return isinstance(contact, Stop) and contact.rubs
 
 
@@ -322,7 +327,7 @@ def _law_rates(
 
 def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
     contacts = enumerate(write.system.mechanics.contacts)
-    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction) or c.rubs]
+    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction) or _rubs_rigidly(c)]
     return tuple(equation(_contact_function(write.system, "v_r", i), write(v)) for i, v in rows)
 
 
@@ -354,6 +359,8 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return _apart(write, regime, contact)
     normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
     pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
+    if isinstance(contact, Contact):
+        return pressed
     if regime.name == "stick" and system.of_laws[i]:
         (state,), limit = map(write, system.of_laws[i]), contact.law.state_limit(normal)
         return (sympy.Le(sympy.Abs(state), limit, evaluate=False), *pressed)
@@ -382,7 +389,7 @@ def _conditions_of_stop(
     return (pushes,)
 
 
-def _apart(write: TimeDependentSystem, regime: ContactRegime, contact: Friction) -> tuple[Any, ...]:
+def _apart(write: TimeDependentSystem, regime: ContactRegime, contact: Friction | Contact) -> tuple[Any, ...]:
     """What holds while there are no contact forces: a gap, or a law that would pull."""
     if regime.name == "separation" and contact.penetration is not None:
         return (sympy.Lt(write(contact.penetration), 0, evaluate=False),)
@@ -404,8 +411,10 @@ def _impact(copy: Any, system: LagrangeSystem, letters: Mapping[str, str]) -> Eq
 
 
 def _force_function(system: LagrangeSystem, i: int) -> Any:
-    """F_T of a contact with friction, F_N of a stop."""
-    return _contact_function(system, "F_N" if isinstance(system.mechanics.contacts[i], Stop) else "F_T", i)
+    """F_T of a contact with friction, F_N of one without."""
+    return _contact_function(
+        system, "F_T" if isinstance(system.mechanics.contacts[i], Friction) else "F_N", i
+    )
 
 
 def _contact_function(system: LagrangeSystem, name: str, i: int) -> Any:

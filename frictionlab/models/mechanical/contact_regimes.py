@@ -34,7 +34,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
     values_of_contact,
     values_of_law,
 )
-from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
 
 if TYPE_CHECKING:
@@ -44,11 +44,12 @@ if TYPE_CHECKING:
 PHASE, TIME = "phase", "t"
 # The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
-AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick")
+AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")
 APART = ("separation", "relaxation")  # regimes without contact forces
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
 CHATTER_MODE = "chatter"
+CHATTER_FLIGHT = "flight"  # the event that ends it by an impact
 CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
 
 
@@ -122,15 +123,15 @@ class ContactRegime:
     sliding: Any = None
 
 
-def regimes_of_contact(contact: Friction | Stop, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
+def regimes_of_contact(contact: AnyContact, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
     """All regimes of a contact, in the order in which they are tried."""
     if isinstance(contact, Stop):
         return _rigid_regimes(contact, system) if contact.rubs else _stop_regimes(contact, system)
     return tuple(regime(contact, name, system) for name in contact.modes)
 
 
-def regime(contact: Friction, name: str, system: LagrangeSystem) -> ContactRegime:
-    """One regime of a contact with friction.
+def regime(contact: Friction | Contact, name: str, system: LagrangeSystem) -> ContactRegime:
+    """One regime of a contact that is not rigid.
 
     Raises
     ------
@@ -216,6 +217,12 @@ def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     return ContactRegime("slip", force, (), (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
 
 
+def _frictionless(contact: Contact, system: LagrangeSystem) -> ContactRegime:
+    """Contact without friction."""
+    leaving = _leaving(contact, system)
+    return ContactRegime("contact", sympy.S.Zero, (), (), lambda *_: leaving, pressing=contact.pressing)
+
+
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
     if contact.law.states:
@@ -231,9 +238,9 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     return ContactRegime("stick", None, held, (speed,), breaks, limit, pressing=contact.pressing)
 
 
-def _separation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
+def _separation(contact: Friction | Contact, system: LagrangeSystem) -> ContactRegime:
     """Flight, Eq. (9): no contact forces; it ends where the gap closes."""
-    rates = rates_in_separation(contact, system.law_states(contact))
+    rates = _rates_apart(contact, system)
     if contact.penetration is None:
         return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (_pressed(contact),), rates=rates)
     jump = None if contact.impact is None else "impact"
@@ -241,32 +248,39 @@ def _separation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (lands,), rates=rates)
 
 
-def _relaxation(contact: Friction, system: LagrangeSystem) -> ContactRegime:
+def _relaxation(contact: Friction | Contact, system: LagrangeSystem) -> ContactRegime:
     """No contact forces, as the law would pull: it ends where it would press, or where a gap opens."""
     opens = RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)))
-    rates = rates_in_separation(contact, system.law_states(contact))
+    rates = _rates_apart(contact, system)
     ends = (_pressed(contact), opens)
     return ContactRegime("relaxation", sympy.S.Zero, (), (), lambda *_: ends, rates=rates)
 
 
-def _pressed(contact: Friction) -> RegimeEnd:
+def _rates_apart(contact: Friction | Contact, system: LagrangeSystem) -> tuple[Any, ...]:
+    """The rates of the states of the friction law, if there are any, without contact forces."""
+    return rates_in_separation(contact, system.law_states(contact)) if isinstance(contact, Friction) else ()
+
+
+def _pressed(contact: Friction | Contact) -> RegimeEnd:
     return RegimeEnd("F_N", -contact.pressing, _known(contact, AFTER_FLIGHT))
 
 
-BUILDERS: dict[str, Callable[[Friction, Any], ContactRegime]] = {
+BUILDERS: dict[str, Callable[[Any, Any], ContactRegime]] = {
     "stick": _stick,
     "slip+": partial(_slip, name="slip+"),
     "slip-": partial(_slip, name="slip-"),
     "slip": _slip_on,
+    "contact": _frictionless,
     "separation": _separation,
     "relaxation": _relaxation,
 }
 
 
-def _leaving(contact: Friction, system: LagrangeSystem) -> tuple[RegimeEnd, ...]:
+def _leaving(contact: Friction | Contact, system: LagrangeSystem) -> tuple[RegimeEnd, ...]:
     """What ends contact: nothing where it is bilateral, as its interface has no mode for a lost contact."""
     open_regimes = _known(contact, APART[::-1])
-    jump = "unload" if returns_to_zero(contact, system.law_states(contact)) else None
+    states = system.law_states(contact)
+    jump = "unload" if isinstance(contact, Friction) and returns_to_zero(contact, states) else None
     gap = (RegimeEnd("gap", contact.penetration, _known(contact, ("separation",)), jump),)
     pulls = (RegimeEnd("F_N", contact.pressing, open_regimes, jump),)
     if not open_regimes:
@@ -276,7 +290,7 @@ def _leaving(contact: Friction, system: LagrangeSystem) -> tuple[RegimeEnd, ...]
     return (*gap, *pulls) if "relaxation" in contact.modes else gap
 
 
-def _known(contact: Friction | Stop, names: tuple[str, ...]) -> tuple[str, ...]:
+def _known(contact: AnyContact, names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in names if name in contact.modes)
 
 
@@ -367,7 +381,7 @@ def _law_of(contact: Stop) -> FrictionLaw:
     return contact.friction
 
 
-def rubbing_direction(system: LagrangeSystem, contact: Friction | Stop) -> Any:
+def rubbing_direction(system: LagrangeSystem, contact: AnyContact) -> Any:
     """W_T (n, 1), along which friction acts: minus the gradient of v_r."""
     return -sympy.ImmutableMatrix(system.gradient(contact.relative_velocity, system.v))
 
@@ -504,7 +518,7 @@ def _velocity_jump(system: LagrangeSystem, w: Any, impulse: Any) -> dict[Any, An
     return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
 
 
-def material_rate(system: LagrangeSystem, contact: Friction) -> Any:
+def material_rate(system: LagrangeSystem, contact: Friction | Contact) -> Any:
     """The velocity at which the bodies approach at the contact's material points: -W_N . q', and how fast the
     penetration grows with all coordinates at rest, where a ground moves with time."""
     approaching = -sum(w * rate for w, rate in zip(system.normal(contact), system.v, strict=True))
@@ -663,5 +677,7 @@ def _chatter_events(system: LagrangeSystem, contact: Friction, rate: Any, closin
     landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
     return (
         Event("leaving rate", rate, targets, landed),
-        Event("flight", CHATTER_TIME * closing - rate, ("separation",), impact_resets(system, contact)[0]),
+        Event(
+            CHATTER_FLIGHT, CHATTER_TIME * closing - rate, ("separation",), impact_resets(system, contact)[0]
+        ),
     )

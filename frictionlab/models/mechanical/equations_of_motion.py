@@ -22,7 +22,7 @@ from .contact_regimes import PHASE, TIME, ContactRegime, regimes_of_contact
 from .coupled_masses import CoupledMasses, coupled_masses
 from .dynamic_laws import limit_of_state
 from .meaning import check_linear, check_mechanics, mass_matrix
-from .mechanics import Friction, Mechanics, Stop, mechanics_at
+from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop, mechanics_at
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -34,7 +34,7 @@ def _remembered(method: Any) -> Any:
     """Cache the results of a method of one contact in its system."""
 
     @wraps(method)
-    def remembering(self: LagrangeSystem, contact: Friction | Stop) -> Any:
+    def remembering(self: LagrangeSystem, contact: AnyContact) -> Any:
         results = self.__dict__.setdefault(f"_{method.__name__}_of_contacts", {})
         if contact not in results:
             results[contact] = method(self, contact)
@@ -246,7 +246,7 @@ class LagrangeSystem:
             *(one for some in self.of_laws for one in some),
         )
 
-    def law_states(self, contact: Friction | Stop) -> tuple[Any, ...]:
+    def law_states(self, contact: AnyContact) -> tuple[Any, ...]:
         """The states of a contact's friction law."""
         return self.of_laws[self.mechanics.contacts.index(contact)]
 
@@ -285,14 +285,17 @@ class LagrangeSystem:
         return sympy.sign(self.speed_at_origin(contact))
 
     @_remembered
-    def direction(self, contact: Friction | Stop) -> Any:
-        """W (n, 1): the direction of a contact's friction force, or of the reaction of a stop."""
+    def direction(self, contact: AnyContact) -> Any:
+        """W (n, 1): the direction of a contact's friction force, or of the reaction of a stop; zero for a
+        contact without friction."""
         if isinstance(contact, Friction):
             return -sympy.ImmutableMatrix(self.gradient(contact.relative_velocity, self.v))
+        if isinstance(contact, Contact):
+            return sympy.ImmutableMatrix.zeros(len(self.q), 1)
         return sympy.ImmutableMatrix(self.gradient(contact.distance, self.q))
 
     @_remembered
-    def normal(self, contact: Friction | Stop) -> Any:
+    def normal(self, contact: AnyContact) -> Any:
         """W_N (n, 1): the direction of the normal force of a contact that may be lost; zero for others.
 
         It is the gradient of the gap unless the contact gives another.
@@ -320,7 +323,7 @@ class LagrangeSystem:
             return self.coupled.accelerations(forces, self.states)
         return list(self.inverse * sympy.Matrix(forces))
 
-    def forces(self, contact: Friction | Stop, normal_force: Any) -> list[Any]:
+    def forces(self, contact: AnyContact, normal_force: Any) -> list[Any]:
         """Loads less the internal forces, plus those of a contact's normal force, for each coordinate."""
         rows = zip(self.loads, self.internal, self.normal(contact), strict=True)
         return [load - rest + w * normal_force for load, rest, w in rows]
@@ -356,6 +359,7 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     about, time = _stated(model, q, v, further), time_of(model)
     time = tuple(one for one in time if isinstance(about, Mechanics) and about.depends_on(one))
     about = check_mechanics(about, model, q, v)
+    about = with_dampers(about, q, v, time)
     about = _in_regimes(about, model, (*q, *v, symbol(PHASE), *time, *further))
     about, momenta, mass = mass_matrix(about, model, v)
     loads = tuple(sympy.sympify(about.loads.get(name, 0), strict=True) for name in names)
@@ -404,11 +408,11 @@ def _in_regimes(about: Mechanics, model: MechanicalModel, states: Sequence[Any])
     return replace(about, contacts=tuple(contacts))
 
 
-def _regimes(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) -> Any:
+def _regimes(contact: AnyContact, allowed: Interface, states: Sequence[Any]) -> Any:
     return Regimes(_names(contact, allowed, states))
 
 
-def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) -> tuple[str, ...]:
+def _names(contact: AnyContact, allowed: Interface, states: Sequence[Any]) -> tuple[str, ...]:
     """Names of a contact's regimes: those of its own interface, without what the model's leaves out."""
     own = contact.interface or allowed
     names = own.modes
@@ -416,6 +420,8 @@ def _names(contact: Friction | Stop, allowed: Interface, states: Sequence[Any]) 
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
     if isinstance(contact, Friction) and contact.law.states:
         names = _names_with_states(contact, names)
+    if isinstance(contact, Contact):
+        names = tuple(dict.fromkeys("separation" if name == "separation" else "contact" for name in names))
     names = tuple(name for name in names if name != "separation" or allowed.separates)
     if isinstance(contact, Stop) or "separation" not in names:
         return names
@@ -436,7 +442,7 @@ def _names_with_states(contact: Friction, names: Iterable[str]) -> tuple[str, ..
     return tuple(name for name in found if elastic or name != "stick")
 
 
-def is_law(contact: Friction, states: Sequence[Any]) -> bool:
+def is_law(contact: Friction | Contact, states: Sequence[Any]) -> bool:
     """Whether F_N is a function of the penetration and of parameters only."""
     if callable(contact.normal_force):
         law = sympy.sympify(contact.normal_force(sympy.Dummy(real=True)), strict=True)
@@ -447,6 +453,18 @@ def is_law(contact: Friction, states: Sequence[Any]) -> bool:
     return all(
         expand_products(f * depth[pivot] - force[pivot] * d) == 0 for f, d in zip(force, depth, strict=True)
     )
+
+
+def with_dampers(about: Mechanics, q: Sequence[Any], v: Sequence[Any], time: Sequence[Any]) -> Mechanics:
+    """The contacts, with the force of each one's damper in its normal force."""
+
+    def damped(contact: AnyContact) -> AnyContact:
+        if not isinstance(contact, Contact):
+            return contact
+        rate = _rate(contact.penetration, about, q, v)
+        return contact.damped(rate + sum(gradient(contact.penetration, time), sympy.S.Zero))
+
+    return replace(about, contacts=tuple(map(damped, about.contacts)))
 
 
 def _internal(

@@ -21,7 +21,7 @@ from frictionlab.validation import abbreviate, did_you_mean_or_known
 from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
-from .mechanics import Friction, Mechanics, Stop
+from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -153,7 +153,7 @@ class _Check:
                     f"which can be negative: {real_power_cure(base, exponent)}"
                 )
 
-    def contact(self, contact: Friction | Stop) -> None:
+    def contact(self, contact: AnyContact) -> None:
         """The expressions of a contact."""
         place = "where bodies touch depends on coordinates and time only"
         if isinstance(contact, Stop):
@@ -167,7 +167,10 @@ class _Check:
             if contact.rubs:
                 self.relative_velocity(contact)
             return
-        self.relative_velocity(contact)
+        if isinstance(contact, Friction):
+            self.relative_velocity(contact)
+        else:
+            self.damper(contact)
         if callable(contact.normal_force) and contact.penetration is None:
             raise TypeError(
                 f"normal_force of {self.of} must be an expression, got a function: a contact without a "
@@ -187,6 +190,16 @@ class _Check:
                     f"normal of {self.of} must have one entry for each of its {len(self.q)} coordinates, got "
                     f"{len(contact.normal)}"
                 )
+
+    def damper(self, contact: Contact) -> None:
+        """The penetration of a contact without friction, and its damper."""
+        if contact.penetration is None:
+            raise TypeError(
+                f"penetration of a Contact of {self.of} must be an expression, got None: a normal force that "
+                "does no work has no effect without friction"
+            )
+        self.free("damper", contact.damping, (*self.v,), "it is N s/m, which multiplies the rate by itself")
+        self.powers("damper", contact.damping, [contact.penetration])
 
     def relative_velocity(self, contact: Friction | Stop) -> None:
         """That v_r depends on velocities, and linearly."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from frictionlab.automaton.mode import check_elements
 from frictionlab.components.contact import Interface, StickSlipSeparation
@@ -75,6 +75,68 @@ class Friction:
 
 
 @dataclass(frozen=True, eq=False)
+class Contact:
+    """An elastic contact without friction, with or without a damper; its modes are "contact" and
+    "separation".
+
+    F_N = force(penetration) + damper d(penetration)/dt.  A contact does not pull: it ends where F_N comes to
+    zero.  With a damper this is before the gap opens; then it has the mode "relaxation" until the penetration
+    is zero: the surface, which has no mass, returns without a force.
+
+    Parameters
+    ----------
+    penetration : Expr
+        Penetration, m, positive in contact.
+    force : Expr or callable
+        F_N without the damper (N) as :class:`Friction` has it: a function of the penetration, such as
+        ``contact.force`` of a law.
+    damper : Expr or callable
+        Coefficient of the damper, N s/m, or a function of the penetration that gives it.
+        That of Hunt and Crossley, k d^1.5 (1 + c d'), has ``damper=lambda d: self.k * self.c * d**1.5``.
+    interface : Interface or None
+        As of :class:`Friction`; one without "separation" is bilateral.
+
+    References
+    ----------
+    K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440-445.
+    """
+
+    penetration: Any
+    force: Any
+    damper: Any = 0
+    interface: Interface | None = None
+
+    normal: ClassVar[None] = None
+    impact: ClassVar[None] = None
+    relative_velocity: ClassVar[Any] = None
+
+    @property
+    def pressing(self) -> Any:
+        """F_N (N) as an expression, without the damper."""
+        return self.force(self.penetration) if callable(self.force) else self.force
+
+    @property
+    def normal_force(self) -> Any:
+        """`force`, by the name that it has in a contact with friction."""
+        return self.force
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes, in the order in which they are tried."""
+        return (self.interface or StickSlipSeparation()).modes
+
+    @property
+    def damping(self) -> Any:
+        """Coefficient of the damper (N s/m) as an expression."""
+        return self.damper(self.penetration) if callable(self.damper) else self.damper
+
+    def damped(self, rate: Any) -> Contact:
+        """The contact with the damper's force in `force`, at this rate of the penetration (m/s)."""
+        without = isinstance(self.damping, (int, float)) and self.damping == 0
+        return self if without else replace(self, force=self.pressing + self.damping * rate, damper=0)
+
+
+@dataclass(frozen=True, eq=False)
 class Stop:
     """A rigid stop, or a rigid contact of two bodies; its modes are "flight" and "contact", or with friction
     "flight", "stick", "slip+" and "slip-".
@@ -126,6 +188,9 @@ class Stop:
         )
 
 
+AnyContact = Friction | Contact | Stop
+
+
 @dataclass(frozen=True, eq=False)
 class Mechanics:
     """Energies, loads and contacts.
@@ -143,7 +208,7 @@ class Mechanics:
         Energy V(q), J; or its parts by name, such as "springs" and "gravity", of which V is the sum.
     dissipation : Expr
         Rayleigh's dissipation function D(v), W: half the power that the dampers take, where it is quadratic.
-    contacts : tuple of Friction or Stop
+    contacts : tuple of Friction, Contact or Stop
     loads : mapping of str to Expr
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
@@ -158,7 +223,7 @@ class Mechanics:
     kinetic: Any
     potential: Any = 0
     dissipation: Any = 0
-    contacts: tuple[Friction | Stop, ...] = ()
+    contacts: tuple[AnyContact, ...] = ()
     loads: Mapping[str, Any] = field(default_factory=dict)
     frequency: Any = None
     rates: Mapping[str, Any] = field(default_factory=dict)
@@ -174,7 +239,7 @@ class Mechanics:
                 f"rates must map further states to their rates, got {abbreviate(self.rates)}: write "
                 'rates={"i": (self.U - self.R * s.i) / self.L}'
             )
-        check_elements("contacts", self.contacts, Friction, Stop)
+        check_elements("contacts", self.contacts, Friction, Contact, Stop)
         potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
         given += self.rates.values()
@@ -203,8 +268,8 @@ class Mechanics:
             if isinstance(contact, Stop):
                 given.append(contact.distance)
             else:
-                given += [contact.relative_velocity, contact.penetration, *(contact.normal or ())]
-                given.append(contact.pressing)
+                given += [contact.pressing, contact.penetration, *(contact.normal or ())]
+                given.append(contact.damping if isinstance(contact, Contact) else contact.relative_velocity)
         return any(symbol in getattr(one, "free_symbols", ()) for one in given)
 
     @property

@@ -40,7 +40,7 @@ from .contact_regimes import (
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
-from .mechanics import Friction, Stop
+from .mechanics import AnyContact, Friction, Stop
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -85,7 +85,9 @@ def expressions_of(system: LagrangeSystem) -> Iterator[Any]:
         if isinstance(contact, Stop):
             yield contact.distance
         else:
-            yield from (contact.penetration, contact.pressing, contact.relative_velocity)
+            yield from (contact.penetration, contact.pressing)
+            if isinstance(contact, Friction):
+                yield contact.relative_velocity
         for regime in regimes:
             yield from (regime.force, regime.held, regime.limit, *regime.rates)
             for end in regime.ends(sympy.S.Zero, sympy.S.Zero):
@@ -365,15 +367,13 @@ def _outputs(
     return outputs
 
 
-def _contact_outputs(contact: Friction | Stop, regime: ContactRegime, force: Any, friction: Any) -> Any:
+def _contact_outputs(contact: AnyContact, regime: ContactRegime, force: Any, friction: Any) -> Any:
     if isinstance(contact, Stop):
         rigid = ("distance", contact.distance), ("reaction", force)
         rubbing = ("friction_force", friction), ("relative_velocity", contact.relative_velocity)
         return (*rigid, *rubbing) if contact.rubs else rigid
-    shown = (
-        ("normal_force", regime.pressing),
-        ("friction_force", force),
-        ("relative_velocity", contact.relative_velocity),
-    )
+    shown = (("normal_force", regime.pressing),)
+    if isinstance(contact, Friction):
+        shown += ("friction_force", force), ("relative_velocity", contact.relative_velocity)
     penetration = contact.penetration
     return shown if penetration is None else (("penetration", penetration), ("gap", -penetration), *shown)

@@ -127,6 +127,112 @@ def test_bounces_with_a_damper_agree_with_another_integrator(hunt):
 
 
 @fl.model
+class Bumper(MechanicalModel):
+    """A mass against a contact without friction: a spring with a damper, or Hunt and Crossley's law."""
+
+    hunt: bool = False
+    m: float = number(2.0, "m")
+    k: float = number(100.0, "k")
+    c: float = number(3.0, "c")
+    g: float = number(0.0, "g")
+    coordinates = ("y",)
+
+    def mechanics(self, q, v):
+        if self.hunt:
+            contact = fl.Contact(-q.y, lambda d: self.k * d**1.5, lambda d: self.k * self.c * d**1.5)
+        else:
+            contact = fl.Contact(-q.y, lambda d: self.k * d, self.c)
+        return Mechanics(self.m * v.y**2 / 2, self.m * self.g * q.y, contacts=(contact,))
+
+
+def test_a_damped_contact_without_friction_lets_go_where_its_force_is_zero():
+    """Schwager and Poeschel's restitution, as above."""
+    run = fl.simulate(Bumper(), 1.0, x0=[0.0, -2.0])
+    damping = 3.0 / 4.0
+    omega = sqrt(50.0 - damping**2)
+    restitution = exp(-damping / omega * (pi - atan2(2 * damping * omega, omega**2 - damping**2)))
+    assert run.final_state[1] == pytest.approx(2.0 * restitution, rel=1e-12)
+    assert run.events.target.tolist() == ["relaxation", "separation"]
+    assert run.normal_force.min() >= 0.0
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+def test_hunt_and_crossleys_restitution_is_that_of_its_quadrature():
+    """a - ln(1 + a) = -b - ln(1 - b) with a = c v, b = c e v, whatever k, m and the exponent: v dv over F."""
+    run = fl.simulate(Bumper(hunt=True, c=0.4), 2.0, x0=[0.0, -2.0])
+    a, b = 0.4 * 2.0, 0.4 * run.final_state[1]
+    assert -b - np.log1p(-b) == pytest.approx(a - np.log1p(a), rel=1e-10)
+
+
+@pytest.mark.parametrize("hunt", [False, True], ids=["Kelvin-Voigt", "Hunt-Crossley"])
+def test_bounces_without_friction_are_those_of_another_integrator(hunt):
+    """Contact and what is between, one after another, each to its end by DOP853."""
+    model = Bumper(hunt=hunt, k=400.0, c=0.2 if hunt else 3.0, g=9.81)
+    k, c, m = model.k, model.c, model.m
+
+    def force(z):
+        depth = max(-z[0], 0.0)
+        return k * depth**1.5 * (1 - c * z[1]) if hunt else -k * z[0] - c * z[1]
+
+    def pressed(t, z):
+        return [z[1], force(z) / m - 9.81]
+
+    def apart(t, z):
+        return [z[1], -9.81]
+
+    def opens(t, z):
+        return -z[0] if hunt else force(z)  # 1 - c v stays above zero
+
+    def lands(t, z):
+        return z[0]
+
+    opens.terminal = lands.terminal = True
+    opens.direction = lands.direction = -1
+    phases, t, z, now = [(apart, lands), (pressed, opens)], 0.0, np.array([0.3, 0.0]), 0
+    while t < 1.5:
+        rates, event = phases[now]
+        found = solve_ivp(rates, (t, 1.5), z, "DOP853", events=event, rtol=1e-12, atol=1e-14)
+        t, z, now = found.t[-1], found.y[:, -1], 1 - now
+    run = fl.simulate(model, 1.5, x0=[0.3, 0.0])
+    assert len(run.events) >= 3
+    assert ("relaxation" in run.events.target) != hunt
+    assert run.final_state == pytest.approx(z, abs=1e-9)
+
+
+def test_a_contact_without_friction_rests_where_its_law_says():
+    model = Bumper(hunt=True, g=9.81)
+    point = fl.equilibrium(model)
+    assert point.q[0] == pytest.approx(-((2.0 * 9.81 / 100.0) ** (2 / 3)), rel=1e-12)
+    depth = -point.q[0]
+    exact = np.roots([2.0, 300.0 * depth**1.5, 150.0 * depth**0.5])
+    assert fl.eigenvalues(model).values == pytest.approx(np.sort_complex(exact), rel=1e-10)
+    fl.testing.check_model(model, t_end=1.0)
+    assert tuple(model.without("nonsmooth").automaton().names) == ("contact",)
+    assert [str(one.lhs) for one in model.equations("contact").forces] == ["F_N(t)"]
+
+
+def test_what_is_no_contact_is_refused():
+    def stated(**given):
+        @fl.model
+        class Wrong(MechanicalModel):
+            coordinates = ("y",)
+
+            def mechanics(self, q, v):
+                given_at = {name: make(q, v) for name, make in given.items()}
+                contact = fl.Contact(**{"penetration": -q.y, "force": -q.y, **given_at})
+                return Mechanics(v.y**2 / 2, contacts=(contact,))
+
+        return Wrong().automaton()
+
+    with pytest.raises(TypeError, match="penetration of a Contact of Wrong must be an expression"):
+        stated(penetration=lambda q, v: None)
+    with pytest.raises(ValueError, match=r"damper of Wrong must not depend on y'.*multiplies the rate"):
+        stated(damper=lambda q, v: v.y)
+    with pytest.raises(TypeError, match="force of Wrong must be an expression"):
+        stated(force=lambda q, v: None)
+
+
+@fl.model
 class Carried(MechanicalModel):
     """A block on a belt of speed v (1 + a cos(t)), or v (1 + x); its contact has an interface of its own."""
 

@@ -1,0 +1,157 @@
+"""`fl.impulses`: the impulse of each impact of a run, from what the velocities do there.
+
+M (v+ - v-) = sum of W p: the impulses of the contacts that are closed at an event follow from its jump,
+whatever the impact law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from frictionlab.analysis.motion_scales import Array
+from frictionlab.components.component import StructureKey
+from frictionlab.hybrid.trajectory import Trajectory, check_run
+from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.contact_regimes import CHATTER_FLIGHT, rubbing_direction
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
+from frictionlab.models.mechanical.mechanics import Friction, Stop
+from frictionlab.models.mechanical.modes import contact_suffix
+from frictionlab.models.symbols import parameter_symbols, structure_values
+from frictionlab.tape.formulas import function_along_run
+
+ROUNDING = 1e-13  # share of the greatest impulse of an event below which others are none
+TOUCHING = 1e-9  # share of its largest value in a run below which a gap is closed at an impact
+
+
+@dataclass(frozen=True, eq=False)
+class Striking:
+    """A contact that has impacts: its place among the contacts, gap, and entries of W_N and, where impacts
+    have friction, of W_T."""
+
+    place: int
+    suffix: str
+    guard: str
+    gap: Any
+    normal: tuple[Any, ...]
+    rubbing: tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseTerms:
+    """The contacts of a structure that have impacts, and the entries of M, row by row."""
+
+    contacts: tuple[Striking, ...]
+    masses: tuple[Any, ...]
+
+
+def impulses(run: Trajectory) -> Mapping[str, Array]:
+    """The impulses of a run's impacts: M (v+ - v-) = sum of W p at each event.
+
+    Parameters
+    ----------
+    run : Trajectory
+        Of a :class:`MechanicalModel`.
+
+    Returns
+    -------
+    mapping of str to array (E,)
+        N s, a number for each of ``run.events``, 0 where the contact has no impact: "impulse" of the normal
+        force and, of impact laws with friction, "friction_impulse"; numbered as outputs are, "impulse_1",
+        where there are several contacts.  Those that strike at one instant have an event each, or one
+        together.
+
+    Raises
+    ------
+    ValueError
+        If the run is of a model that states no masses.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> ball = fl.BouncingBall()  # m = 1 kg falls from 1 m
+    >>> first = fl.impulses(fl.simulate(ball, 1.0))["impulse"][0]
+    >>> bool(abs(first - (1 + ball.e) * (2 * ball.g * ball.h) ** 0.5) < 1e-12)
+    True
+    """
+    check_run(run)
+    model = run.source
+    if not isinstance(model, MechanicalModel):
+        raise ValueError(
+            "run must be of a model that states its masses, got one of an automaton: simulate a "
+            "MechanicalModel, or compare run.events.state with run.events.before"
+        )
+    contacts = impulse_terms(model.structure_key).contacts
+    values = impulses_of_contacts(run, model)
+    named = {}
+    for one, (normal, rubbed) in zip(contacts, values, strict=True):
+        named["impulse" + one.suffix] = normal
+        if one.rubbing:
+            named["friction_impulse" + one.suffix] = rubbed
+    return MappingProxyType(named)
+
+
+def impulses_of_contacts(run: Trajectory, model: MechanicalModel) -> list[tuple[Array, Array]]:
+    """The impulses (E,) along W_N and W_T of each contact that has impacts."""
+    terms, numbers, n = impulse_terms(model.structure_key), structure_values(model), len(model.coordinates)
+    before, after, guards = run.events.before, run.events.state, run.events.guard
+    values = [(np.zeros(len(before)), np.zeros(len(before))) for _ in terms.contacts]
+    struck = np.isin(guards, [CHATTER_FLIGHT, *(one.guard for one in terms.contacts)])
+    rows = np.flatnonzero(struck & (before != after).any(axis=1))
+    if not len(rows):
+        return values
+
+    def at(functions: tuple[Any, ...], states: Array) -> Array:
+        columns = [np.broadcast_to(np.asarray(f(*states.T, *numbers), float), len(states)) for f in functions]
+        return np.reshape(np.transpose(columns), (len(states), -1, n))
+
+    masses = at(terms.masses, before[rows])
+    sides = [at((*one.normal, *one.rubbing), before[rows]) for one in terms.contacts]
+    gaps = [np.abs(one.gap(*before[rows].T, *numbers)) * np.ones(len(rows)) for one in terms.contacts]
+    widest = [np.abs(one.gap(*run.states.T, *numbers)).max(initial=0.0) for one in terms.contacts]
+    for k, e in enumerate(rows):
+        hit = [i for i, gap in enumerate(gaps) if gap[k] <= TOUCHING * widest[i]]
+        momentum = masses[k] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
+        columns = np.concatenate([np.zeros((0, n)), *(sides[i][k] for i in hit)]).T
+        shares, first = np.linalg.lstsq(columns, momentum)[0], 0
+        shares[np.abs(shares) <= ROUNDING * np.abs(shares).max(initial=0.0)] = 0.0
+        for i in hit:
+            normal, rubbed = values[i]
+            normal[e] = shares[first]
+            rubbed[e] = shares[first + 1] if terms.contacts[i].rubbing else 0.0
+            first += len(sides[i][k])
+    return values
+
+
+@lru_cache(maxsize=64)
+def impulse_terms(key: StructureKey) -> ImpulseTerms:
+    """The masses of a structure, and its contacts that have impacts."""
+    system = system_of(key)
+    arguments = [*system.states, *parameter_symbols(key)]
+
+    def compiled(expression: Any) -> Any:
+        return function_along_run(arguments, expression)
+
+    contacts = (_striking(system, i, compiled) for i in range(len(system.mechanics.contacts)))
+    return ImpulseTerms(tuple(one for one in contacts if one is not None), tuple(map(compiled, system.mass)))
+
+
+def _striking(system: LagrangeSystem, i: int, compiled: Any) -> Striking | None:
+    contact, suffix = system.mechanics.contacts[i], contact_suffix(system, i)
+    if isinstance(contact, Stop):
+        gap, law, guard = contact.distance, contact.law, "impact"
+        normal = system.direction(contact)
+    else:
+        gap, law, guard = contact.penetration, contact.impact, "gap"
+        normal = system.normal(contact)
+    if gap is None or law is None or not contact.modes:
+        return None
+    rubs = isinstance(contact, Friction) or (isinstance(contact, Stop) and contact.rubs)
+    rubbing = rubbing_direction(system, contact) if rubs and law.friction_coefficient != 0 else ()
+    functions = tuple(map(compiled, normal)), tuple(map(compiled, rubbing))
+    return Striking(i, suffix, guard + suffix, compiled(gap), *functions)

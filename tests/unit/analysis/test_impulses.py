@@ -1,0 +1,64 @@
+"""Impulses of impacts: m (1 + e) v, Coulomb's cone, and what keeps a ball in the air."""
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+
+
+def test_a_ball_gives_the_ground_m_1_plus_e_v():
+    ball = fl.BouncingBall(e=0.7)
+    run = fl.simulate(ball, 2.0)
+    p = fl.impulses(run)["impulse"]
+    speed = np.sqrt(2 * ball.g * ball.h) * 0.7 ** np.arange(len(p))
+    assert len(p) > 2
+    assert p == pytest.approx(1.7 * speed, rel=1e-12)  # m = 1 kg
+
+
+def test_impulses_of_a_period_carry_the_weight():
+    """On a table that vibrates the mean force is m g, whatever the motion of the table."""
+    model = fl.BallOnTable()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
+    run = fl.simulate(model, orbit.period, x0=orbit.state, progress=False)
+    p = fl.impulses(run)["impulse"]
+    assert p.sum() == pytest.approx(model.g * orbit.period, rel=1e-9)
+
+
+def test_balls_of_a_cradle_pass_on_what_they_get():
+    model = fl.NewtonsCradle(balls=3, e=0.8)
+    run = fl.simulate(model, 0.3 * model.period, progress=False)
+    p = fl.impulses(run)
+    speed = model.a * np.sqrt(model.g / model.l)
+    first, second = np.flatnonzero(p["impulse_1"])[0], np.flatnonzero(p["impulse_2"])[0]
+    assert p["impulse_1"][first] == pytest.approx(0.9 * speed, rel=1e-12)  # (1 + e)/2
+    assert p["impulse_2"][second] == pytest.approx(0.9**2 * speed, rel=1e-12)
+    assert p["impulse_2"][first] == 0.0
+
+
+@fl.model
+class Thrown(fl.MechanicalModel):
+    """A mass thrown on the ground, with friction in the impact."""
+
+    impact: fl.ImpactLaw = fl.FrictionalImpact(e=0.5, mu_i=0.2)
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.2, mu_s=0.2)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        ground = fl.Stop(q.y, self.impact, friction=self.friction, relative_velocity=-v.x)
+        return fl.Mechanics(3.0 * (v.x**2 + v.y**2) / 2, 3.0 * q.y, contacts=(ground,))
+
+
+@pytest.mark.parametrize(("slip", "rubbed"), [(2.0, -0.2 * 3.0 * 1.5 * 2.0), (0.1, -3.0 * 0.1)])
+def test_friction_impulses_are_in_the_cone(slip, rubbed):
+    """mu p_N in slip; m v_r where it stops."""
+    run = fl.simulate(Thrown(), 0.01, x0=[0.0, 1e-9, slip, -2.0])
+    p = fl.impulses(run)
+    assert p["impulse"][0] == pytest.approx(3.0 * 1.5 * 2.0, rel=1e-8)
+    assert p["friction_impulse"][0] == pytest.approx(rubbed, rel=1e-8)
+
+
+def test_what_has_no_masses_has_no_impulses():
+    automaton = fl.BouncingBall().automaton()
+    with pytest.raises(ValueError, match="run must be of a model that states its masses"):
+        fl.impulses(fl.solve(automaton, 0.1, x0=[1.0, 0.0]))
+    assert dict(fl.impulses(fl.simulate(fl.MassOnBelt(), 1.0))) == {}
