@@ -17,6 +17,7 @@ from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
@@ -145,17 +146,23 @@ def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[n
     return at
 
 
-def check_axis(problem: EquilibriumProblem, which: str, given: tuple[str, Any]) -> Array:
-    """The values (N,) of a parameter along one side of a grid, given as its name and values; they ascend."""
+def check_axis(
+    model: ModelOrAutomaton | LargeSystem[Any], which: str, given: tuple[str, Any]
+) -> tuple[str, Array]:
+    """A parameter along one side of a grid and its values (N,), which ascend."""
     name, numbers = check_pair(which, given, "a parameter and its values", "give ('F', [1, 2])")
-    check_parameter_name(problem.model, name)
+    if isinstance(model, LargeSystem):
+        model.check_parameter(name)
+    else:
+        check_parameter_name(model, name)
     values = float_array(f"the values of {which}", numbers, f"give those of {name}").ravel()
     if len(values) < 2 or not (np.diff(values) > 0).all():
         raise ValueError(
             f"the values of {which} must ascend, two at least, got {abbreviate(values)}: sort them"
         )
-    check_parameter(problem.model, name, values.tolist())
-    return values
+    if not isinstance(model, LargeSystem):
+        check_parameter(model, name, values.tolist())
+    return name, values
 
 
 def check_bounds(model: ModelOrAutomaton, name: Any, bounds: Any) -> tuple[float, float]:

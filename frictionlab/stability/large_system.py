@@ -7,13 +7,22 @@ large system its own question; the results are of the same classes.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 if TYPE_CHECKING:
     from frictionlab.stability.boundaries.stability_changes import StabilityChange
     from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
     from frictionlab.stability.eigenproblems.root_locus import RootLocus
     from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+
+
+class SpectraOf(Protocol):
+    """Eigenvalues at values of parameters."""
+
+    def spectra(self, changes: Mapping[str, Any], /) -> Any:
+        """Eigenvalues (N, m), the largest growth rate first, at arrays (N,) of parameters."""
+        ...
 
 
 E = TypeVar("E", bound="Eigenvalues")
@@ -37,6 +46,14 @@ class LargeSystem(ABC, Generic[E]):
     @abstractmethod
     def find_stability_changes(self, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
         """See :func:`frictionlab.stability_changes`."""
+
+    @abstractmethod
+    def spectra_over(self, box: Mapping[str, tuple[float, float]]) -> SpectraOf:
+        """The spectra within ranges of parameters, for :func:`frictionlab.stability_map`."""
+
+    @abstractmethod
+    def check_parameter(self, name: Any) -> None:
+        """Raise TypeError unless it is a parameter."""
 
     @abstractmethod
     def count_growing(self, parameter: str, value: float) -> int:

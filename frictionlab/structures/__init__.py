@@ -11,6 +11,10 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `Structure`: the matrices, checked, the values of the parameters, the window of frequencies.
 ``quadratic_pencil``
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
+``reduction``
+    `Reduction`: a structure of few freedoms with the modes of a large one at some values of parameters.
+``mode_paths``
+    Root loci, changes of stability and maps of structures.
 ``window_eigenvalues``
     `WindowEigenvalues`: eigenvalues of a structure with errors, left vectors and sensitivities.
 """

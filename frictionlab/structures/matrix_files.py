@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zlib
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from scipy import io, sparse
 from frictionlab.validation import abbreviate, check_path, check_text, did_you_mean_or_known, with_cure
 
 SUFFIXES = (".mtx", ".mat", ".npz", ".txt")
+FORTRAN_EXPONENT = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9])")
 MATRIX_MARKET = b"%%MatrixMarket"
 CURE = "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, or rows of three numbers: row, column, entry"
 
@@ -74,8 +76,11 @@ def _read_mtx(file: Path, variable: str | None) -> Any:
 
 
 def _read_coordinates(file: Path, _: str | None) -> Any:
-    """Rows of row, column, entry, counted from 1, as Abaqus writes them; commas or blanks between."""
-    text = file.read_text()
+    """Rows of row, column, entry, counted from 1, as Abaqus writes them; commas or blanks between.
+
+    Exponents may be those of Fortran, as in 1.0D+01.
+    """
+    text = FORTRAN_EXPONENT.sub("e", file.read_text())
     if not text.strip():
         raise TypeError("it is empty")
     try:

@@ -1,16 +1,17 @@
 """Modes of a structure along a parameter: its root locus, and where its stability changes.
 
-Of a few freedoms full spectra are cheap, and the analyses of models answer.  Of more the eigenvalues in the
-window are found at some values of the parameter.  Modes of neighbouring values are matched by the modal
-assurance criterion (MAC) of their shapes.  Where that is not clear, or where a growth rate may pass zero
-unseen, the step is halved.  Each change of sign is then solved for by Newton's method: the eigenvalue, its
-left and its right vector are refined together, and give its exact slope.
+The spectra of a structure of few freedoms are cheap.  A larger one is reduced to few freedoms first
+(`reduction`), and its changes of stability are samples of the reduction in the end, where it is exact.
+
+Only modes in the window of frequencies count.  The growth rate of a mode is put lower the farther the mode is
+beyond the window, so that it changes steadily where a mode enters or leaves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -19,16 +20,25 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
-from frictionlab.stability.boundaries.stability_changes import (
-    StabilityChange,
-    StabilityKind,
-    changes_on_lines,
-)
+from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
 from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
-from frictionlab.stability.state_matrices import eigenvalues_of_matrices
-from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
-from frictionlab.structures.window_eigenvalues import has_regular_mass
+from frictionlab.stability.state_matrices import eigenvalues_of_matrices, unstable_pairs
+from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
+from frictionlab.structures.reduction import (
+    DAMPED_SHARE,
+    EDGE_SHARE,
+    Point,
+    Reduction,
+    Sample,
+    over_box,
+)
+from frictionlab.structures.window_eigenvalues import (
+    EQUAL_RTOL,
+    dense_spectrum,
+    has_regular_mass,
+    left_vectors_of,
+)
 from frictionlab.validation import abbreviate, check_limits, float_array
 
 if TYPE_CHECKING:
@@ -37,40 +47,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 MOST_SCANNED = 50  # freedoms up to which full spectra are scanned
-SAME_MODE = 0.6  # MAC from which two shapes are one mode
-EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
-DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and may be lost sight of
-HALVINGS = 3  # of a step, at most
-FIRST_POINTS = 9  # of the search for changes of stability
-NEAR_ZERO = 4.0  # times the bend of a growth rate over a step: farther from zero it cannot pass it unseen
-NEWTON_STEPS = 30
-ROOT_RTOL = 1e-12  # of the range of the parameter
-COALESCED_SHARE = 1e-7  # of an eigenvalue: rounding parts two that coalesce by the root of its share
-COALESCENCE_STEPS = 60
+SAME_MODE = 0.6  # product of unit vectors from which two are one mode
+HALVINGS = 8  # of a step, at most
+MOST_ENTRIES = 4_000_000  # of state matrices that are made at once
+EDGE_WIDTH = 0.05  # of the window's upper end: beyond it no mode grows
+OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
 REFINEMENTS = 6
-SETTLED_RTOL = 1e-14  # of an eigenvalue: its last refinement
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """The modes with Im > 0, and real ones that grow, at one value of a parameter.
-
-    Parameters
-    ----------
-    at : float
-    values : complex array (k,)
-    shapes : complex array (n, k)
-        Of length 1.
-    """
-
-    at: float
-    values: ComplexArray
-    shapes: ComplexArray
-
-    @property
-    def growing(self) -> int:
-        """How many modes grow."""
-        return int((self.values.real > 0.0).sum())
+SETTLED_RTOL = 1e-11  # of the range of the parameter: changes that move by less are settled
+SAME_SAMPLE_RTOL = 1e-12
 
 
 def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus:
@@ -81,11 +65,15 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
         raise ValueError(
             f"values must be one number or more, got {abbreviate(values)}: give those of {parameter}"
         )
-    if _is_scanned(structure, parameter, at):
+    _check_masses(structure, parameter, at)
+    if _is_small(structure) and SmallSpectra(structure).has_matrices:
         return _full_locus(structure, parameter, at)
-    samples = [sample(structure, parameter, value) for value in progress_bar(at, "root locus")]
-    steps = [_match(structure, parameter, a, b, HALVINGS) for a, b in pairwise(samples)]
-    columns = _columns(samples, steps)
+    samples = [Sample.of(structure, {parameter: float(p)}) for p in progress_bar(at, "root locus")]
+    reduction = Reduction.of(structure, samples)
+    small = reduction.structure
+    places = [_place(small, one, reduction.basis) for one in samples]
+    steps = [_match(small, a, b, HALVINGS) for a, b in pairwise(places)]
+    columns = _columns([len(one.values) for one in samples], steps)
     tracked: Any = np.full((len(at), len(columns)), complex(np.nan, np.nan))
     for j, column in enumerate(columns):
         for i, place in column.items():
@@ -101,242 +89,64 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
     """The changes of stability of a structure, see :func:`frictionlab.stability_changes`."""
     structure.check_parameter(parameter)
     low, high = check_limits("bounds", bounds, "give (low, high)")
-    if _is_scanned(structure, parameter, (low, high)):
-        problem: Any = _FullSpectra(structure)  # of an equilibrium problem only the spectra are needed
-        return changes_on_lines(problem, parameter, (low, high), {})[0]
-    samples = _scan(structure, parameter, (low, high))
-    changes = []
-    for a, b in pairwise(samples):
-        for i, j in _pairs(_match_by_shape(structure, a, b)):
-            if (a.values[i].real > 0.0) != (b.values[j].real > 0.0):
-                changes.append(_change(structure, parameter, (a, i), (b, j)))
-    return _with_counts(sorted(changes, key=lambda one: one.value), samples[0].growing)
-
-
-def _is_scanned(structure: Structure, parameter: str, values: Iterable[float]) -> bool:
-    """Whether full spectra are cheap and right: every motion has mass, no stiffness is complex."""
-    if structure.size > MOST_SCANNED or np.iscomplexobj(structure.pencil.K.data):
-        return False
-    moved = [structure.replace(**{parameter: float(value)}) for value in values]
-    checked = moved if parameter in structure.M.parameters else moved[:1]
-    return all(has_regular_mass(one.pencil) for one in checked)
-
-
-def sample(structure: Structure, parameter: str, value: float) -> Sample:
-    """The modes at a value of a parameter."""
-    found = structure.replace(**{parameter: float(value)}).find_eigenvalues()
-    chosen = (found.values.imag > 0.0) | (found.values.real > 0.0)
-    chosen &= found.values.imag >= 0.0
-    shapes = found.vectors[: structure.size, chosen]
-    return Sample(float(value), found.values[chosen], shapes / np.linalg.norm(shapes, axis=0))
-
-
-def _match(structure: Structure, parameter: str, a: Sample, b: Sample, halvings: int) -> NDArray[np.intp]:
-    """For each mode of `a` its place in `b`, -1 where it has none; the step is halved where it is unclear."""
-    match = _match_by_shape(structure, a, b)
-    if not halvings or not _unmatched(structure, match, a, b):
-        return match
-    middle = sample(structure, parameter, 0.5 * (a.at + b.at))
-    first = _match(structure, parameter, a, middle, halvings - 1)
-    second = _match(structure, parameter, middle, b, halvings - 1)
-    return np.where(first >= 0, second[first], -1)
-
-
-def _match_by_shape(structure: Structure, a: Sample, b: Sample) -> NDArray[np.intp]:
-    """For each mode of `a` (k,) the mode of `b` with the same shape, -1 where none has it."""
-    likeness = np.abs(a.shapes.conj().T @ b.shapes) ** 2
-    rows, columns = linear_sum_assignment(-likeness)
-    match = np.full(len(a.values), -1)
-    same = likeness[rows, columns] >= SAME_MODE
-    match[rows[same]] = columns[same]
-    return match
-
-
-def _unmatched(structure: Structure, match: NDArray[np.intp], a: Sample, b: Sample) -> bool:
-    """Whether a weakly damped mode has no match, away from the window's ends, where modes come and go."""
-    low, high = structure.window or (0.0, np.inf)
-    edge = EDGE_SHARE * (high - low) if structure.window else 0.0
-    alone = np.concatenate([a.values[match < 0], np.delete(b.values, match[match >= 0])])
-    frequencies, weakly = alone.imag / (2 * np.pi), np.abs(alone.real) < DAMPED_SHARE * np.abs(alone)
-    return bool((weakly & (frequencies > low + edge) & (frequencies < high - edge)).any())
-
-
-def _pairs(match: NDArray[np.intp]) -> list[tuple[int, int]]:
-    return [(i, int(j)) for i, j in enumerate(match) if j >= 0]
-
-
-def _columns(samples: Sequence[Sample], steps: Sequence[NDArray[np.intp]]) -> list[dict[int, int]]:
-    """For each mode its place in each sample that has it."""
-    columns = [{0: i} for i in range(len(samples[0].values))]
-    current = dict(enumerate(columns))
-    for step, match in enumerate(steps, start=1):
-        following = {int(match[i]): column for i, column in current.items() if match[i] >= 0}
-        for place in range(len(samples[step].values)):
-            if place not in following:
-                following[place] = {}
-                columns.append(following[place])
-            following[place][step] = place
-        current = following
-    return columns
-
-
-def _scan(structure: Structure, parameter: str, bounds: tuple[float, float]) -> list[Sample]:
-    """Samples between which no growth rate passes zero twice, as far as their bends tell."""
-    grid = np.linspace(*bounds, FIRST_POINTS)
-    samples = {float(p): sample(structure, parameter, p) for p in progress_bar(grid, "stability changes")}
-    least = (bounds[1] - bounds[0]) / (FIRST_POINTS - 1) / 2**HALVINGS
-    waiting = list(zip(grid[::2], grid[1::2], grid[2::2], strict=False))
-    while waiting:
-        a, m, b = map(float, waiting.pop())
-        if b - a <= 2 * least or _is_settled(structure, samples[a], samples[m], samples[b]):
-            continue
-        for low, high in (a, m), (m, b):
-            middle = 0.5 * (low + high)
-            samples[middle] = sample(structure, parameter, middle)
-            waiting.append((low, middle, high))
-    return [samples[p] for p in sorted(samples)]
-
-
-def _is_settled(structure: Structure, a: Sample, m: Sample, b: Sample) -> bool:
-    """Whether all modes are matched, and none may grow between the samples where it does not at them."""
-    before, after = _match_by_shape(structure, m, a), _match_by_shape(structure, m, b)
-    if _unmatched(structure, before, m, a) or _unmatched(structure, after, m, b):
-        return False
-    for j in np.flatnonzero((before >= 0) & (after >= 0)):
-        rates = np.array([a.values[before[j]].real, m.values[j].real, b.values[after[j]].real])
-        bend = abs(rates[1] - 0.5 * (rates[0] + rates[2]))
-        for pair in rates[:2], rates[1:]:
-            if (pair[0] > 0.0) == (pair[1] > 0.0) and np.abs(pair).min() < NEAR_ZERO * bend / 4:
-                return False
-    return True
-
-
-def _change(
-    structure: Structure, parameter: str, start: tuple[Sample, int], end: tuple[Sample, int]
-) -> StabilityChange:
-    """Where the growth rate of a mode is zero between two samples."""
-    (a, i), (b, j) = start, end
-    low, high = a.at, b.at
-    rates = a.values[i].real, b.values[j].real
-    rises = rates[1] > rates[0]
-    if _is_mirrored(structure.replace(**{parameter: 0.5 * (low + high)}).pencil):
-        at, value = _coalescence(structure, parameter, a.at if rises else b.at, end if rises else start)
-        return _described(at, value, rises)
-    at = low + (high - low) * rates[0] / (rates[0] - rates[1])
-    nearer, place = (a, i) if at - low < high - at else (b, j)
-    value, shape = (
-        a.values[i] + (at - low) / (high - low) * (b.values[j] - a.values[i]),
-        nearer.shapes[:, place],
-    )
-    for _ in range(NEWTON_STEPS):
-        mode = refine_mode(structure.replace(**{parameter: at}), value, shape)
-        value, shape = mode.value, mode.right
-        if (value.real > 0.0) == rises:
-            high = at
-        else:
-            low = at
-        slope = mode.slope(structure.replace(**{parameter: at}).pencil_derivative(parameter))
-        step = -value.real / slope.real if slope.real else np.inf
-        if abs(step) <= ROOT_RTOL * (b.at - a.at):
-            break
-        inside = low < at + step < high
-        value = value + slope * step if inside else value
-        at = at + step if inside else 0.5 * (low + high)
-    return _described(at, value, rises)
-
-
-def _described(at: float, value: complex, rises: bool) -> StabilityChange:
-    kind = StabilityKind.FLUTTER if abs(value.imag) > abs(value.real) else StabilityKind.DIVERGENCE
-    frequency = abs(value.imag) / (2 * np.pi) if kind is StabilityKind.FLUTTER else 0.0
-    return StabilityChange(float(at), float(frequency), kind, "loss" if rises else "regain", (0, 0))
-
-
-def _is_mirrored(pencil: QuadraticPencil) -> bool:
-    """Whether -conj(s) is an eigenvalue where s is, as without damping.
-
-    Growth rates are then zeros until two modes coalesce, where they have no slope.
-    """
-    C, K = pencil.C, pencil.K
-    if np.iscomplexobj(K.data):
-        return False
-    return not C.count_nonzero() or not ((C + C.T).count_nonzero() or (K - K.T).count_nonzero())
-
-
-def _coalescence(
-    structure: Structure, parameter: str, still: float, start: tuple[Sample, int]
-) -> tuple[float, complex]:
-    """Where two modes coalesce, between where they are still and where one grows, and the eigenvalue there.
-
-    Squares of growth rates are linear there, so the secant of two is followed; where it does not help the
-    interval is halved.
-    """
-    sampled, place = start
-    growing, value, shape = sampled.at, complex(sampled.values[place]), sampled.shapes[:, place]
-    width, at, slope = abs(growing - still), 0.5 * (growing + still), 0.0
-    for _ in range(COALESCENCE_STEPS):
-        at_once = sample(structure, parameter, at)
-        likeness = np.abs(shape.conj() @ at_once.shapes) ** 2
-        grows = at_once.values.real > COALESCED_SHARE * np.abs(at_once.values)
-        places = np.flatnonzero(grows & (likeness >= SAME_MODE))
-        if len(places):
-            best = places[likeness[places].argmax()]
-            new, shape = complex(at_once.values[best]), at_once.shapes[:, best]
-            slope = (value.real**2 - new.real**2) / (growing - at)
-            growing, value = at, new
-        else:
-            still, slope = at, 0.0
-        ahead = growing - value.real**2 / slope if slope else still
-        inside = min(still, growing) < ahead < max(still, growing)
-        if min(abs(growing - still), abs(growing - ahead) if inside else np.inf) <= ROOT_RTOL * width:
-            return ahead if inside else growing, value
-        at = ahead if inside else 0.5 * (growing + still)
-    return growing, value
-
-
-@dataclass(frozen=True, eq=False)
-class RefinedMode:
-    """An eigenvalue with right and left vector (n,), to rounding, y Q'(s) x = 1."""
-
-    value: complex
-    right: ComplexArray
-    left: ComplexArray
-
-    def slope(self, derivative: QuadraticPencil) -> complex:
-        """The derivative of the eigenvalue by a parameter, from that of the matrices."""
-        return complex(-self.left @ derivative.products(np.array([self.value]), self.right[:, None])[:, 0])
-
-
-def refine_mode(structure: Structure, value: complex, shape: ComplexArray) -> RefinedMode:
-    """A mode near an eigenvalue and a shape, by inverse iteration with Rayleigh quotients of both sides."""
-    pencil = structure.pencil
-    right: Any = shape
-    left: Any = shape.conj()
-    solve = factorised(pencil.at(value * (1.0 + SETTLED_RTOL)))
-    transposed = factorised(pencil.transposed().at(value * (1.0 + SETTLED_RTOL)))
-    slope_at = value  # a vector's weight in Q'(s), which need not be refined
+    _check_masses(structure, parameter, (low, high))
+    if _is_small(structure):
+        return _changes(structure, parameter, (low, high))
+    samples = over_box(structure, {parameter: (low, high)})
+    changes = _changes(Reduction.of(structure, samples).structure, parameter, (low, high))
     for _ in range(REFINEMENTS):
-        if solve is None or transposed is None:  # the value is an eigenvalue to the last bit
+        new = [one.value for one in changes if not _is_sampled(one.value, samples, parameter, high - low)]
+        if not new:
             break
-        right = solve(2 * slope_at * (pencil.M @ right) + pencil.C @ right)
-        left = transposed(2 * slope_at * (pencil.M.T @ left) + pencil.C.T @ left)
-        right, left = right / np.linalg.norm(right), left / np.linalg.norm(left)
-        step = -_rayleigh_step(pencil, value, left, right)
-        value = value + step
-        if abs(step) <= SETTLED_RTOL * abs(value):
+        samples += [Sample.of(structure, {parameter: p}) for p in progress_bar(new, "stability changes")]
+        before = [one.value for one in changes]
+        changes = _changes(Reduction.of(structure, samples).structure, parameter, (low, high))
+        after = [one.value for one in changes]
+        if len(before) == len(after) and np.abs(np.subtract(before, after)).max() <= SETTLED_RTOL * (
+            high - low
+        ):
             break
-    product = left @ (2 * value * (pencil.M @ right) + pencil.C @ right)
-    return RefinedMode(complex(value), right, left / product)
+    return changes
 
 
-def _rayleigh_step(
-    pencil: QuadraticPencil, value: complex, left: ComplexArray, right: ComplexArray
-) -> complex:
-    """By how much y Q(s) x = 0 puts the eigenvalue lower, to first order."""
-    at = pencil.products(np.array([value]), right[:, None])[:, 0]
-    return complex(left @ at / (left @ (2 * value * (pencil.M @ right) + pencil.C @ right)))
+def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -> SmallSpectra:
+    """The spectra of a structure within ranges of parameters."""
+    small = structure
+    if not _is_small(structure):
+        small = Reduction.of(structure, over_box(structure, box)).structure
+    return SmallSpectra(small)
 
 
-def _with_counts(changes: list[StabilityChange], growing: int) -> tuple[StabilityChange, ...]:
+def _is_sampled(value: float, samples: Sequence[Sample], parameter: str, width: float) -> bool:
+    return any(abs(one.point[parameter] - value) <= SAME_SAMPLE_RTOL * width for one in samples)
+
+
+def _is_small(structure: Structure) -> bool:
+    return structure.size <= MOST_SCANNED
+
+
+def _check_masses(structure: Structure, parameter: str, values: Iterable[float]) -> None:
+    """Refuse values of a parameter at which a mass is not positive."""
+    if parameter in structure.M.parameters:
+        for value in values:
+            structure.at_values({parameter: float(value)})
+
+
+def _changes(
+    structure: Structure, parameter: str, bounds: tuple[float, float]
+) -> tuple[StabilityChange, ...]:
+    """The changes of stability of a structure of few freedoms, in its window."""
+    problem: Any = SmallSpectra(structure)  # of an equilibrium problem only the spectra are needed
+    changes = changes_on_lines(problem, parameter, bounds, {})[0]
+    if structure.window is None:
+        return changes
+    low, high = structure.window
+    inside = [one for one in changes if one.frequency <= high and (one.frequency >= low or not low)]
+    growing = int(unstable_pairs(problem.spectra({parameter: np.array(bounds[:1])}))[0])
+    return _with_counts(inside, growing)
+
+
+def _with_counts(changes: Sequence[StabilityChange], growing: int) -> tuple[StabilityChange, ...]:
     """The changes with the numbers of growing modes below and above each."""
     counted = []
     for one in changes:
@@ -347,38 +157,196 @@ def _with_counts(changes: list[StabilityChange], growing: int) -> tuple[Stabilit
 
 
 @dataclass(frozen=True, eq=False)
-class _FullSpectra:
-    """All eigenvalues of a small structure at values of its parameters, as those of models are given."""
+class SmallSpectra:
+    """Eigenvalues of a structure of few freedoms at values of its parameters, as those of models are given.
+
+    Parameters
+    ----------
+    structure : Structure
+    """
 
     structure: Structure
 
-    def matrices(self, changes: dict[str, Array]) -> Array:
-        """State matrices (N, m, m)."""
-        count = max(np.size(values) for values in changes.values())
-        values = {name: np.full(count, value) for name, value in self.structure.parameters.items()}
-        values |= {name: np.broadcast_to(np.ravel(column), (count,)) for name, column in changes.items()}
+    def spectra(self, changes: Mapping[str, Array]) -> ComplexArray:
+        """Eigenvalues (N, m), the largest growth rate first, at arrays (N,) of parameters.
+
+        Those beyond the window are damped as much as makes m of them.
+        """
+        values = self._damped_beyond(self._values(changes))
+        order = np.argsort(-values.real, axis=1, kind="stable")
+        return np.take_along_axis(values, order, axis=1)[:, : self._count]
+
+    def matrices(self, changes: Mapping[str, Array]) -> Array:
+        """State matrices (N, 2n, 2n)."""
         n = self.structure.size
-        M, C, K = (sum(one.stack(values, count) for one in terms) for terms in self.structure.terms)
-        A = np.zeros((count, 2 * n, 2 * n))
+        M, C, K = self.structure.stacks(changes)
+        A = np.zeros((len(M), 2 * n, 2 * n))
         A[:, :n, n:] = np.eye(n)
-        A[:, n:, :n], A[:, n:, n:] = -np.linalg.solve(M, K), -np.linalg.solve(M, C + np.zeros_like(K))
+        A[:, n:, :n], A[:, n:, n:] = -np.linalg.solve(M, K), -np.linalg.solve(M, C)
         return A
 
-    def spectra(self, changes: dict[str, Array]) -> Any:
-        """Eigenvalues (N, m), the largest growth rate first."""
-        values = eigenvalues_of_matrices(self.matrices(changes))
-        return np.take_along_axis(values, np.argsort(-values.real, axis=1), axis=1)
+    @cached_property
+    def has_matrices(self) -> bool:
+        """Whether state matrices have these eigenvalues: M is regular, and no stiffness complex."""
+        pencil = self.structure.pencil
+        return not np.iscomplexobj(pencil.K.data) and has_regular_mass(pencil)
+
+    # What `changes_on_lines` asks where a growth rate jumps: whether the equilibrium goes on there.
+
+    def at(self, changes: Mapping[str, Array]) -> tuple[Mapping[str, Array]]:
+        """The points."""
+        return (changes,)
+
+    def solve(self, changes: Mapping[str, Array]) -> Array:
+        """Static displacements (n, N)."""
+        return np.stack([one.find_equilibrium().q for one in self._structures(changes)], axis=1)
+
+    def _structures(self, changes: Mapping[str, Array]) -> list[Structure]:
+        columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
+        return [
+            self.structure.at_values(dict(zip(changes, map(float, row), strict=True)))
+            for row in zip(*columns, strict=True)
+        ]
+
+    def _values(self, changes: Mapping[str, Array]) -> Any:
+        if self.has_matrices:
+            columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
+            parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // (2 * self.structure.size) ** 2))
+            chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
+            return np.concatenate([eigenvalues_of_matrices(self.matrices(chunk)) for chunk in chunks])
+        structures = self._structures(changes)
+        values: Any = np.full((len(structures), 2 * self.structure.size), -np.inf, dtype=complex)
+        for row, one in zip(values, structures, strict=True):
+            spectrum = dense_spectrum(one.pencil).values
+            if np.iscomplexobj(one.pencil.K.data):  # with the wrong sign of its damping below the real axis
+                upper = spectrum[spectrum.imag > 0.0]
+                spectrum = np.concatenate([upper, upper.conj(), spectrum[spectrum.imag == 0.0]])
+            row[: len(spectrum)] = spectrum
+        largest = np.abs(values[np.isfinite(values)]).max(initial=1.0)
+        return np.where(np.isfinite(values), values, -largest)
+
+    def _damped_beyond(self, values: ComplexArray) -> ComplexArray:
+        if self.structure.window is None:
+            return values
+        low, high = (2 * np.pi * end for end in self.structure.window)
+        frequencies = np.abs(values.imag)
+        beyond = np.maximum(np.maximum(frequencies - high, low - frequencies), 0.0) / (EDGE_WIDTH * high)
+        rates = np.clip(values.real, -high, high) - 2.0 * high * np.minimum(beyond, 1.0)
+        return rates + 1j * np.clip(values.imag, -(1 + EDGE_WIDTH) * high, (1 + EDGE_WIDTH) * high)
+
+    @cached_property
+    def _count(self) -> int:
+        """How many eigenvalues are kept: twice those in the window, and some more."""
+        if self.structure.window is None:
+            return 2 * self.structure.size
+        found = len(self.structure.find_eigenvalues().values)
+        return min(2 * self.structure.size, 2 * (found + OTHER_MODES))
 
 
 def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     """The root locus of a small structure, with shapes and participation."""
-    spectra = _FullSpectra(structure)
+    spectra = SmallSpectra(structure)
 
     def modes(points: Array) -> Modes:
         return modes_of_matrices(points, spectra.matrices({parameter: points}))
 
     path: Any = track_modes(modes(at), modes)
     n = structure.size
+    values, unstable = path.values, path.unstable
     shapes, shares = mode_shapes(path.right, n), participation_factors(path.left, path.right, n)
+    if structure.window is not None:
+        low, high = structure.window
+        frequencies = values.imag / (2 * np.pi)
+        inside = (low <= frequencies) & (frequencies <= high)
+        chosen = inside.any(axis=0)
+        values = np.where(inside, values, complex(np.nan, np.nan))[:, chosen]
+        shapes, shares = shapes[:, :, chosen], shares[:, :, chosen]
+        unstable = np.array([Sample.of(structure, {parameter: float(p)}).growing for p in at])
     itself: Any = structure  # to type checkers no model
-    return RootLocus(itself, parameter, at, path.values, structure.coordinates, shapes, shares, path.unstable)
+    return RootLocus(itself, parameter, at, values, structure.coordinates, shapes, shares, unstable)
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Modes of a reduced structure at a point, with left vectors.
+
+    Parameters
+    ----------
+    point : mapping of str to float
+    pencil : QuadraticPencil
+    right : Spectrum
+    left : Spectrum
+        y Q(s) = 0 and y Q'(s) x = 1.
+    """
+
+    point: Point
+    pencil: QuadraticPencil
+    right: Spectrum
+    left: Spectrum
+
+
+def _place(small: Structure, sample: Sample, basis: Array | None = None) -> _Place:
+    """The modes of a sample in the coordinates of a basis."""
+    pencil = small.at_values(sample.point).pencil
+    right = Spectrum(sample.values, sample.shapes if basis is None else basis.T @ sample.shapes)
+    vectors = left_vectors_of(pencil, right, lambda: dense_spectrum(pencil.transposed()))
+    return _Place(sample.point, pencil, right, Spectrum(sample.values, vectors))
+
+
+def _match(small: Structure, a: _Place, b: _Place, halvings: int) -> NDArray[np.intp]:
+    """For each mode of `a` its place in `b`, -1 where it has none; the step is halved where it is unclear."""
+    likeness = _likeness(a, b)
+    rows, columns = linear_sum_assignment(-likeness)
+    match = np.full(len(likeness), -1)
+    same = likeness[rows, columns] >= SAME_MODE
+    match[rows[same]] = columns[same]
+    if not halvings or not _is_unclear(small, match, a.right.values, b.right.values):
+        return match
+    (name,) = a.point
+    middle = _place(small, Sample.of(small, {name: 0.5 * (a.point[name] + b.point[name])}))
+    first = _match(small, a, middle, halvings - 1)
+    second = _match(small, middle, b, halvings - 1)
+    return np.where(first >= 0, second[first], -1)
+
+
+def _likeness(a: _Place, b: _Place) -> Array:
+    """Similarity of the modes of `a` (k,) and `b` (m,), as (k, m).
+
+    It is the product of left with right vectors, both ways.  Modes with equal eigenvalues are compared as a
+    whole, as their vectors are any of a subspace.
+    """
+    there = a.pencil.products_of_modes(a.left, b.right)
+    back = b.pencil.products_of_modes(b.left, a.right)
+    first, second = _equal(a.right.values), _equal(b.right.values)
+    size = np.minimum(first.sum(axis=1)[:, None], second.sum(axis=0))
+    return np.sqrt(np.abs(first @ (there * back.T) @ second) / size)
+
+
+def _equal(values: ComplexArray) -> Array:
+    """Which eigenvalues (k, k) are equal but for rounding, as ones and zeros."""
+    largest = np.abs(values).max(initial=0.0)
+    return (np.abs(values[:, None] - values) <= EQUAL_RTOL * largest).astype(float)
+
+
+def _is_unclear(structure: Structure, match: NDArray[np.intp], a: ComplexArray, b: ComplexArray) -> bool:
+    """Whether a weakly damped mode has no match, away from the window's ends, where modes come and go."""
+    low, high = structure.window or (0.0, np.inf)
+    edge = EDGE_SHARE * (high - low) if structure.window else 0.0
+    alone = np.concatenate([a[match < 0], np.delete(b, match[match >= 0])])
+    frequencies, weakly = alone.imag / (2 * np.pi), np.abs(alone.real) < DAMPED_SHARE * np.abs(alone)
+    return bool((weakly & (frequencies > low + edge) & (frequencies < high - edge)).any())
+
+
+def _columns(counts: Sequence[int], steps: Sequence[NDArray[np.intp]]) -> list[dict[int, int]]:
+    """For each mode its place in each sample that has it."""
+    columns = [{0: i} for i in range(counts[0])]
+    current = dict(enumerate(columns))
+    for step, match in enumerate(steps, start=1):
+        following = {int(match[i]): column for i, column in current.items() if match[i] >= 0}
+        for place in range(counts[step]):
+            if place not in following:
+                following[place] = {}
+                columns.append(following[place])
+            following[place][step] = place
+        current = following
+    return columns

@@ -81,6 +81,11 @@ class ParametricMatrix:
         )
         return ParametricMatrix(texts, self.matrices)
 
+    def projected(self, basis: Any) -> ParametricMatrix:
+        """V^T A V of each matrix A, for a real basis V (n, r)."""
+        small = tuple(sparse.csc_array(basis.T @ (matrix @ basis)) for matrix in self.matrices)
+        return ParametricMatrix(self.coefficients, small)
+
     def __add__(self, other: ParametricMatrix) -> ParametricMatrix:
         return ParametricMatrix(self.coefficients + other.coefficients, self.matrices + other.matrices)
 
@@ -90,7 +95,8 @@ class ParametricMatrix:
         return sum(matrix.nnz for matrix in self.matrices)
 
     def _factors(self, formulas: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-        factors = formulas(*(values[name] for name in self.parameters))
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            factors = formulas(*(values[name] for name in self.parameters))
         for text, factor in zip(self.coefficients, factors, strict=True):
             if not np.isfinite(factor).all():
                 at = ", ".join(f"{name} = {abbreviate(values[name])}" for name in names_in(text))

@@ -41,6 +41,9 @@ MOST_STEPS = 3000
 DEPENDENT = 1e-10  # length of a unit vector that is left beside others, below which it depends on them
 PIVOT_SHARE = 0.01  # of a column's largest entry: a smaller diagonal entry is no pivot
 ACCURATE = 1e-10  # share of what is solved that a solution may leave
+REST_RTOL = 16.0 * float(np.finfo(float).eps)  # of the energies of all springs: that of a rigid motion
+RIGID_RTOL = 1e-6  # of the forces of all springs: those of a rigid motion, whose vector is less exact
+SLOW_RTOL = 1e3 * REST_RTOL  # of the energies of all springs: that of a motion which rounding lets begin
 SHIFT_FACTORS = (1.0, 1.17, 0.83)  # where a shift is an eigenvalue, the next is taken
 
 
@@ -82,10 +85,28 @@ class QuadraticPencil:
         return values**2 * (self.M @ vectors) + values * (self.C @ vectors) + self.K @ vectors
 
     def residuals(self, values: ComplexArray, vectors: ComplexArray) -> Array:
-        """|Q(s) x| (m,) as a share of |s^2 M x| + |s C x| + |K x|."""
+        """|Q(s) x| (m,) as a share of |s^2 M x| + |s C x| + |K x|; 0 where all are nothing but rounding."""
         terms = values**2 * (self.M @ vectors), values * (self.C @ vectors), self.K @ vectors
         sizes = np.sum([np.linalg.norm(term, axis=0) for term in terms], axis=0)
+        sizes[self.at_rest(values, vectors)] = 0.0
         return _shares(np.linalg.norm(sum(terms), axis=0), sizes)
+
+    def at_rest(self, values: ComplexArray, vectors: ComplexArray) -> NDArray[np.bool_]:
+        """Which eigenpairs (m,) are rigid bodies at rest: s is 0 but for rounding.
+
+        The eigenvalue 0 of a rigid motion is a double one, so that rounding of K moves it by the root of its
+        share.  The elastic energy x K x tells more: it errs by that share only.
+        """
+        x = np.abs(vectors)
+        size = (x * (abs(self.K) @ x)).sum(axis=0)
+        held = self.K @ vectors
+        moving = np.abs(values) ** 2 * np.abs((vectors.conj() * (self.M @ vectors)).sum(axis=0))
+        damped = np.abs(values) * np.abs((vectors.conj() * (self.C @ vectors)).sum(axis=0))
+        rest = np.abs((vectors.conj() * held).sum(axis=0)) <= REST_RTOL * size
+        rest &= (held.real**2 + held.imag**2).sum(axis=0) <= RIGID_RTOL**2 * ((abs(self.K) @ x) ** 2).sum(
+            axis=0
+        )
+        return rest & (moving + damped <= SLOW_RTOL * size)
 
     def backward_errors(self, values: ComplexArray, vectors: ComplexArray) -> Array:
         """|Q(s) x| (m,) as a share of (|s|^2 |M| + |s| |C| + |K|) |x|, by Tisseur (2000), Theorem 1.

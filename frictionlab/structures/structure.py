@@ -18,7 +18,7 @@ from frictionlab.presentation import count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
 from frictionlab.stability.eigenproblems.root_locus import RootLocus
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
-from frictionlab.stability.large_system import LargeSystem
+from frictionlab.stability.large_system import LargeSystem, SpectraOf
 from frictionlab.structures.damping import RayleighDamping
 from frictionlab.structures.parametric_matrix import (
     SHOWN,
@@ -232,7 +232,47 @@ class Structure(LargeSystem[WindowEigenvalues]):
         return find_stability_changes(self, parameter, bounds)
 
     def count_growing(self, parameter: str, value: float) -> int:
-        return len(self.replace(**{parameter: value}).find_eigenvalues().growing)
+        return len(self.at_values({parameter: value}).find_eigenvalues().growing)
+
+    def at_values(self, values: Mapping[str, float]) -> Self:
+        """The structure with other values of some parameters.
+
+        Unlike :meth:`replace` it does not ask for rules between parameters, as mu_s >= mu_k, on which no
+        eigenvalue depends.
+        """
+        return self._copied(parameters=MappingProxyType({**self.parameters, **values}))
+
+    def projected(self, basis: Array) -> Self:
+        """The structure whose displacements are in the span of a basis (n, r), real and orthonormal."""
+        matrices = {
+            name: matrix.projected(basis)
+            for name in MATRICES
+            if isinstance(matrix := getattr(self, name), ParametricMatrix)
+        }
+        return self._copied(**matrices, load=None if self.load is None else basis.T @ self.load)
+
+    def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
+        """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
+        count = max(np.size(values) for values in changes.values())
+        values = {name: np.full(count, value) for name, value in self.parameters.items()}
+        values |= {name: np.broadcast_to(np.ravel(column), (count,)) for name, column in changes.items()}
+        zero = np.zeros((count, self.size, self.size))
+        M, C, K = (sum((one.stack(values, count) for one in terms), zero) for terms in self.terms)
+        return M, C, K
+
+    def spectra_over(self, box: Mapping[str, tuple[float, float]]) -> SpectraOf:
+        from frictionlab.structures.mode_paths import spectra_over
+
+        return spectra_over(self, box)
+
+    def _copied(self, **changes: Any) -> Self:
+        """A copy with other values of fields, which are right."""
+        copy = object.__new__(type(self))
+        for each in fields(self):
+            object.__setattr__(copy, each.name, changes.get(each.name, getattr(self, each.name)))
+        if "parameters" in changes:
+            copy._check_mass(False)
+        return copy
 
     @property
     def terms(self) -> tuple[tuple[ParametricMatrix, ...], ...]:
@@ -276,6 +316,15 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 )
 
     def _check_use_of_parameters(self) -> None:
+        own = asdict(self.C) if isinstance(self.C, RayleighDamping) else {}
+        for name in MATRICES:
+            matrix = getattr(self, name)
+            for each in matrix.parameters if isinstance(matrix, ParametricMatrix) else ():
+                if each in own:
+                    raise ValueError(
+                        f"a coefficient of {name} must not name {each!r}, which is RayleighDamping's own: "
+                        "rename that parameter"
+                    )
         used = {name for terms in self.terms for one in terms for name in one.parameters}
         for name in self.parameters:
             if name not in used:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -135,6 +136,7 @@ def window_eigenvalues(structure: Structure, equilibrium: Equilibrium) -> Window
     values, x = spectrum
     order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
     values, x = values[order], x[:, order] / np.linalg.norm(x[:, order], axis=0)
+    values[pencil.at_rest(values, x)] = 0.0
     residuals, backward = pencil.residuals(values, x), pencil.backward_errors(values, x)
     values.real[_neutral(structure, Spectrum(values, x))] = 0.0
     return WindowEigenvalues(values, np.vstack([x, values * x]), equilibrium, residuals, backward)
@@ -258,11 +260,23 @@ def _products_of_pairs(pencil: QuadraticPencil, left: ComplexArray, right: Spect
 
 
 def _left_vectors(structure: Structure, right: Spectrum) -> ComplexArray:
-    """Left vectors (n, m), y Q'(s) x = 1, for eigenvalues that are known."""
     pencil = structure.pencil
-    left = right
-    if not _is_symmetric(pencil):
-        left = _matched(_spectrum(pencil.transposed(), structure.window), right)
+    return left_vectors_of(pencil, right, lambda: _spectrum(pencil.transposed(), structure.window))
+
+
+def left_vectors_of(
+    pencil: QuadraticPencil, right: Spectrum, of_transposed: Callable[[], Spectrum]
+) -> ComplexArray:
+    """Left vectors (n, m), y Q'(s) x = 1, for eigenvalues that are known.
+
+    Parameters
+    ----------
+    pencil : QuadraticPencil
+    right : Spectrum
+    of_transposed : callable
+        Gives the spectrum of the transposed pencil, where it is needed.
+    """
+    left = right if _is_symmetric(pencil) else _matched(of_transposed(), right)
     products = pencil.products_of_modes(left, right)
     distances = np.abs(right.values[:, None] - right.values)
     equal = distances <= EQUAL_RTOL * np.abs(right.values).max(initial=0.0)

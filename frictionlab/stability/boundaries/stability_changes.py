@@ -104,8 +104,8 @@ def stability_changes(
     Parameters
     ----------
     model : Model, HybridAutomaton or Structure
-        Of a large structure the modes within its window are looked at, at 9 values first, then finer where
-        modes cannot be told apart or growth rates come near zero; a shorter instability may be missed.
+        Of a structure the modes within its window count.  One of more than 50 freedoms is reduced to the
+        modes at some values, until those at a further value are known already, and finally at each change.
     parameter : str
     bounds : (float, float)
     equilibrium : Equilibrium, optional

@@ -23,10 +23,8 @@ from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span
 from frictionlab.stability.boundaries.stability_changes import FOLD_RATE_AT_ROOT
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_problem import (
-    EquilibriumProblem,
-    check_axis,
-)
+from frictionlab.stability.equilibrium_problem import check_axis
+from frictionlab.stability.large_system import LargeSystem, SpectraOf
 from frictionlab.stability.state_matrices import growth_rates, unstable_pairs
 from frictionlab.validation import abbreviate, check_flag, explains_keywords
 
@@ -100,7 +98,11 @@ class StabilityMap(Drawable):
 
 @explains_keywords
 def stability_map(
-    model: ModelOrAutomaton, x: tuple[str, Any], y: tuple[str, Any], *, progress: bool = True
+    model: ModelOrAutomaton | LargeSystem[Any],
+    x: tuple[str, Any],
+    y: tuple[str, Any],
+    *,
+    progress: bool = True,
 ) -> StabilityMap:
     """Number of growing pairs and largest growth rate over a grid, and the curves between.
 
@@ -109,7 +111,8 @@ def stability_map(
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, HybridAutomaton or Structure
+        A structure of more than 50 freedoms is reduced first, to modes at some points of the plane.
     x, y : (str, array_like)
         Two parameters and their values, ascending, two at least.
     progress : bool
@@ -134,19 +137,23 @@ def stability_map(
     [[0, 0, 0], [0, 1, 1]]
     """
     check_flag("progress", progress)
-    problem = equilibrium_problem(model)
-    xs, ys = (check_axis(problem, which, given) for which, given in (("x", x), ("y", y)))
-    if x[0] == y[0]:
+    problem = None if isinstance(model, LargeSystem) else equilibrium_problem(model)
+    owner: Any = model if problem is None else problem.model
+    across, up = (check_axis(owner, which, given) for which, given in (("x", x), ("y", y)))
+    if across[0] == up[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")
-    spectra = _spectra_on_grid(problem, (x[0], xs), (y[0], ys), progress)
+    source: SpectraOf
+    if problem is None:
+        source = owner.spectra_over({name: (at[0], at[-1]) for name, at in (across, up)})
+    else:
+        source = problem
+    spectra = _spectra_on_grid(source, across, up, progress)
     growing = np.where(np.isnan(spectra[..., 0]), NO_EQUILIBRIUM, unstable_pairs(spectra))
-    curves = boundary_curves(problem, (x[0], xs), (y[0], ys), spectra)
-    return StabilityMap(model, x[0], y[0], xs, ys, growing, spectra[..., 0].real, curves)
+    curves = boundary_curves(source, across, up, spectra)
+    return StabilityMap(owner, across[0], up[0], across[1], up[1], growing, spectra[..., 0].real, curves)
 
 
-def _spectra_on_grid(
-    problem: EquilibriumProblem, x: tuple[str, Array], y: tuple[str, Array], progress: bool
-) -> Any:
+def _spectra_on_grid(problem: SpectraOf, x: tuple[str, Array], y: tuple[str, Array], progress: bool) -> Any:
     """Sorted spectra (ny, nx, m)."""
     across, up = (plane.ravel() for plane in np.meshgrid(x[1], y[1]))
     starts = progress_bar(range(0, len(up), GRID_CHUNK), "stability map", shown=progress)
@@ -159,7 +166,7 @@ def _spectra_on_grid(
 class ParameterPlane:
     """Sorted spectra over the unit square, which stands for the range of two parameters."""
 
-    def __init__(self, problem: EquilibriumProblem, x: tuple[str, Array], y: tuple[str, Array]) -> None:
+    def __init__(self, problem: SpectraOf, x: tuple[str, Array], y: tuple[str, Array]) -> None:
         self._problem, self._axes = problem, (x, y)
 
     def values(self, u: Array) -> Array:
@@ -310,7 +317,7 @@ class Boundary:
 
 
 def boundary_curves(
-    problem: EquilibriumProblem, x: tuple[str, Array], y: tuple[str, Array], spectra: Any
+    problem: SpectraOf, x: tuple[str, Array], y: tuple[str, Array], spectra: Any
 ) -> tuple[Boundary, ...]:
     """All curves that pass between neighbours on the grid; `spectra` (ny, nx, m) are those on it."""
     plane = ParameterPlane(problem, x, y)

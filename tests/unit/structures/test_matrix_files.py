@@ -18,6 +18,7 @@ def test_each_format_gives_the_matrix(tmp_path):
     entries = K.tocoo()
     rows = [f"{i + 1}, {j + 1}, {x!r}" for i, j, x in zip(entries.row, entries.col, entries.data.tolist())]
     (tmp_path / "abaqus.mtx").write_text("\n".join(rows))
+    (tmp_path / "fortran.mtx").write_text("\n".join(rows).replace(".5", ".5D+00").replace("2.0", "2.0d0"))
     for path in tmp_path.iterdir():
         assert (fl.read_matrix(path).toarray() == K.toarray()).all(), path.name
 

@@ -105,7 +105,9 @@ def test_coalescence_without_damping_in_many_freedoms():
     coupling = np.zeros((n, n))
     coupling[0, 1], coupling[1, 0] = 1.0, -1.0
     stiffness = np.diag([2.0, 1.0, *(100.0 + np.arange(n - 2))])
-    structure = fl.Structure(np.eye(n), stiffness, circulatory=[("mu", coupling)], parameters={"mu": 0.1})
+    structure = fl.Structure(
+        np.eye(n), stiffness, circulatory=[("mu", coupling)], parameters={"mu": 0.1}, window=(0.0, 0.5)
+    )
     (change,) = fl.stability_changes(structure, "mu", (0.0, 0.9))
     assert np.isclose(change.value, 0.5, rtol=1e-11)
     assert np.isclose(change.frequency, np.sqrt(1.5) / (2 * np.pi), rtol=1e-9)
@@ -128,3 +130,86 @@ def test_a_locus_has_no_negative_mass():
     structure = fl.Structure([("r", [[1.0]])], [[1.0]], parameters={"r": 1.0})
     with pytest.raises(ValueError, match="M must be positive"):
         fl.root_locus(structure, "r", [-1.0, 1.0])
+
+
+def changes_both_ways(structure, bounds, monkeypatch):
+    """Values and frequencies of changes of stability by full spectra, and by reductions."""
+    found = []
+    for most in (50, 0):
+        monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", most)
+        changes = fl.stability_changes(structure, "mu", bounds)
+        found.append([(c.value, c.frequency, c.direction, c.unstable) for c in changes])
+    return found
+
+
+def test_growing_and_decaying_modes_of_like_shapes_are_no_changes(monkeypatch):
+    M, C, K, _, N = unsymmetric_chain(12, coupling=1.0, damping=1e-3)
+    structure = fl.Structure(M, K, C, circulatory=[("mu", N)], parameters={"mu": 0.3}, window=(0.0, 0.4))
+    full, reduced = changes_both_ways(structure, (0.0, 0.5), monkeypatch)
+    assert [one[2:] for one in full] == [one[2:] for one in reduced]
+    assert len(full) > 3
+    for one, other in zip(full, reduced, strict=True):
+        assert np.allclose(one[:2], other[:2], rtol=1e-8)
+
+
+def test_doublets_at_the_lower_bound(monkeypatch):
+    """All frequencies are double at mu = 0, where any shapes of a doublet are modes."""
+    rng = np.random.default_rng(1)
+    directions, _ = np.linalg.qr(rng.standard_normal((8, 8)))
+    squares = np.repeat([1.2, 2.0, 4.1, 9.0], 2)
+    coupling = 0.3 * rng.standard_normal((8, 8))
+    structure = fl.Structure(
+        np.eye(8),
+        0.5 * (directions * squares @ directions.T + (directions * squares @ directions.T).T),
+        0.02 * np.eye(8),
+        circulatory=[("mu", coupling - coupling.T)],
+        parameters={"mu": 0.0},
+        window=(0.0, 1.0),
+    )
+    full, reduced = changes_both_ways(structure, (0.0, 1.0), monkeypatch)
+    assert len(full) == len(reduced) > 0
+    assert np.allclose([one[:2] for one in full], [one[:2] for one in reduced], rtol=1e-8)
+    locus = fl.root_locus(structure, "mu", [0.0, 0.1, 0.2])
+    assert locus.values.shape == (3, 8)
+    assert np.isfinite(locus.values).all()
+
+
+def test_only_the_window_counts():
+    """Of two pairs of modes one is in the window, whatever the number of freedoms."""
+    pair = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    zero = np.zeros((2, 2))
+    structure = fl.Structure(
+        np.eye(4),
+        np.diag([2.0, 1.0, 200.0, 199.4]),
+        circulatory=[("mu", np.block([[pair, zero], [zero, pair]]))],
+        parameters={"mu": 0.0},
+    )
+    both = fl.stability_changes(structure, "mu", (0.0, 1.0))
+    assert np.allclose([c.value for c in both], [0.3, 0.5], rtol=1e-9)
+    low, high = structure.replace(window=(0.0, 1.0)), structure.replace(window=(1.0, 3.0))
+    assert [c.unstable for c in fl.stability_changes(low, "mu", (0.0, 1.0))] == [(0, 1)]
+    critical = [fl.critical_value(one, "mu", (0.0, 1.0)) or np.nan for one in (low, high)]
+    assert np.allclose(critical, [0.5, 0.3], rtol=1e-9)
+    locus = fl.root_locus(low, "mu", [0.2, 0.4, 0.6])
+    assert locus.values.shape == (3, 2)
+    assert locus.unstable.tolist() == [0, 0, 1]
+
+
+def test_maps_of_structures(monkeypatch):
+    """Two modes with damping: stable where mu < sqrt(1/4 + 3 c^2/2), by Hurwitz's determinants."""
+    structure = fl.Structure(
+        np.eye(2),
+        np.diag([2.0, 1.0]),
+        [("c", np.eye(2))],
+        circulatory=[("mu", [[0.0, 1.0], [-1.0, 0.0]])],
+        parameters={"mu": 0.0, "c": 0.1},
+    )
+    for most in (50, 0):
+        monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", most)
+        plane = fl.stability_map(structure, ("mu", [0.3, 0.6, 0.9]), ("c", [0.1, 0.2]))
+        assert plane.unstable.tolist() == [[0, 1, 1], [0, 1, 1]]
+        (curve,) = plane.boundary
+        mu, c = curve.points.T
+        assert np.allclose(mu, np.sqrt(0.25 + 1.5 * c**2), rtol=1e-9)
+    with pytest.raises(TypeError, match="Structure has no parameter 'F'"):
+        fl.stability_map(structure, ("F", [1, 2]), ("c", [0.1, 0.2]))

@@ -71,6 +71,10 @@ def test_what_a_notebook_shows():
         ({"K": [(1, STIFF), ([1], UNIT)]}, "must be a number, a text or a function"),
         ({"parameters": {"r": 1.0}}, "parameters must be named by a coefficient, got 'r'"),
         ({"parameters": [1.0]}, "parameters must be a mapping"),
+        (
+            {"K": [("alpha", STIFF)], "C": fl.RayleighDamping(), "parameters": {"alpha": 0.0}},
+            "a coefficient of K must not name 'alpha', which is RayleighDamping's own",
+        ),
         ({"parameters": {"M": 1.0}}, "no field of Structure, got 'M'"),
         ({"M": [[1.0, 2.0], [2.0, 1.0]]}, "negative kinetic energy"),
         ({"M": [[1.0, 0.0], [0.0, -1.0]]}, "M must be positive, got -1 on the diagonal at 1"),

@@ -190,3 +190,16 @@ def test_a_free_structure_needs_no_warning():
     assert np.allclose(found.values.imag, [0, 0, -np.sqrt(2), np.sqrt(2)], rtol=1e-14)
     assert (found.residuals < 1e-15).all()
     assert (found.backward_errors < 1e-15).all()
+
+
+@pytest.mark.parametrize("n", [60, 420])
+def test_rigid_motions_are_exact_zeros(n):
+    """A free chain of masses with springs between them, and dampers in proportion."""
+    differences = sparse.csc_array(np.diff(np.eye(n), axis=0))
+    K, damping = differences.T @ differences, fl.RayleighDamping(beta=1e-3)
+    found = fl.eigenvalues(fl.Structure(sparse.eye_array(n), K, damping, window=(0, 0.02)))
+    assert found.values[:2].tolist() == [0.0, 0.0]
+    assert found.marginal
+    assert found.residuals.max() < 1e-8
+    exact = 2 * np.sin(np.arange(1, 3) * np.pi / (2 * n))
+    assert np.allclose(np.abs(found.values[2:6:2]), exact, rtol=1e-9)
