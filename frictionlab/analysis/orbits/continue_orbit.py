@@ -17,7 +17,11 @@ from frictionlab.analysis.orbits.branches import (
     SpecialPoint,
     follow_branch,
 )
-from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit, orbit_of_run
+from frictionlab.analysis.orbits.periodic_orbit import (
+    PeriodicOrbit,
+    mode_with_constraints,
+    orbit_of_run,
+)
 from frictionlab.analysis.orbits.pseudo_arclength import (
     BranchPoint,
     first_point,
@@ -161,7 +165,8 @@ def continue_orbit(
     check_flag("progress", progress)
     value = _check(orbit, parameter, bounds, step, max_points)
     automaton = with_parameter_as_state(automaton_of(orbit.model), parameter)
-    start = first_point(automaton, np.append(orbit.state, value), orbit.period, bounds[1] - bounds[0])
+    state, mode = np.append(orbit.state, value), mode_with_constraints(orbit.trajectory)
+    start = first_point(automaton, state, orbit.period, bounds[1] - bounds[0], mode)
     halves = []
     for point in (reversed_point(start), start):
         half = BranchHalf([], [], MAX_POINTS)
@@ -231,7 +236,8 @@ def _orbit_at(model: ModelOrAutomaton, parameter: str, point: BranchPoint) -> Pe
     """The periodic orbit of a branch point, for the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
-    run = solve(automaton_of(here), point.period, x0=start, progress=False)
+    begins = mode_with_constraints(point.shot.run)
+    run = solve(automaton_of(here), point.period, x0=start, mode=begins, progress=False)
     return orbit_of_run(here, run, point.monodromy.copy(), point.shot.residual)
 
 

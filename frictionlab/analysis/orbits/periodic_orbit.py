@@ -7,7 +7,7 @@ begins, keeps the conditions of its modes, and its monodromy matrix maps the flo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,10 +27,10 @@ from frictionlab.analysis.orbits.closing import Closing, closing_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import problem_of, solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.tangent_flow import tangent_flow
-from frictionlab.hybrid.variational.tangent_jets import SaltationError
+from frictionlab.hybrid.variational.tangent_flow import carry_frame
+from frictionlab.hybrid.variational.tangent_jets import SaltationError, linearise_mode
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
@@ -41,6 +41,7 @@ SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
+CONSTRAINT_STEPS = 3  # of Newton's method onto the constraints of a mode; one where they are linear
 RESIDUAL_ROUNDING = 1e-14  # residual at the level of rounding, which cannot become smaller
 # relative singular values below this belong to a family of orbits: no step is taken in their directions
 FAMILY_RCOND = 1e-11
@@ -63,12 +64,14 @@ class PeriodicOrbit(Drawable):
     period : float
         The shortest, in s.
     state : array (n,)
-        Where `trajectory` starts: in the middle of the longest stay in a mode without constraints.
+        Where `trajectory` starts: in the middle of the longest stay in a mode without constraints, or with
+        the fewest where all modes have some.
     monodromy : array (n, n)
         Derivative of the state after one period by `state`.
     multipliers : array (n,), complex
         Floquet multipliers, its eigenvalues, the largest first.  One is 1, along the orbit; with onsets of
-        stick or plastic impacts one at least is 0.  So is that of cyclic coordinates that turn together.
+        stick or plastic impacts one at least is 0.  So is that of cyclic coordinates that turn together, and
+        so are two for each rigid contact that stays closed.
     modes : tuple of (str, float)
         The modes, in order from the first event of `trajectory` on, and the seconds spent in each.
     residual : float
@@ -162,7 +165,7 @@ def periodic_orbit(
     _check(model, guess, period, t_max, tolerance)
     refuse_time(model, "a periodic orbit")
     given = guess if isinstance(guess, (SteadyState, Trajectory)) else initial_state_of(model, guess)
-    start = _start_in_free_mode(automaton, *state_and_period(automaton, given, period, t_max))
+    start = _start_in_freest_mode(automaton, *state_and_period(automaton, given, period, t_max))
     shot = shoot(automaton, start, tolerance)
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
@@ -211,21 +214,33 @@ def _check(model: ModelOrAutomaton, guess: Any, period: float | None, t_max: flo
         ) from error
 
 
-def _start_in_free_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:
-    """The guess, moved along its motion into a mode without constraints, far from the events."""
+def _start_in_freest_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:
+    """The guess, moved along its motion into the mode with the fewest constraints, far from the events."""
     run = solve(automaton, period, x0=state, progress=False)
     if not run.status.ok:
         raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
     ends = np.array([0.0, *run.events.t, run.raw.t])
-    names = [run.mode[0], *run.events.target]
-    free = [name for name in {*names} if name and not automaton.mode(name).constraints]
-    stays = np.where(np.isin(names, free), np.diff(ends), 0.0)
-    if not stays.max() > 0.0:
-        raise ValueError("guess must pass a mode without constraints, it only sticks: give another state")
-    i = np.argmax(stays)
+    i, mode = freest_stay(automaton, [run.mode[0], *run.events.target], np.diff(ends))
     # Without events it is not moved: an unstable motion leads away from the orbit.
     middle = 0.5 * (ends[i] + ends[i + 1]) if len(run.events) else 0.0
-    return OrbitGuess(run(middle), period, state_scales(run.states, automaton.coordinates))
+    return OrbitGuess(run(middle), period, state_scales(run.states, automaton.coordinates), mode)
+
+
+def mode_with_constraints(run: Trajectory) -> str | None:
+    """The mode in which a run begins, where that has constraints."""
+    mode = run.mode_names[int(run.raw.step_modes[0])]
+    return mode if run.automaton.mode(mode).constraints else None
+
+
+def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array) -> tuple[int, str | None]:
+    """Of stays in modes of these names the longest in a mode with the fewest constraints: its number, and
+    the name of its mode, None where that has no constraints."""
+    counts = {name: len(automaton.mode(name).constraints) for name in {*names} if name}
+    lasting = [name for name, length in zip(names, lengths, strict=True) if length > 0.0 and name in counts]
+    fewest = min(counts[name] for name in lasting)
+    chosen = [name in counts and counts[name] == fewest for name in names]
+    i = int(np.argmax(np.where(chosen, lengths, 0.0)))
+    return i, str(names[i]) if fewest else None
 
 
 def _shortest_period(
@@ -235,7 +250,7 @@ def _shortest_period(
     for fold in PERIOD_DIVISORS:
         period = shot.run.raw.t / fold
         while np.abs(_moved(shot, period) / guess.size).max() < SAME_STATE_RTOL:
-            once = OrbitGuess(shot.run.raw.step_states[0], period, guess.size)
+            once = guess._replace(state=shot.run.raw.step_states[0], period=period)
             shot = shoot(automaton, once, tolerance)
             period = shot.run.raw.t / fold
     return shot
@@ -256,11 +271,26 @@ def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:
 
 
 class OrbitGuess(NamedTuple):
-    """A state (n,) near the orbit, its approximate period (s), and the motion's size in each state (n,)."""
+    """A motion near an orbit.
+
+    Parameters
+    ----------
+    state : array (n,)
+    period : float
+        Approximately, s.
+    size : array (n,)
+        The motion's size in each state.
+    mode : str or None
+        The mode of the state, where that has constraints.
+    parameters : int
+        How many of the last states are parameters, which no constraint moves.
+    """
 
     state: Array
     period: float
     size: Array
+    mode: str | None = None
+    parameters: int = 0
 
 
 def state_and_period(
@@ -398,40 +428,59 @@ def shoot(automaton: HybridAutomaton, guess: OrbitGuess, tolerance: float) -> Sh
     ValueError
         Where Newton's method does not get below the tolerance.
     """
-    z, period = guess.state, guess.period
-    shot = run_one_period(automaton, z, period, guess.size)
+    shot = run_one_period(automaton, guess)
     for _ in range(MAX_ITERATIONS):
         if shot.residual <= RESIDUAL_ROUNDING:
             break
-        step = _newton_step(shot, period, guess.size)
-        better = _damped_step(automaton, z, period, step, guess.size, shot.residual)
+        better = _damped_step(automaton, guess, shot)
         if better is None:
             break
-        z, period, shot = better
+        guess, shot = better
     if not shot.residual <= tolerance:
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached a residual of "
-            f"{shot.residual:.2g} of the motion's size at period {period:.6g} s, asked for is {tolerance:g}: "
-            "give a guess nearer to an orbit"
+            f"{shot.residual:.2g} of the motion's size at period {guess.period:.6g} s, asked for is "
+            f"{tolerance:g}: give a guess nearer to an orbit"
         )
     return shot
 
 
-def run_one_period(automaton: HybridAutomaton, z: Array, period: float, size: Array) -> ShootingResult:
-    """The motion from `z` over a period, and how far it ends from `z`, in units of `size`.
+def run_one_period(automaton: HybridAutomaton, guess: OrbitGuess) -> ShootingResult:
+    """The motion from a state over a period, and how far it ends from there, in units of its size.
 
     Raises
     ------
     SaltationError
         If the motion ends early.
     """
-    run = solve(automaton, period, x0=z, progress=False)
+    z, frame = _on_constraints(automaton, guess)
+    run = solve(automaton, guess.period, x0=z, mode=guess.mode, progress=False)
     if not run.status.ok:
         raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
     closing = closing_of(run)
-    missed = float(np.abs(closing.difference(run.final_state, z) / size).max())
-    matrix = closing.matrix(tangent_flow(run, progress=False).matrix)
+    missed = float(np.abs(closing.difference(run.final_state, z) / guess.size).max())
+    matrix = closing.matrix(carry_frame(run, frame, False)[0])
     return ShootingResult(run, matrix, missed, closing)
+
+
+def _on_constraints(automaton: HybridAutomaton, guess: OrbitGuess) -> tuple[Array, Array]:
+    """The state (n,) moved onto the constraints of its mode, and the perturbations (n, n) that keep them.
+
+    Each unit perturbation is moved along the constraints' gradients; parameters are not moved.
+    """
+    z, frame = guess.state, np.eye(len(guess.state))
+    if guess.mode is None:
+        return z, frame
+    problem = problem_of(automaton, z, guess.period, guess.mode)
+    program, mode = problem.program, problem.program.modes.index(guess.mode)
+    slots = program.code.function_slots[slice(*program.code.mode_constraints[mode : mode + 2])]
+    free = len(z) - guess.parameters
+    for _ in range(CONSTRAINT_STEPS):
+        at = linearise_mode(program, problem.numbers, mode, z)
+        gradients = at.gradients[slots]
+        back = np.vstack([np.linalg.pinv(gradients[:, :free]), np.zeros((guess.parameters, len(slots)))])
+        z, frame = z - back @ at.jets[slots, 0], np.eye(len(z)) - back @ gradients
+    return z, frame
 
 
 def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
@@ -446,19 +495,22 @@ def _newton_step(shot: ShootingResult, period: float, size: Array) -> Array:
 
 
 def _damped_step(
-    automaton: HybridAutomaton, z: Array, period: float, step: Array, size: Array, residual: float
-) -> tuple[Array, float, ShootingResult] | None:
-    """The step, or the largest of its half, quarter, ... that reduces the residual; None where none does."""
+    automaton: HybridAutomaton, guess: OrbitGuess, shot: ShootingResult
+) -> tuple[OrbitGuess, ShootingResult] | None:
+    """After Newton's step, or the largest of its half, quarter, ... that reduces the residual; None where
+    none does."""
+    step, period = _newton_step(shot, guess.period, guess.size), guess.period
     for share in 0.5 ** np.arange(MAX_HALVINGS):
-        other, longer = z + share * step[:-1] * size, period * (1.0 + share * step[-1])
+        moved, longer = guess.state + share * step[:-1] * guess.size, period * (1.0 + share * step[-1])
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
             continue
+        other = guess._replace(state=moved, period=longer)
         try:
-            shot = run_one_period(automaton, other, longer, size)
+            after = run_one_period(automaton, other)
         except SaltationError:
             continue
-        if shot.residual < residual:
-            return other, longer, shot
+        if after.residual < shot.residual:
+            return other, after
     return None
 
 

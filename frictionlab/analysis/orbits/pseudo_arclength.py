@@ -21,6 +21,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     OrbitGuess,
     ShootingResult,
     check_orbit,
+    freest_stay,
     run_one_period,
 )
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -45,7 +46,7 @@ class BranchPoint(NamedTuple):
 
     `state` (n + 1,) ends with the parameter.  `scale` (n + 2,) divides the unknowns to give u, in which the
     period comes last but one; `tangent` (n + 2,) is du/ds.  `modes` are those entered at the events; `cost`
-    counts iterations.
+    counts iterations.  `mode` is that of the state, where it has constraints.
     """
 
     shot: ShootingResult
@@ -56,6 +57,7 @@ class BranchPoint(NamedTuple):
     modes: tuple[str, ...]
     cost: int
     alignment: float = 1.0
+    mode: str | None = None
 
     @property
     def value(self) -> float:
@@ -87,9 +89,11 @@ def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
     return tuple(replace(mode, flow=(*mode.flow, sp.S.Zero)) for mode in modes)
 
 
-def first_point(automaton: HybridAutomaton, state: Array, period: float, span: float) -> BranchPoint:
+def first_point(
+    automaton: HybridAutomaton, state: Array, period: float, span: float, mode: str | None
+) -> BranchPoint:
     """The branch point of an orbit; `state` ends with the parameter, which grows along the tangent."""
-    shot = run_one_period(automaton, state, period, np.ones(len(state)))
+    shot = run_one_period(automaton, OrbitGuess(state, period, np.ones(len(state)), mode, 1))
     scale = _point_scale(automaton, shot, period, span)
     tangent = _tangent(shot, state, period, scale)
     return _centre_in_stay(
@@ -102,6 +106,7 @@ def first_point(automaton: HybridAutomaton, state: Array, period: float, span: f
             tangent * (np.sign(tangent[-1]) or 1.0),
             cyclic_mode_sequence(shot.run),
             MAX_CORRECTOR_ITERATIONS,
+            mode=mode,
         ),
     )
 
@@ -131,7 +136,7 @@ def continuation_step(
         state, period = np.append(start[:-2], start[-1]), float(start[-2])
         if not 0.0 < period < 2.0 * point.period:
             raise ValueError("the period leaves its range")
-        shot = run_one_period(automaton, state, period, size)
+        shot = run_one_period(automaton, OrbitGuess(state, period, size, point.mode, 1))
         if shot.residual <= RESIDUAL_ROUNDING or (
             shot.residual < RESIDUAL_TOLERANCE and shot.residual > MIN_CONTRACTION * missed and cost
         ):
@@ -146,7 +151,7 @@ def continuation_step(
     if np.linalg.norm((start - aim) / scale) > MAX_PREDICTION_ERROR + abs(step):
         raise ValueError("the periodic orbit found is of another branch")
     check_orbit(shot, OrbitGuess(state, period, size))
-    return _next_point(automaton, point, shot, state, period, cost)
+    return _next_point(automaton, point, shot, shot.run.raw.step_states[0], period, cost)
 
 
 def _next_point(
@@ -168,7 +173,7 @@ def _next_point(
     alignment = abs(float(tangent @ chord)) / size if size > SHORTEST_CHORD else 1.0
     modes = cyclic_mode_sequence(shot.run)
     return _centre_in_stay(
-        automaton, BranchPoint(shot, state, period, scale, tangent, modes, cost, alignment)
+        automaton, BranchPoint(shot, state, period, scale, tangent, modes, cost, alignment, before.mode)
     )
 
 
@@ -205,30 +210,25 @@ def _corrector_step(shot: ShootingResult, period: float, scale: Array, across: A
 
 
 def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoint:
-    """The point with its state moved along the orbit to the middle of the longest unconstrained stay."""
+    """The point with its state moved along the orbit to the middle of the longest stay in a mode with the
+    fewest constraints."""
     run, tangent, scale = point.shot.run, point.tangent, point.scale
-    middle = _middle_of_free_stay(automaton, run)
+    if not len(run.events):
+        return point
+    t, period = run.events.t, run.raw.t
+    lengths = np.diff(np.append(t, t[0] + period))
+    i, mode = freest_stay(automaton, run.events.target.tolist(), lengths)
+    middle = float((t[i] + 0.5 * lengths[i]) % period)
     if not middle > 0.0:
         return point
-    part = solve(automaton, middle, x0=point.state, progress=False)
+    part = solve(automaton, middle, x0=point.state, mode=point.mode, progress=False)
     physical = np.append(tangent[:-2], tangent[-1]) * np.append(scale[:-2], scale[-1])
     closing = point.shot.closing  # a shift along which nothing changes is no part of the tangent
     carried = (closing.matrix(tangent_flow(part, progress=False).matrix) @ physical)[:-1] / scale[:-2]
     flow = closing.end_rates(part)[1][:-1] / scale[:-2]
     carried -= flow * (flow @ carried) / (flow @ flow)
     moved = np.append(carried, tangent[-2:])
-    return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved))
-
-
-def _middle_of_free_stay(automaton: HybridAutomaton, run: Trajectory) -> float:
-    """Time of the middle of the longest stay in a mode without constraints; 0 where there are no events."""
-    t, period = run.events.t, run.raw.t
-    if not len(t):
-        return 0.0
-    free = [name for name in {*run.events.target.tolist()} if name and not automaton.mode(name).constraints]
-    lengths = np.where(np.isin(run.events.target, free), np.diff(np.append(t, t[0] + period)), 0.0)
-    i = int(np.argmax(lengths))
-    return float((t[i] + 0.5 * lengths[i]) % period)
+    return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved), mode=mode)
 
 
 def cyclic_mode_sequence(run: Trajectory) -> tuple[str, ...]:

@@ -267,3 +267,45 @@ def test_what_contacts_hold_altogether_has_no_eigenvalues():
     for ask in (fl.eigenvalues, lambda model: fl.stability_changes(model, "g", (1.0, 9.0))):
         with pytest.raises(ValueError, match="must leave a coordinate free to have eigenvalues"):
             ask(ball)
+
+
+def test_an_orbit_that_never_leaves_its_contact_is_that_of_minimal_coordinates():
+    orbits = []
+    for model in (OnTheBelt(v=0.75), InOneCoordinate(v=0.75)):
+        guess = {"x": fl.equilibrium(model).q[0] + 0.03}
+        orbits.append(fl.periodic_orbit(model, guess, period=1.405))
+    held, flat = orbits
+    assert held.modes[0][0] == "slip+"
+    assert held.period == pytest.approx(flat.period, rel=1e-12)
+    assert held.stability == flat.stability == "unstable"
+    assert np.abs(held.multipliers)[:2] == pytest.approx(np.abs(flat.multipliers), rel=1e-9)
+    assert not held.multipliers[2:].any()
+    assert not held.trajectory["y"].any()
+
+
+@pytest.mark.slow
+def test_stick_and_slip_in_a_rigid_contact_is_followed_along_a_parameter():
+    branches = []
+    for model in (OnTheBelt(v=0.3), InOneCoordinate(v=0.3)):
+        orbit = fl.periodic_orbit(model, fl.simulate(model, 60.0, progress=False))
+        branches.append(fl.continue_orbit(orbit, "v", (0.2, 0.6), progress=False))
+    held, flat = branches
+    assert held.ends == flat.ends == ("bound", "bound")
+    assert held.values == pytest.approx(flat.values, rel=1e-9)
+    assert [one.period for one in held.orbits] == pytest.approx([one.period for one in flat.orbits], rel=1e-9)
+
+
+@pytest.mark.slow
+def test_an_orbit_on_a_curved_contact_is_followed_where_its_curve_is_the_parameter():
+    branches = []
+    for model, guess in ((Bead(feed=0.3), {"x": 0.3, "y": -0.4}), (BeadByAngle(feed=0.3), {"phi": 0.6435})):
+        run = fl.simulate(model, 60.0, x0=guess, progress=False)
+        branches.append(fl.continue_orbit(fl.periodic_orbit(model, run), "R", (0.4, 0.6), progress=False))
+    bowl, angle = branches
+    assert bowl.ends == angle.ends == ("bound", "bound")
+    for end in (0, -1):
+        one, other = bowl.orbits[end], angle.orbits[end]
+        assert one.period == pytest.approx(other.period, rel=1e-9)
+        assert np.abs(one.multipliers)[:2] == pytest.approx(np.abs(other.multipliers), rel=1e-6)
+        place = one.trajectory["x"] ** 2 + one.trajectory["y"] ** 2
+        assert place == pytest.approx(bowl.values[end] ** 2, rel=1e-12)
