@@ -212,6 +212,20 @@ def has_pieces(expressions: Iterable[Any]) -> bool:
     return any(_parts(one) for one in expressions if hasattr(one, "atoms"))
 
 
+def borders_in(expression: Any) -> tuple[tuple[Any, Any], ...]:
+    """Each border of functions in pieces in an expression, with what it is a border of."""
+    parts = sorted(_parts(expression), key=str)
+    return tuple(dict.fromkeys((part.x, border) for part in parts for border in part.borders))
+
+
+def beside_border(expression: Any, x: Any, border: Any, side: int) -> Any:
+    """An expression as it is next to a border of x, above (1) or below (0)."""
+    return expression.replace(
+        lambda part: isinstance(part, Pieces) and part.x == x and border in part.borders,
+        lambda part: part.values[part.borders.index(border) + side],
+    )
+
+
 def mode_expressions(mode: Mode) -> Iterator[Any]:
     """All expressions of a mode."""
     yield from (*mode.flow, *mode.constraints, *mode.outputs.values())

@@ -17,7 +17,6 @@ from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model, model
 from frictionlab.validation import abbreviate, check_names_among
 
-from .ascending_borders import check_borders
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
 
@@ -119,10 +118,12 @@ class MechanicalModel(Model):
         ------
         ValueError
             Where a law has no real value, a mass is not above 0, a given normal force is negative, or borders
-            of a law in pieces do not ascend, at the values of the parameters.
+            of a law in pieces do not ascend, or an energy jumps at one, at the values of the parameters.
         """
         if CHECKED not in vars(self):  # once for each model, as it never changes
-            from .masses import check_masses  # it needs numpy, which a command's help does without
+            # They need numpy, which a command's help does without.
+            from .borders_of_pieces import check_borders
+            from .masses import check_masses
 
             check_masses(self)
             check_contacts(self)

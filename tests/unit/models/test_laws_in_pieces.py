@@ -516,3 +516,75 @@ def test_the_equations_are_printed_as_cases():
     x = sympy.Symbol("x", real=True)
     assert sympy.latex(functions.absolute(x)) == r"\left|{x}\right|"
     assert str(functions.minimum(x, 1)) == "Min(1, x)"
+
+
+def in_potential(energy, *coordinates):
+    """A mass of 1 kg in a potential energy(parameters, q)."""
+
+    class InPotential(fl.MechanicalModel):
+        k: float = 3.0
+        d: float = 0.1
+        lift: float = 0.0
+
+        def mechanics(self, q, v):
+            kinetic = sum(getattr(v, name) ** 2 for name in coordinates) / 2
+            return fl.Mechanics(kinetic, energy(self, q))
+
+    InPotential.coordinates = coordinates
+    return fl.model(InPotential)
+
+
+def radius(q):
+    return functions.sqrt(q.x**2 + q.y**2)
+
+
+@pytest.mark.parametrize(
+    ("energy", "coordinates", "border"),
+    [
+        (lambda p, q: functions.piecewise(q.x, (p.d,), (0.0, p.k * q.x**2)), "x", "x = d"),
+        (lambda p, q: p.k * functions.sign(q.x - q.y), "xy", "x - y = 0"),
+        (
+            lambda p, q: functions.piecewise(radius(q), (p.d,), (0.0, p.k * radius(q))),
+            "xy",
+            r"sqrt\(x\*\*2 \+ y\*\*2\) = d",
+        ),
+    ],
+)
+def test_an_energy_that_jumps_is_refused(energy, coordinates, border):
+    model = in_potential(energy, *coordinates)()
+    with pytest.raises(ValueError, match=f"potential energy of InPotential .* above the border {border}: an"):
+        model.automaton()
+
+
+@pytest.mark.parametrize(
+    ("energy", "coordinates"),
+    [
+        (lambda p, q: p.k * functions.absolute(q.x), "x"),
+        (lambda p, q: p.k * functions.absolute(q.x) * functions.sign(q.x), "x"),
+        (lambda p, q: functions.interpolate(q.x, [-1.0, 0.0, 0.2, 3.0], [2.0, 0.0, 0.1, 9.0]), "x"),
+        (lambda p, q: functions.piecewise(radius(q), (p.d,), (p.k * p.d, p.k * radius(q))), "xy"),
+        (lambda p, q: functions.piecewise(q.t, (1.0,), (p.k, 2 * p.k)) * q.x**2, "x"),
+    ],
+)
+def test_an_energy_with_a_kink_or_a_step_in_time_is_taken(energy, coordinates):
+    in_potential(energy, *coordinates)().automaton()
+
+
+def test_parameters_decide_whether_an_energy_jumps():
+    model = in_potential(
+        lambda p, q: functions.piecewise(q.x, (p.d,), (0.0, p.k * (q.x - p.d) ** 2 + p.lift)), "x"
+    )
+    model(d=-2e3).automaton()
+    with pytest.raises(ValueError, match=r"got 0 J below and 0\.5 J above the border x = d"):
+        fl.simulate(model(lift=0.5), 1.0)
+
+
+def test_a_mass_that_jumps_is_refused():
+    class Heavier(fl.MechanicalModel):
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(functions.piecewise(q.x, (0.0,), (1.0, 2.0)) * v.x**2)
+
+    with pytest.raises(ValueError, match="the kinetic energy of Heavier must be continuous"):
+        fl.model(Heavier)().automaton()
