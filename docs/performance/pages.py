@@ -36,10 +36,10 @@ this command's own work: {loads}.
 
 ## How many times our time
 
-The columns are scenes. In A the slider on a belt sticks, slips and lifts off for 20 s, without the moving load; B is
-A with it. C slides only, for 1 s, on a stiff contact that is strongly nonlinear. D is B with Eq. (13) as printed, by
-which the slider chatters, for 1 s. Coulomb is a mass on a belt that sticks and slips a thousand times. In the linear
-scene all three nonlinearities are left out; it has no events.
+The columns are scenes. In A the slider on a belt sticks, slips and lifts off for 20 s, without the moving
+load; B is A with it. C slides only, for 1 s, on a stiff contact that is strongly nonlinear. D is B with
+Eq. (13) as printed, by which the slider chatters, for 1 s. Coulomb is a mass on a belt that sticks and slips
+a thousand times. In the linear scene all three nonlinearities are left out; it has no events.
 
 {ratios}
 
