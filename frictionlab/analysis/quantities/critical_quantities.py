@@ -1,4 +1,4 @@
-"""Quantities at the first loss of stability: the critical value of a parameter, and the frequency there."""
+"""Quantities where stability first changes: the critical value of a parameter, and the frequency there."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from frictionlab.analysis.quantities.quantities import (
     gradient_of,
 )
 from frictionlab.stability.boundaries.stability_changes import (
-    FirstLosses,
+    CriticalPoints,
     StabilityChange,
     StabilityKind,
     changes_on_lines,
-    first_loss,
-    first_losses,
-    unstable_from_the_start,
+    critical_change,
+    critical_points,
+    unstable_all_along,
 )
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import EquilibriumDerivatives
@@ -36,33 +36,33 @@ REAL_RTOL = 1e-6  # a slope of the critical value with a larger share of imagina
 
 
 @dataclass(frozen=True)
-class _AtFirstLoss(WithinBounds):
-    """A number at the first loss of stability as a parameter grows."""
+class _AtCriticalPoint(WithinBounds):
+    """A number where stability first changes as a parameter grows."""
 
     def _change(self, problem: EquilibriumProblem, bounds: tuple[float, float]) -> StabilityChange:
         changes = changes_on_lines(problem, self.parameter, bounds, {})[0]
-        change = first_loss(changes)
+        change = critical_change(changes)
         if change is None:
-            why = unstable_from_the_start(problem, self.parameter, bounds, changes)
+            why = unstable_all_along(problem, self.parameter, bounds, changes)
             raise ValueError(
-                f"stability must be lost within the bounds {self.bounds} of {self.parameter}, got no loss"
-                f"{why and f', as {why}'}: widen them, or see stability_changes"
+                f"stability must be lost or regained within the bounds {self.bounds} of {self.parameter}, "
+                f"got neither{why and f', as {why}'}: widen them, or see stability_changes"
             )
         return change
 
-    def _losses(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> FirstLosses:
+    def _points(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> CriticalPoints:
         problem, bounds = self.problem(model)
         if self.parameter in changes:
             raise ValueError(
                 f"{self.parameter} must be left out, got values of it: its critical value is asked for"
             )
         fixed = {name: np.asarray(column, dtype=float) for name, column in changes.items()}
-        return first_losses(problem, self.parameter, bounds, fixed)
+        return critical_points(problem, self.parameter, bounds, fixed)
 
 
 @dataclass(frozen=True)
-class CriticalValue(_AtFirstLoss):
-    """The first value of a parameter at which stability is lost as it grows; see :func:`critical_value`.
+class CriticalValue(_AtCriticalPoint):
+    """The first value of a parameter at which stability is lost or regained; see :func:`critical_value`.
 
     Its derivatives are known where flutter sets in (a Hopf point), at divergence, and where undamped modes
     coalesce, but not where the equilibrium ends in a fold.
@@ -84,7 +84,7 @@ class CriticalValue(_AtFirstLoss):
         return f"critical {self.parameter}"
 
     def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
-        return self._losses(model, changes).values
+        return self._points(model, changes).values
 
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem, bounds = self.problem(model)
@@ -94,8 +94,8 @@ class CriticalValue(_AtFirstLoss):
 
 
 @dataclass(frozen=True)
-class CriticalFrequency(_AtFirstLoss):
-    """The frequency at which flutter begins where stability is first lost as a parameter grows, Hz.
+class CriticalFrequency(_AtCriticalPoint):
+    """The frequency of the flutter that begins or ends at the critical value of a parameter, Hz.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class CriticalFrequency(_AtFirstLoss):
         return f"frequency at the critical {self.parameter} (Hz)"
 
     def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
-        return self._losses(model, changes).frequencies
+        return self._points(model, changes).frequencies
 
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem, bounds = self.problem(model)
@@ -122,7 +122,7 @@ class CriticalFrequency(_AtFirstLoss):
         _, slopes = _critical_slopes(problem, self.parameter, change)
         if change.kind != StabilityKind.FLUTTER or np.isnan(slopes).any():
             raise ValueError(
-                "stability must be lost by flutter of damped modes for the frequency to have derivatives, "
+                "stability must change by flutter of damped modes for the frequency to have derivatives, "
                 f"got {change.kind} at {self.parameter} = {change.value:.6g}: ask for CriticalValue"
             )
         return gradient_of(problem, change.frequency, slopes)
@@ -135,13 +135,13 @@ def _critical_slopes(
     place = problem.parameter_names.index(parameter)
     if change.kind == StabilityKind.BORDER:
         raise ValueError(
-            "stability must be lost by flutter or divergence for the critical value to have derivatives, got "
+            "stability must change by flutter or divergence for the critical value to have derivatives, got "
             f"a border of a law in pieces at {parameter} = {change.value:.6g}, where eigenvalues jump: take "
             "another range"
         )
     if change.kind == StabilityKind.FOLD:
         raise ValueError(
-            "stability must be lost by flutter or divergence for the critical value to have derivatives, "
+            "stability must change by flutter or divergence for the critical value to have derivatives, "
             f"got a fold at {parameter} = {change.value:.6g}, where the equilibrium ends: take another range"
         )
     at = derivatives_at(problem, **{parameter: change.value})

@@ -1,5 +1,5 @@
 """`fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: every loss and regain of stability in a
-range, or the first loss for each of many values of other parameters.
+range, or the first for each of many values of other parameters.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this d
 TOUCH_SHARES = (0.25, 0.75)
 TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
-MANY_LINES = 192  # of so many the first losses are searched in long intervals first
+MANY_LINES = 192  # of so many the critical points are searched in long intervals first
 ROOT_STEPS = 60  # for one of them
 SIDE_RTOL = 1e-7  # share of the bounds: how far from such a root, on either side, growth is checked
 ROOT_RATE_RTOL = 1e-9  # of the largest eigenvalue: a growth rate that is larger at such a root has jumped
@@ -146,11 +146,12 @@ def critical_value(
     *,
     equilibrium: Equilibrium | None = None,
 ) -> float | None:
-    """The first value at which one equilibrium loses stability as a parameter grows.
+    """The first value at which one equilibrium loses stability as a parameter grows, or becomes stable.
 
-    None where that does not happen in the range: the equilibrium is stable as far as it exists, or unstable
-    from the start.  In the second case a warning says so, and where it becomes stable; see
-    :func:`stability_changes`.
+    It is a loss if the equilibrium is stable at the lower bound, as where friction grows, and a regain if it
+    is unstable there, as where a belt runs faster.  :func:`stability_changes` tells which, and what follows.
+    None where neither happens in the range: the equilibrium is stable as far as it exists, or unstable, of
+    which a warning tells.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def critical_value(
     Warns
     -----
     RuntimeWarning
-        Where the equilibrium is unstable at the lower bound and stability is not lost beyond it.
+        Where the equilibrium is unstable in all of the range.
 
     Examples
     --------
@@ -178,46 +179,41 @@ def critical_value(
     """
     if isinstance(model, LargeSystem):
         changes = model.find_stability_changes(parameter, bounds)
-        why = _growth_from_the_start(model.count_growing, parameter, bounds[0], changes)
+        why = _growth_all_along(model.count_growing, parameter, bounds[0], changes)
     else:
         problem = equilibrium_problem(model, equilibrium)
         limits = check_bounds(problem.model, parameter, bounds)
         changes = changes_on_lines(problem, parameter, limits, {})[0]
-        why = unstable_from_the_start(problem, parameter, limits, changes)
-    loss = first_loss(changes)
-    if loss is None and why:
-        warnings.warn(
-            f"{why}: critical_value gives losses of stability, and there is none", RuntimeWarning, 2
-        )
-    return None if loss is None else loss.value
+        why = unstable_all_along(problem, parameter, limits, changes)
+    critical = critical_change(changes)
+    if critical is None and why:
+        warnings.warn(f"{why}: there is no critical value", RuntimeWarning, 2)
+    return None if critical is None else critical.value
 
 
-def unstable_from_the_start(
+def unstable_all_along(
     problem: EquilibriumProblem,
     parameter: str,
     bounds: tuple[float, float],
     changes: tuple[StabilityChange, ...],
 ) -> str:
-    """What to say of an equilibrium that is unstable at the lower bound; "" where it is stable there."""
+    """What to say of an equilibrium that is unstable in all of a range; "" where it is not."""
 
     def count_growing(name: str, value: float) -> int:
         return int(unstable_pairs(problem.spectra({name: value}))[0])
 
-    return _growth_from_the_start(count_growing, parameter, bounds[0], changes)
+    return _growth_all_along(count_growing, parameter, bounds[0], changes)
 
 
-def _growth_from_the_start(
+def _growth_all_along(
     count_growing: Callable[[str, float], int],
     parameter: str,
     low: float,
     changes: tuple[StabilityChange, ...],
 ) -> str:
-    growing = changes[0].unstable[0] if changes else count_growing(parameter, low)
-    if not growing:
+    if critical_change(changes) is not None or not (changes or count_growing(parameter, low)):
         return ""
-    regain = next((c.value for c in changes if c.unstable[1] == 0), None)
-    then = "in all of the range" if regain is None else f"and becomes stable at {regain:.6g}"
-    return f"the equilibrium is unstable from {parameter} = {low:g} on, {then}"
+    return f"the equilibrium is unstable from {parameter} = {low:g} on, in all of the range"
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,8 +290,8 @@ def curve_and_gaps(
             f"over must be another parameter than {parameter!r} and at least one value of it, "
             f"got {abbreviate(over)}: {cure}"
         )
-    losses = first_losses(problem, parameter, (low, high), {name: at})
-    curve = CriticalCurve(model, parameter, name, at, losses.values)
+    critical = critical_points(problem, parameter, (low, high), {name: at})
+    curve = CriticalCurve(model, parameter, name, at, critical.values)
     return curve, _gaps(problem, curve, low, high)
 
 
@@ -319,50 +315,50 @@ def _gaps(problem: EquilibriumProblem, curve: CriticalCurve, low: float, high: f
     )
 
 
-def first_loss(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
-    """The first change at which a mode begins to grow where none grew before; None without one."""
-    return next((c for c in changes if c.unstable[0] == 0 and c.direction == "loss"), None)
+def critical_change(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
+    """The first change between no growing mode and one or more; None without one."""
+    return next((c for c in changes if 0 in c.unstable), None)
 
 
-class FirstLosses(NamedTuple):
-    """First losses on L lines: the parameter's value, and the frequency there in Hz; NaN for none."""
+class CriticalPoints(NamedTuple):
+    """Critical points on L lines: the parameter's value, and the frequency there in Hz; NaN for none."""
 
     values: Array
     frequencies: Array
 
 
-def first_losses(
+def critical_points(
     problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
-) -> FirstLosses:
-    """The first loss on each of L lines: `parameter` varies along a line, `fixed` (L,) from line to line.
+) -> CriticalPoints:
+    """The first critical point on each of L lines, along which `parameter` varies, and `fixed` (L,) do not.
 
     A scan takes some 300 spectra for a line, as it looks for every change, however narrow its window.  Many
     lines are searched in long intervals first, which takes a fifth.  As in any scan, an interval is halved if
     growth rates come near zero or eigenvalues near each other.  A line on which this does not find exactly
-    one loss, by flutter, or does not resolve all intervals, is scanned.
+    one change, by flutter, or does not resolve all intervals, is scanned.
     """
     count = max((len(column) for column in fixed.values()), default=1)
-    losses = FirstLosses(np.full(count, np.nan), np.full(count, np.nan))
+    points = CriticalPoints(np.full(count, np.nan), np.full(count, np.nan))
     left = np.arange(count)
     if count >= MANY_LINES:
-        left = left[~_only_losses(problem, parameter, bounds, fixed, losses)]
+        left = left[~_single_changes(problem, parameter, bounds, fixed, points)]
     if len(left):
         some = {name: column[left] for name, column in fixed.items()}
         for line, changes in zip(left, changes_on_lines(problem, parameter, bounds, some), strict=True):
-            if (change := first_loss(changes)) is not None:
-                losses.values[line], losses.frequencies[line] = change.value, change.frequency
-    return losses
+            if (change := critical_change(changes)) is not None:
+                points.values[line], points.frequencies[line] = change.value, change.frequency
+    return points
 
 
-def _only_losses(
+def _single_changes(
     problem: EquilibriumProblem,
     parameter: str,
     bounds: tuple[float, float],
     fixed: Mapping[str, Array],
-    losses: FirstLosses,
+    points: CriticalPoints,
 ) -> Any:
-    """Solve the lines on which there is one change, a loss by flutter; returns which of them these are."""
-    count = len(losses.values)
+    """Solve the lines on which there is one change, by flutter; returns which of them these are."""
+    count = len(points.values)
 
     def spectra(line: Any, at: Array) -> Any:
         lines = np.asarray(line, dtype=int)
@@ -378,10 +374,10 @@ def _only_losses(
     line, roots = line[np.isfinite(roots)], roots[np.isfinite(roots)]
     at, side = spectra(line, roots), SIDE_RTOL * (bounds[1] - bounds[0])
     before, after = ((growth_rates(spectra(line, roots + shift)) > 0).sum(axis=1) for shift in (-side, side))
-    passes = (before == 0) & (after == 2) & (at[:, 0].imag != 0.0)
+    passes = (np.minimum(before, after) == 0) & (np.maximum(before, after) == 2) & (at[:, 0].imag != 0.0)
     passes &= np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * growth_scales(at)[:, 0]  # else it jumps there
-    losses.values[line[passes]] = roots[passes]
-    losses.frequencies[line[passes]] = np.abs(at[passes, 0].imag) / (2 * np.pi)
+    points.values[line[passes]] = roots[passes]
+    points.frequencies[line[passes]] = np.abs(at[passes, 0].imag) / (2 * np.pi)
     return np.isin(np.arange(count), line[passes])
 
 

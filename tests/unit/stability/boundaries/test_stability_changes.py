@@ -118,16 +118,16 @@ def test_a_stable_window_that_is_narrow_is_one_all_the_same():
     np.testing.assert_allclose([c.value for c in changes], [0.4122, 0.4124], rtol=1e-9)
 
 
-def test_no_loss_is_no_stability():
-    """What is unstable at the lower bound has no first loss, or one after it has become stable."""
+def test_what_is_unstable_at_the_lower_bound_becomes_stable_at_the_critical_value():
     regain, back = linear([[4]], [[P - 0.3]]), linear([[4]], [[(P - 0.3) * (0.7 - P)]])
-    with pytest.warns(RuntimeWarning, match=r"unstable from p = 0 on, and becomes stable at 0\.3: "):
-        assert fl.critical_value(regain, "p", (0, 1)) is None
+    assert fl.critical_value(regain, "p", (0, 1)) == pytest.approx(0.3, rel=1e-12)
     with pytest.warns(RuntimeWarning, match=r"unstable from p = 0 on, in all of the range: "):
         assert fl.critical_value(regain, "p", (0, 0.2)) is None
-    with pytest.raises(ValueError, match=r"got no loss, as the .* becomes stable at 0\.3: widen them"):
-        fl.CriticalValue("p", (0, 1)).gradient(regain)
-    assert fl.critical_value(back, "p", (0, 1)) == pytest.approx(0.7, rel=1e-12)
+    with pytest.raises(ValueError, match=r"got neither, as the .* in all of the range: widen them"):
+        fl.CriticalValue("p", (0, 0.2)).gradient(regain)
+    assert fl.CriticalValue("p", (0, 1)).gradient(regain).value == pytest.approx(0.3, rel=1e-12)
+    assert fl.critical_value(back, "p", (0, 1)) == pytest.approx(0.3, rel=1e-12)
+    assert fl.critical_value(back, "p", (0.4, 1)) == pytest.approx(0.7, rel=1e-12)
     assert fl.critical_value(back, "p", (0.4, 0.6)) is None  # stable all along: nothing to warn of
 
 

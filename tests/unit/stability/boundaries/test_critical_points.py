@@ -1,4 +1,4 @@
-"""First losses on many lines, searched in long intervals, are those that scans of each find."""
+"""Critical points on many lines, searched in long intervals, are those that scans of each find."""
 
 import numpy as np
 import pytest
@@ -9,8 +9,8 @@ import frictionlab as fl
 from frictionlab.stability.boundaries.stability_changes import (
     MANY_LINES,
     changes_on_lines,
-    first_loss,
-    first_losses,
+    critical_change,
+    critical_points,
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from tests.helpers.cases import slow_but
@@ -36,8 +36,8 @@ def test_they_are_those_of_scans(name):
     count = 256
     assert count >= MANY_LINES
     fixed, problem = lines_of(model, shares, count), equilibrium_problem(model)
-    found = first_losses(problem, "mu_k", bounds, fixed)
-    scanned = [first_loss(c) for c in changes_on_lines(problem, "mu_k", bounds, fixed)]
+    found = critical_points(problem, "mu_k", bounds, fixed)
+    scanned = [critical_change(c) for c in changes_on_lines(problem, "mu_k", bounds, fixed)]
     values = np.array([np.nan if c is None else c.value for c in scanned])
     frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
     assert np.isfinite(values).sum() > count / 4
@@ -68,8 +68,8 @@ def test_random_oscillators_lose_stability_where_scans_say(seed):
     problem, count = equilibrium_problem(random_oscillators(seed)), 256
     points = qmc.Sobol(2, rng=np.random.default_rng(seed)).random(count)
     fixed = {"a": 0.3 * points[:, 0], "b": 0.3 * points[:, 1]}
-    found = first_losses(problem, "p", (0.0, 1.5), fixed)
-    scanned = [first_loss(c) for c in changes_on_lines(problem, "p", (0.0, 1.5), fixed)]
+    found = critical_points(problem, "p", (0.0, 1.5), fixed)
+    scanned = [critical_change(c) for c in changes_on_lines(problem, "p", (0.0, 1.5), fixed)]
     values = np.array([np.nan if c is None else c.value for c in scanned])
     frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
     assert np.isfinite(values).sum() > count / 4
@@ -91,6 +91,6 @@ def test_fewer_spectra_are_computed(monkeypatch):
     totals = []
     for count in (512, 1024):
         asked.clear()
-        first_losses(problem, "mu_k", bounds, lines_of(model, shares, count))
+        critical_points(problem, "mu_k", bounds, lines_of(model, shares, count))
         totals.append(sum(asked))
     assert totals[1] - totals[0] < 512 * 80
