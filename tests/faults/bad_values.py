@@ -253,6 +253,7 @@ def doors() -> dict[str, Door]:
             {"run": _run()},
             names=("run", "figure", "window"),
         ),
+        "impulses": Door(fl.impulses, {"run": _run()}),
         "label_modes": Door(fl.label_modes, {"ax": fl.plot_run(_run()).axes[1]}),
         "animate": Door(fl.animate, {"run": _run()}),
         "watch": Door(fl.watch, {"run": _run()}),
