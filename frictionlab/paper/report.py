@@ -6,7 +6,9 @@ step-size.md the study of fixed steps.
 
 from __future__ import annotations
 
+import re
 import time
+from collections import Counter
 from collections.abc import Iterator
 from html import escape
 from io import BytesIO
@@ -20,6 +22,7 @@ from frictionlab.file_writing import write_file, write_text
 from frictionlab.interruption import progress_bar
 from frictionlab.paper.results import (
     EVERY_CLAIM,
+    EVERY_FIGURE,
     FIGURES,
     WITHOUT_GEOMETRY,
     Claim,
@@ -97,6 +100,7 @@ SIGNS = {
     Verdict.BY_PAPER: "△",
     Verdict.NOT_REPRODUCED: "✘",
 }
+CLAIM_HEAD = "| claim | verdict | the paper says | pictures |\n|---|---|---|---|"
 BLOCK = """\
 <details class="claim" id="claim-{name}">
 <summary><b>{id}</b> <span class="verdict verdict-{kind}">{sign} {verdict}</span> {where}: {short}</summary>
@@ -202,9 +206,13 @@ def _draw_figure(number: int, way: str, folder: Path, setting: Setting) -> tuple
     options: dict[str, Any] = {} if number in FIGURES else dict(SOLVER_VARIANTS[way])
     common = {"quick": setting.quick, "workers": setting.workers, "progress": setting.progress}
     result = figure(number, **options, **common, resume=setting.resume)
-    path = IMAGES / (f"fig{number:02d}.png" if way == "exact" else f"fig{number:02d}-{way}.png")
+    path = _picture_path(number, way)
     _save_picture(result.plot(), folder / path)
     return result, path
+
+
+def _picture_path(number: int, way: str) -> Path:
+    return IMAGES / (f"fig{number:02d}.png" if way == "exact" else f"fig{number:02d}-{way}.png")
 
 
 def _write_step_size_page(folder: Path, setting: Setting) -> None:
@@ -253,15 +261,22 @@ def _figure_text(result: Any, path: Path) -> str:
 
 
 def claim_summary(table: Claims) -> str:
-    """How many claims have each verdict, and which, one line each."""
-    counts = {verdict: [row.id for row in table if row.verdict == verdict] for verdict in Verdict}
-    words = ", ".join(f"{verdict} {len(names)}" for verdict, names in counts.items() if names)
-    lines = [
-        f"* {SIGNS[verdict]} **{verdict}**: {', '.join(map(_link, names))}"
-        for verdict, names in counts.items()
-        if names
+    """How many claims have each verdict; then a row for each, with the pictures that it speaks of."""
+    verdicts = Counter(row.verdict for row in table)
+    words = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in Verdict if verdicts[verdict])
+    rows = [
+        f"| {_link(row.id)} | {SIGNS[row.verdict]} {row.verdict} | {row.where}: {_shortened(row.says)} "
+        f"| {_thumbnails(row.where)} |"
+        for row in table
     ]
-    return "\n".join([f"{len(table)} claims: {words}.", "", *lines])
+    return "\n".join([f"{len(table)} claims: {words}.", "", CLAIM_HEAD, *rows])
+
+
+def _thumbnails(where: str) -> str:
+    """The pictures of the figures that `where` names, such as "Figs 2, 3"."""
+    numbers = map(int, re.findall(r"\d+", where)) if where.startswith("Fig") else ()
+    paths = (_picture_path(number, "exact") for number in numbers if number in EVERY_FIGURE)
+    return " ".join(f"![{path.stem}]({path.as_posix()})" for path in paths)
 
 
 def claim_blocks(table: Claims) -> str:
