@@ -1,18 +1,22 @@
-"""How a periodic orbit closes: its state returns, up to turns of cyclic coordinates.
+"""How a periodic orbit closes: its state returns, up to turns of cyclic coordinates and of phases.
 
 Where nothing depends on how far cyclic coordinates have turned together, only what is left of the state
 without that shift has to return: P (x(T) - x(0)) = 0 with a projection P.  The monodromy matrix is then P M,
-which has the multiplier 0 for the shift.  A coordinate that enters as an angle returns up to whole turns.
+which has the multiplier 0 for the shift.  A coordinate that enters as an angle returns up to whole turns,
+alone or with others that it turns in a ratio, as gears do; a phase up to whole periods, at whose end it may
+be seen before its reset or after.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.steady_state.drift import TURN, shifts_without_effect
+from frictionlab.analysis.steady_state.drift import TURN, Drift, shifts_without_effect
+from frictionlab.analysis.steady_state.poincare_sections import turns_of_phases
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
 
@@ -24,18 +28,18 @@ class Closing(NamedTuple):
     ----------
     projection : array (n, n) or None
         P; None where the whole state has to return.
-    angles : tuple of int
-        Places of the states that return up to whole turns.
+    turns : tuple of (int, array (n,))
+        Places of the states that return up to whole turns, each with how far all states move in a turn.
     """
 
     projection: Array | None = None
-    angles: tuple[int, ...] = ()
+    turns: tuple[tuple[int, Array], ...] = ()
 
     def difference(self, states: Array, other: Array) -> Array:
         """How far states (..., n) are from another one, but for turns."""
         away = states - other
-        for place in self.angles:
-            away[..., place] -= TURN * np.round(away[..., place] / TURN)
+        for place, turn in self.turns:
+            away = away - np.round(away[..., place] / turn[place])[..., None] * turn
         return away if self.projection is None else away @ self.projection.T
 
     def matrix(self, fundamental: Array) -> Array:
@@ -52,15 +56,25 @@ class Closing(NamedTuple):
 
 def closing_of(run: Trajectory) -> Closing:
     """What of a motion has to return, by the modes that a run of it visits."""
-    automaton = run.automaton
+    automaton, turns = run.automaton, turns_of_phases(run)
     if not automaton.cyclic:
-        return Closing()
+        return Closing(None, turns)
     places = [automaton.state_names.index(name) for name in automaton.cyclic]
     shifts = shifts_without_effect(run, places)
     if shifts is None:
-        return Closing()
+        return Closing(None, turns)
     if shifts.turning:
-        return Closing(angles=tuple(shifts.turning))
+        return Closing(None, (*turns, *_turns_of_angles(shifts, len(automaton.state_names))))
     projection = np.eye(len(automaton.state_names))
     projection[np.ix_(places, places)] = shifts.across @ np.linalg.pinv(shifts.across)
-    return Closing(projection)
+    return Closing(projection, turns)
+
+
+def _turns_of_angles(shifts: Drift, states: int) -> Iterator[tuple[int, Array]]:
+    """The angles that return up to whole turns, and how far others turn with each."""
+    others = [place for place in shifts.places if place not in shifts.turning]
+    for angle in shifts.turning:
+        turn = np.zeros(states)
+        turn[angle] = TURN
+        turn[others] = -TURN * shifts.across[shifts.places.index(angle)]
+        yield angle, turn

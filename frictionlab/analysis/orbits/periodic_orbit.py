@@ -36,7 +36,7 @@ from frictionlab.presentation import Drawable, shorten
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import abbreviate, check_number, is_sequence
 
-PERIOD_DIVISORS = (2, 3, 5, 7)
+MOST_PERIODS = 64  # of an orbit in a guess
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
 MAX_ITERATIONS = 40
@@ -247,18 +247,11 @@ def _shortest_period(
     automaton: HybridAutomaton, guess: OrbitGuess, shot: ShootingResult, tolerance: float
 ) -> ShootingResult:
     """The orbit with its shortest period, where the guess was several periods long."""
-    for fold in PERIOD_DIVISORS:
-        period = shot.run.raw.t / fold
-        while np.abs(_moved(shot, period) / guess.size).max() < SAME_STATE_RTOL:
-            once = guess._replace(state=shot.run.raw.step_states[0], period=period)
-            shot = shoot(automaton, once, tolerance)
-            period = shot.run.raw.t / fold
+    start, times = shot.run.raw.step_states[0], shot.run.raw.t / np.arange(MOST_PERIODS, 1, -1)
+    away = np.abs(shot.closing.difference(shot.run(times), start) / guess.size).max(axis=1)
+    for period in times[away < SAME_STATE_RTOL][:1]:
+        return shoot(automaton, guess._replace(state=start, period=float(period)), tolerance)
     return shot
-
-
-def _moved(shot: ShootingResult, t: float) -> Array:
-    """How far the state at a time is from that at the start (n,), but for turns."""
-    return shot.closing.difference(shot.run(t), shot.run.raw.step_states[0])
 
 
 def mode_sequence(run: Trajectory) -> tuple[tuple[str, float], ...]:

@@ -52,6 +52,22 @@ def _other_states(run: Trajectory) -> set[Any]:
     return {*run.automaton.states[first:]} if first else set()
 
 
+def turns_of_phases(run: Trajectory) -> tuple[tuple[int, np.ndarray], ...]:
+    """The phases of a run that are set back by a number: their places, and how far all states move (m,)."""
+    if not _other_states(run):
+        return ()
+    automaton = run.automaton
+    mode, turns = automaton.mode(run.mode_names[run.raw.mode]), {}
+    guards = _phase_guards(run, mode)
+    for jump in (event.reset.jump for event in mode.events if event.name in guards):
+        for state, after in jump.items():
+            moved = state - after
+            if moved.is_number and moved.is_positive:
+                place = automaton.states.index(state)
+                turns[place] = float(moved) * np.eye(len(automaton.states))[place]
+    return tuple(turns.items())
+
+
 def only_phase_resets(run: Trajectory) -> bool:
     """Whether a motion stays in one mode, with no events but the resets of a phase."""
     return bool(phase_resets(run).all())
