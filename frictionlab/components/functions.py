@@ -13,6 +13,7 @@ from typing import Any
 
 from frictionlab.validation import abbreviate, check_choice, check_sequence, float_array, is_sequence
 
+GIVE_NUMBER = "give a number, an array or an expression"
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
@@ -22,7 +23,11 @@ def _evaluate(name: str, x: Any) -> Any:
         return getattr(sys.modules["sympy"], name)(x)
     import numpy  # imported here, as the command line reads the laws' parameters and should start quickly
 
-    return getattr(numpy, NAMES_IN_NUMPY.get(name, name))(x)
+    try:
+        return getattr(numpy, NAMES_IN_NUMPY.get(name, name))(x)
+    except TypeError:
+        float_array("x", x, GIVE_NUMBER)  # which says what is wrong with it
+        raise
 
 
 def exp(x: Any) -> Any:
@@ -115,6 +120,8 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
             f"values must be one more than borders, and these one at least, got {len(values)} and "
             f"{len(borders)}: {cure}"
         )
+    if nan := [one for one in borders if not hasattr(one, "free_symbols") and one != one]:
+        raise ValueError(f"borders must be numbers or expressions, got {nan[0]}: {cure}")
     for low, high in pairwise(borders):
         if not _are_expressions(low, high) and not low < high:
             raise ValueError(
@@ -137,7 +144,7 @@ def _number_or_expression(name: str, given: Any) -> Any:
     """An expression and a plain number as they are; other numbers as a float or an array of floats."""
     if hasattr(given, "free_symbols") or type(given) is float or (type(given) is int and abs(given) < 2**53):
         return given
-    return _plain(float_array(name, given, "give a number, an array or an expression"))
+    return _plain(float_array(name, given, GIVE_NUMBER))
 
 
 def _plain(numbers: Any) -> Any:
@@ -315,4 +322,6 @@ def table(t: Any, values: Any, kind: str = "pchip") -> Any:
     pairs = list(values.items() if isinstance(values, Mapping) else check_sequence("values", values, cure))
     if any(not is_sequence(pair) or len(pair) != 2 for pair in pairs):
         raise ValueError(f"values must give a value for each time, got {abbreviate(values)}: {cure}")
+    if len(pairs) < 2:
+        raise ValueError(f"values must be given at two times at least, got {abbreviate(values)}: {cure}")
     return interpolate(t, [time for time, _ in pairs], [value for _, value in pairs], kind)

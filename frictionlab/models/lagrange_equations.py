@@ -146,7 +146,8 @@ class TimeDependentSystem(NamedTuple):
 def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
     """The equations of a mode, of "slip" in both directions, or of the "impact".
 
-    Where slip has two modes, "slip" gives both in one, with sgn(v_r) as in Eq. (3).
+    Where slip has two modes, "slip" gives both in one, with sgn(v_r) as in Eq. (3).  A mode on one side of
+    the borders of laws in pieces has the equations on all sides, as cases.
 
     Raises
     ------
@@ -155,6 +156,7 @@ def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
     """
     copy = symbolic_copy(model.structure_key)
     system = lagrange_system(copy)
+    mode = _on_all_sides(model, system, mode)
     check_mode_name(mode, system.names, _others(system))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(system)}
     if mode == "impact":
@@ -164,6 +166,15 @@ def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
     one = "slip+" if mode == "slip" and "slip+" in system.names else mode
     chosen = write.named.chosen(system.names.combination_of(one) or ())
     return _mode_equations(write, mode, chosen, letters, known)
+
+
+def _on_all_sides(model: MechanicalModel, system: LagrangeSystem, mode: Any) -> Any:
+    """The name of a mode on all sides of borders of laws in pieces, of which one on some sides is part."""
+    automaton = model.automaton()
+    if mode in system.names or mode not in automaton.names:
+        return mode
+    whole = automaton.mode(mode).whole
+    return mode if whole is None else whole.name
 
 
 def _others(system: LagrangeSystem) -> tuple[str, ...]:

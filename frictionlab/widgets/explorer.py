@@ -361,7 +361,7 @@ def explore_stability(model: Model | None = None, parameter: str = "mu_k", over:
     return Explorer(default_settings(model), panels)
 
 
-def explore_bifurcation(model: Model | None = None, parameter: str = "mu_k") -> Explorer:
+def explore_bifurcation(model: Model | None = None, parameter: str | None = None) -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The range slider sets the range shown: 24 values at first, in a notebook or an application 300 in the end.
@@ -371,7 +371,8 @@ def explore_bifurcation(model: Model | None = None, parameter: str = "mu_k") -> 
     ----------
     model : Model or None
         None takes the paper's.
-    parameter : str
+    parameter : str or None
+        None takes mu_k, or the model's first parameter where it has no such one.
 
     Returns
     -------
@@ -391,6 +392,8 @@ def explore_bifurcation(model: Model | None = None, parameter: str = "mu_k") -> 
     [1.2, 1.5]
     """
     model = starting_model(model)
+    if parameter is None:
+        parameter = "mu_k" if "mu_k" in model.parameters else next(iter(model.parameters), "mu_k")
     check_parameter_name(model, parameter)
     panels = {"bifurcation": BifurcationPanel(model, parameter)}
     panels |= {"response": response, "phase": phase, "spectrum": spectrum}

@@ -10,8 +10,12 @@ from operator import call
 from typing import TYPE_CHECKING, Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.models.model import require_model
 from frictionlab.presentation import Drawable, import_optional, text_table
+from frictionlab.stability.eigenproblems.eigenvalues import eigenvalues
+from frictionlab.stability.equilibrium_points.equilibria import equilibria, equilibrium
+from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import abbreviate, check_key, check_sequence, did_you_mean
 
 from .factorial_design import (
@@ -35,6 +39,12 @@ from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_na
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
+
+# studies of models that do not depend on the time, and what such a model has
+AT_REST = {
+    steady_state: "a steady state",
+    **dict.fromkeys((equilibria, equilibrium, eigenvalues), "an equilibrium"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,6 +329,9 @@ def ablation(
     """
     require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
     named = _studies_by_name(studies)
+    for study, what in AT_REST.items():
+        if any(study is one for one in named.values()):
+            refuse_time(model, what)
     (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
     factors = switches_of(model, switches)
     starts = check_sequence("x0", x0, "give initial states in a list")

@@ -518,6 +518,25 @@ def test_the_equations_are_printed_as_cases():
     assert str(functions.minimum(x, 1)) == "Min(1, x)"
 
 
+def test_a_side_has_the_equations_of_all_sides():
+    model = Bilinear()
+    assert str(model.equations("x < d")) == str(model.equations("only"))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: functions.piecewise(0.3, (float("nan"),), (1, 2)), "borders must be numbers .* got nan"),
+        (lambda: functions.absolute("x"), "x must hold numbers, got 'x'"),
+        (lambda: functions.sign([None]), "x must hold numbers"),
+        (lambda: fl.table(0.3, {}), "values must be given at two times at least, got {}"),
+    ],
+)
+def test_bad_arguments_of_functions_get_one_error(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
 def in_potential(energy, *coordinates):
     """A mass of 1 kg in a potential energy(parameters, q)."""
 

@@ -100,6 +100,8 @@ def test_an_orbit_needs_a_model_without_time():
     ("study", "what"),
     [
         (lambda m: fl.steady_state(m, progress=False), "a steady state"),
+        (lambda m: fl.ablation(m, fl.steady_state, progress=False), "a steady state"),
+        (lambda m: fl.ablation(m, {"rates": fl.eigenvalues}, progress=False), "an equilibrium"),
         (lambda m: fl.bifurcation(m, "v0", [0.5, 1.0], progress=False), "a bifurcation diagram"),
         (lambda m: fl.lyapunov(m, progress=False), "Lyapunov exponents"),
         (lambda m: fl.basins(m, ("x", [0.0, 1.0]), ("x'", [0.0, 1.0]), progress=False), "basins"),

@@ -380,3 +380,10 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
     assert explorer.error is None
     assert explorer.busy.widget.layout.visibility == "hidden"
     assert "not settled yet" in explorer.picture.tiles["bifurcation"].note.get_text()
+
+
+def test_a_model_without_the_usual_parameter_has_a_bifurcation_explorer():
+    model = fl.MassOnBeam()
+    explorer = fl.explore_bifurcation(model)
+    assert explorer.parameters.sliders[next(iter(model.parameters))].continuous_update
+    explorer.close()

@@ -233,6 +233,15 @@ def test_a_guess_of_two_periods_gives_the_shortest():
     assert orbit.period == pytest.approx(8.902605407815, abs=1e-11)
 
 
+@pytest.mark.parametrize("periods", [60, 100, 101])
+def test_a_run_of_whole_periods_ends_before_or_after_the_reset_of_its_phase(periods):
+    model = fl.RattlingGear()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, periods * model.period, progress=False))
+    assert orbit.period == pytest.approx(model.period, rel=1e-13)
+    several = fl.periodic_orbit(model, orbit.state, period=11 * model.period)
+    assert several.period == pytest.approx(model.period, rel=1e-13)
+
+
 def test_a_guess_of_other_parameters_will_do():
     one, other = FLAT.replace(mu_k=1.4), FLAT.replace(mu_k=1.5)
     orbit = fl.periodic_orbit(other, fl.simulate(one, 60.0, progress=False))
