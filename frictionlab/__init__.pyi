@@ -191,12 +191,12 @@ from .structures.damping import RayleighDamping as RayleighDamping
 from .structures.matrix_files import read_matrix as read_matrix
 from .structures.structure import Structure as Structure
 from .structures.window_eigenvalues import WindowEigenvalues as WindowEigenvalues
-from .widgets.canvas import Canvas as Canvas
 from .widgets.canvas import watch as watch
 from .widgets.explorer import Explorer as Explorer
 from .widgets.explorer import explore as explore
 from .widgets.explorer import explore_bifurcation as explore_bifurcation
 from .widgets.explorer import explore_stability as explore_stability
+from .widgets.front_end import FrontEnd as FrontEnd
 from .widgets.result import Result as Result
 from .widgets.sound import Sound as Sound
 from .widgets.sound import listen as listen

@@ -43,6 +43,7 @@ def scene_data(
         "title": title or type(model).__name__,
         "about": "",
         "call": model_call(model),
+        "model": repr(model),
         "controls": controls,
         "initial": {each["name"]: each["value"] for each in controls},
         "panels": list(panels),

@@ -1,33 +1,37 @@
-"""Controls of an explorer: sliders, switches and lists, made from a model's metadata, and those of its run.
+"""Controls of an explorer: the values of its state, each of which can be observed and linked to any widget.
 
-`ParameterControls` and `ComponentControls` give a model, `RunControls` the Settings for it.
+`model_controls` has a control for every parameter, nonlinearity and impact law of a model, `run_choices`
+those of a run.  The front end shows them; their data are those of `frictionlab.pages.scene`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import ipywidgets
+import traitlets
 
-from frictionlab.analysis.motion_scales import rounded_period
-from frictionlab.components.component import Component, Parameter
+from frictionlab.components.component import Component, Parameter, check_value
 from frictionlab.components.impact import PlasticImpact, RestitutionImpact
+from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.composition import parameter_metadata, parameter_owners, without
-from frictionlab.validation import abbreviate
+from frictionlab.models.composition import parameter_metadata, without
+from frictionlab.models.model import Model
+from frictionlab.pages.scene import (
+    Data,
+    choice,
+    main_parameters,
+    number,
+    parameter_controls,
+    run_controls,
+    switch_control,
+    windows,
+)
+from frictionlab.validation import abbreviate, check_number, did_you_mean
 
-from .number_control import label_control, remove_browser_rounding, slider
-from .result import QUICK_METHOD, WHAT_MOVES, Settings
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
-
-OPERATION_PARAMETERS = "F", "v"  # the model's own parameters that are changed most in operation
-MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
-FOLDED_TITLE = "structure"
+from .result import QUICK_METHOD, Settings
 
 IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
     {
@@ -36,244 +40,207 @@ IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
         "restitution": RestitutionImpact(),
     }
 )
-
 OWN_STATE, FIXED_STEP = "own", "rk4"
-INITIAL_STATES = (("rest", "rest"), ("near the equilibrium", "near"), ("own numbers", OWN_STATE))
-METHODS = (("quick (Taylor)", QUICK_METHOD), ("exact (Taylor)", Taylor()), ("paper's (RK4)", FIXED_STEP))
-SHOWN_PERIODS = 5, 10, 20, 50  # periods
-CONTROL_NAMES = "start", "own", "duration", "method", "step", "window", "coordinate"
+METHODS = {"quick (Taylor)": QUICK_METHOD, "exact (Taylor)": Taylor(), "paper's (RK4)": FIXED_STEP}
 DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
-STEP_TEXT = "fixed step of the paper's algorithm; its own is 2e-4 s"
+STEP = Parameter("", "s", "fixed step; the paper's is 2e-4 s", exclusive_minimum=0.0, log=True)
+METHOD_HINT = (
+    "quick: tolerance 1e-7, flights below 0.4 ms replaced by their limit; exact: to rounding; "
+    "paper's: a fixed step"
+)
+
+State = dict[str, Any]
 
 
-class ParameterControls:
-    """One slider for each parameter; sliders of components that the model lacks are hidden and keep their
-    values.
+class Control(traitlets.HasTraits):
+    """One value of an explorer: set ``value``, observe ``value``, link it to any widget.
 
-    Attributes
+    Parameters
     ----------
-    sliders : dict of str to NumberControl
-        By the parameter's name.
-    main : Box
-        The sliders that are always in sight.
+    about : dict
+        What the front end shows, see `frictionlab.pages.scene`.
+    values : mapping of str to object, or None
+        Of a menu, what its options stand for; None where an option is its own value.
+    rule : Parameter or None
+        Bounds of a number.
     """
 
-    def __init__(self, model: Model, changed: Callable[[Any], None]) -> None:
-        self._changed = changed
-        self.sliders: dict[str, Any] = {}
-        self._start: dict[str, float] = {}
-        self._shown: tuple[str, ...] = ()
-        layout = ipywidgets.Layout(flex_flow="row wrap")
-        self.main, self._rest = ipywidgets.Box(layout=layout), ipywidgets.Box(layout=layout)
-        self._more = ipywidgets.Accordion([self._rest], titles=(FOLDED_TITLE,))
-        self._more.add_class("fl-structure")
-        self.widget = ipywidgets.VBox([self.main, self._more])
-        self.show(model)
+    value = traitlets.Any()
 
-    def show(self, model: Model) -> None:
-        """Show the sliders for the parameters of this model, and no others."""
-        names = tuple(model.parameters)
-        if names == self._shown:
-            return
-        about = parameter_metadata(type(model), model.components)
-        for name in names:
-            if name not in self.sliders:
-                self._start[name] = model.parameters[name]
-                self.sliders[name] = slider(name, about[name], model.parameters[name])
-                self.sliders[name].observe(self._changed, names="value")
-        used = main_parameters(model)
-        self.main.children = [self.sliders[name] for name in used]
-        self._rest.children = [self.sliders[name] for name in names if name not in used]
-        self._more.layout.display = "" if self._rest.children else "none"
-        self._shown = names
-
-    def values(self, model: Model) -> dict[str, float]:
-        """The values of the sliders for the parameters of this model."""
-        self.show(model)
-        return {
-            name: remove_browser_rounding(self.sliders[name].value, self._start[name])
-            for name in model.parameters
-        }
-
-    def reset(self) -> None:
-        """Reset the sliders to their initial values; those added later to the defaults of their law."""
-        for name, control in self.sliders.items():
-            control.value = self._start[name]
-
-    def close(self) -> None:
-        """Close the sliders."""
-        for control in self.sliders.values():
-            control.close()
-
-
-def main_parameters(model: Model) -> list[str]:
-    """All parameters if they are few; else those of the friction law, of operation, of other components."""
-    owner = parameter_owners(type(model), model.components)
-    if len(owner) <= MAX_UNFOLDED:
-        return list(owner)
-    friction = [name for name, role in owner.items() if role == "friction"]
-    laws = [name for name, role in owner.items() if role and role != "friction"]
-    return [*friction, *(name for name in OPERATION_PARAMETERS if name in owner), *laws]
-
-
-class ComponentControls:
-    """Checkboxes for nonlinearities and a list of impact laws; all other components are the model's.
-
-    Attributes
-    ----------
-    switches : dict of str to Checkbox
-        One for each of the model's `nonlinearities`.
-    impact : Dropdown or None
-    """
-
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._full = _with_all(model)
-        nonlinearities = model.nonlinearities
-        self.switches = {
-            name: _switch(name, one.about, not one.missing(model)) for name, one in nonlinearities.items()
-        }
-        self.impact = _impact_dropdown(model.impact) if "impact" in model.roles else None
+    def __init__(
+        self, about: Data, values: Mapping[str, Any] | None = None, rule: Parameter | None = None
+    ) -> None:
+        self.about, self.rule = about, rule
+        self.values = values if values is not None else {o: o for o in about.get("options", ())}
+        super().__init__(value=self._value_of(about["value"]))
 
     @property
-    def controls(self) -> dict[str, Any]:
-        """All of them by name."""
-        switches = {f"switch-{name}": switch for name, switch in self.switches.items()}
-        return switches | ({"impact": self.impact} if self.impact else {})
+    def name(self) -> str:
+        """The control's name."""
+        return self.about["name"]
 
-    def model(self) -> Any:
-        """The model with the components chosen, and their own parameters.
+    @property
+    def min(self) -> float:
+        """Where its slider begins."""
+        return self.about["low"]
+
+    @property
+    def max(self) -> float:
+        """Where its slider ends."""
+        return self.about["high"]
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """What a menu offers."""
+        return tuple(self.values)
+
+    @property
+    def data(self) -> Any:
+        """The value as data that JSON can hold; of a menu, the option."""
+        if self.about["kind"] == "choice":
+            return next((option for option, value in self.values.items() if value == self.value), self.value)
+        return list(self.value) if isinstance(self.value, tuple) else self.value
+
+    @property
+    def label(self) -> str:
+        """The option of a menu that is chosen."""
+        return self.data
+
+    @label.setter
+    def label(self, option: str) -> None:
+        self.set_data(option)
+
+    def set_data(self, data: Any) -> None:
+        """Set the value to what :attr:`data` gave.
 
         Raises
         ------
         ValueError
-            If a law cannot do without its nonlinearity.
+            If the control cannot have it.
         """
-        chosen: dict[str, Any] = {}
-        if self.impact:
-            chosen["impact"] = self.impact.value
-        off = [name for name, switch in self.switches.items() if not switch.value]
-        nonlinearities = self._model.nonlinearities
-        for name in nonlinearities:
-            if name not in off:
-                chosen |= self._full.get(name, {})
-        # A nonlinearity that the initial model lacks is already left out by that model's components.
-        lacking = {name for name in off if nonlinearities[name].missing(self._model)}
-        chosen |= without(self._model, tuple(name for name in off if name not in lacking))
-        return self._model.replace(**chosen)
+        self.value = self._value_of(data)
+
+    def _value_of(self, data: Any) -> Any:
+        kind = self.about["kind"]
+        if kind == "number":
+            checked = check_number(self.name, data, cure="give one number, such as 0.5 or 2e4")
+            if self.rule is not None:
+                check_value(self.name, checked, self.rule)
+            return float(checked)
+        if kind == "choice" and data in self.values:
+            return self.values[data]
+        if (kind == "switch" and isinstance(data, bool)) or (kind == "text" and isinstance(data, str)):
+            return data
+        if kind == "range" and isinstance(data, (list, tuple)) and len(data) == 2 and data[0] < data[1]:
+            return float(data[0]), float(data[1])
+        raise ValueError(
+            f"{self.name} must be a value of its control, got {abbreviate(data)}: take one that the explorer "
+            "shows"
+        )
 
 
-def _with_all(model: Model) -> dict[str, dict[str, Any]]:
+def controls_of(model: Model, settings: Settings) -> dict[str, Control]:
+    """All controls of an explorer that begins with a model."""
+    return {control.name: control for control in (*model_controls(model), *run_choices(settings))}
+
+
+def model_controls(model: Model) -> Iterator[Control]:
+    """A switch for each nonlinearity, a menu of impact laws, a number for each parameter of these models."""
+    for name, one in model.nonlinearities.items():
+        yield Control(switch_control(name, one.about, not one.missing(model)))
+    if "impact" in model.roles:
+        values, own = impact_laws(model.impact)
+        about = choice("impact", values, own, "main", hint="the velocity after the slider has landed")
+        yield Control(about | {"text": "impact law"}, values)
+    seen: set[str] = set()
+    for each in _reachable(model):
+        rules = parameter_metadata(type(each), each.components)
+        for about in parameter_controls(each, main_parameters(each)):
+            if about["name"] not in seen:
+                seen.add(about["name"])
+                yield Control(about, rule=rules[about["name"]])
+
+
+def impact_laws(own: Component) -> tuple[dict[str, Component], str]:
+    """The laws of the menu, and the option that is the model's own."""
+    known = {type(law): text for text, law in IMPACT_LAWS.items() if type(law) is not PlasticImpact}
+    text = known.get(type(own), next((t for t, law in IMPACT_LAWS.items() if law == own), type(own).__name__))
+    return {**IMPACT_LAWS, text: own}, text
+
+
+def _reachable(model: Model) -> Iterator[Model]:
+    """The model, and those that its switches and its menu of impact laws lead to, for their parameters."""
+    yield model
+    full = model
+    for restored in restoring_components(model).values():
+        full = full.replace(**restored)
+    yield full
+    if "impact" in model.roles:
+        for law in IMPACT_LAWS.values():
+            yield full.replace(impact=law)
+
+
+def restoring_components(model: Model) -> dict[str, dict[str, Any]]:
     """Components that restore each nonlinearity a model lacks: the defaults of the model's class."""
-    usual = type(model)()
     lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
+    usual = type(model)() if lacking else model
     return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
 
 
-def _switch(name: str, text: str, on: bool) -> Any:
-    switch = ipywidgets.Checkbox(on, indent=False)
-    switch = label_control(switch, f"switch-{name}", text, f"switches a nonlinearity on and off: {text}")
-    switch.layout.width = "auto"
-    return switch
+def chosen_model(model: Model, controls: Mapping[str, Control]) -> Model:
+    """The model that the controls are set to, from the one with which they were made.
 
-
-def _impact_dropdown(own: Component) -> Any:
-    options = dict(IMPACT_LAWS)
-    known = {type(law): text for text, law in IMPACT_LAWS.items() if type(law) is not PlasticImpact}
-    text = known.get(type(own), next((t for t, law in IMPACT_LAWS.items() if law == own), type(own).__name__))
-    options[text] = own
-    return label_control(
-        ipywidgets.Dropdown(options=list(options.items()), value=own),
-        "impact",
-        "impact law",
-        "what the slider's velocity is after it lands on the belt again",
-    )
-
-
-class RunControls:
-    """Drop-down lists and sliders that say how a model is run.
-
-    Attributes
-    ----------
-    start, own, duration, method, step, window, coordinate : widgets
+    Raises
+    ------
+    ValueError
+        If a law cannot do without its nonlinearity, or a parameter breaks a rule.
     """
-
-    def __init__(self, settings: Settings) -> None:
-        drop, names = ipywidgets.Dropdown, settings.model.coordinates
-        self.start = label_control(drop(options=INITIAL_STATES), "start", "start", "initial state")
-        self.own = _state_field(names)
-        self.duration, self._t_end = _duration_slider(settings), settings.t_end
-        text = "quick: tolerance 1e-7, flights below 0.4 ms replaced by their limit; exact: to rounding"
-        self.method = label_control(drop(options=METHODS, value=settings.method), "method", "method", text)
-        self.step = _step_slider()
-        text = "part of the run that the panels show; the spectrum is of the run's second half"
-        self.window = label_control(
-            drop(options=_window_options(settings.model), value=settings.window), "window", "shown", text
-        )
-        text = "coordinate of the phase plane and the spectrum"
-        self.coordinate = label_control(drop(options=names), "coordinate", "coordinate", text)
-        layout = ipywidgets.Layout(flex_flow="row wrap")
-        self.widget = ipywidgets.Box(list(self.controls.values()), layout=layout)
-
-    @property
-    def controls(self) -> dict[str, Any]:
-        """All of them by name."""
-        return {name: getattr(self, name) for name in CONTROL_NAMES}
-
-    def settings(self, model: Model) -> Settings:
-        """The settings for a model.
-
-        Raises
-        ------
-        ValueError
-            Where the initial state is no list of numbers.
-        """
-        self.own.layout.display = "" if self.start.value == OWN_STATE else "none"
-        self.step.layout.display = "" if self.method.value == FIXED_STEP else "none"
-        start = _parse_state(self.own.value) if self.start.value == OWN_STATE else self.start.value
-        step = remove_browser_rounding(self.step.value, DEFAULT_STEP)
-        method = RK4(step=step) if self.method.value == FIXED_STEP else self.method.value
-        chosen = self.coordinate.value
-        coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
-        t_end = remove_browser_rounding(self.duration.value, self._t_end)
-        return Settings(model, t_end, start, method, self.window.value, coordinate)
+    chosen: dict[str, Any] = {}
+    if "impact" in controls:
+        chosen["impact"] = controls["impact"].value
+    nonlinearities = model.nonlinearities
+    off = [name for name in nonlinearities if not controls[f"switch-{name}"].value]
+    restored = restoring_components(model)
+    for name in nonlinearities:
+        if name not in off:
+            chosen |= restored.get(name, {})
+    # A nonlinearity that the initial model lacks is already left out by that model's components.
+    chosen |= without(model, tuple(name for name in off if name not in restored))
+    made = model.replace(**chosen)
+    return made.replace(**{name: controls[name].value for name in made.parameters})
 
 
-def _state_field(names: tuple[str, ...]) -> Any:
-    text = f"coordinates {', '.join(names)}, then their rates, with commas between"
-    return label_control(
-        ipywidgets.Text(_zero_state_text(names), continuous_update=False), "own", "state", text
-    )
+def run_choices(settings: Settings) -> Iterator[Control]:
+    """How a model is run, and what is shown of it."""
+    model = settings.model
+    for about in run_controls(model, settings.t_end):
+        rule = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
+        values = windows(model) if about["name"] == "window" else None
+        yield Control(about, values, rule if about["kind"] == "number" else None)
+    method = next(option for option, value in METHODS.items() if value == settings.method)
+    yield Control(choice("method", METHODS, method, "run", hint=METHOD_HINT), METHODS)
+    about = number("step", STEP, DEFAULT_STEP, "run", (MIN_STEP, MAX_STEP))
+    yield Control(about | {"when": ["method", "paper's (RK4)"]}, rule=STEP)
 
 
-def _zero_state_text(names: tuple[str, ...]) -> str:
-    return ", ".join(["0"] * 2 * len(names))
+def chosen_settings(model: Model, controls: Mapping[str, Control]) -> Settings:
+    """The settings for a model.
+
+    Raises
+    ------
+    ValueError
+        Where the initial state is no list of numbers.
+    """
+    value = {name: control.value for name, control in controls.items()}
+    start = parse_state(value["own"]) if value["start"] == OWN_STATE else value["start"]
+    method: Method = RK4(step=value["step"]) if value["method"] == FIXED_STEP else value["method"]
+    chosen = value["coordinate"]
+    coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
+    return Settings(model, value["duration"], start, method, value["window"], coordinate)
 
 
-def _window_options(model: Model) -> list[tuple[str, float | str | None]]:
-    lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
-    return [("what moves", WHAT_MOVES), *((f"last {s:g} s", s) for s in lengths), ("whole run", None)]
-
-
-def _duration_slider(settings: Settings) -> Any:
-    """A slider from ten periods of the model to a thousand, or to the present duration if that is longer."""
-    period, seconds = rounded_period(settings.model), settings.t_end
-    ends = 10 * period, max(1000 * period, seconds)
-    about = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0, range=ends)
-    return _described(slider("duration", about, seconds), "duration (s)")
-
-
-def _step_slider() -> Any:
-    about = Parameter("", "s", STEP_TEXT, exclusive_minimum=0.0, range=(MIN_STEP, MAX_STEP), log=True)
-    return _described(slider("step", about, DEFAULT_STEP), "step (s)")
-
-
-def _described(control: Any, text: str) -> Any:
-    control.description = text
-    return control
-
-
-def _parse_state(text: str) -> tuple[float, ...]:
+def parse_state(text: str) -> tuple[float, ...]:
+    """The numbers of a state that was typed."""
     try:
         return tuple(float(part) for part in text.replace(";", ",").split(",") if part.strip())
     except ValueError as error:
@@ -281,3 +248,26 @@ def _parse_state(text: str) -> tuple[float, ...]:
             f"the own state must be numbers with commas between, "
             f"got {abbreviate(text)}: write for example 0.01, 0, ..."
         ) from error
+
+
+def set_state(controls: Mapping[str, Control], state: Mapping[str, Any]) -> None:
+    """Set controls to values as data; where one of them cannot be set, none is.
+
+    Raises
+    ------
+    ValueError
+        If no control has such a name, or a control cannot have its value.
+    """
+    for name in state:
+        if name not in controls:
+            hint = did_you_mean(name, list(controls))
+            raise ValueError(f"the explorer must have the control {name!r}, got none of that name{hint}")
+    before = {name: controls[name].value for name in state}
+    try:
+        for name, data in state.items():
+            if controls[name].data != data:
+                controls[name].set_data(data)
+    except (TypeError, ValueError):
+        for name, value in before.items():
+            controls[name].value = value
+        raise

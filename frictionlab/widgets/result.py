@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -22,6 +21,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import require_model
 from frictionlab.models.serialisation import is_public
+from frictionlab.pages.scene import WHAT_MOVES
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 if TYPE_CHECKING:
@@ -42,14 +42,13 @@ Array = NDArray[np.float64]
 QUICK_METHOD = Taylor(tol=1e-7, chatter=4e-4)
 PERIODICITY_TOLERANCE = 1e-10  # tolerance of runs that are tested for whether the motion repeats
 
-WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
-
 MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter take 200 000 steps
 SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
 AT_REST = 1e-9  # share of the size of a motion: what varies less has come to rest
 SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
 AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
 SAMPLES_AT_REST = 65
+MAX_EVENTS = 1000  # events of what is shown: with more, their jumps are not seen
 STEADY = 0.95  # a motion that keeps less than this share of its size over half a run decays
 
 
@@ -120,20 +119,6 @@ def python_snippet(settings: Settings) -> str:
     return "\n".join(
         ["import frictionlab as fl", *_import_lines(settings.model), f"model = {described}", run]
     )
-
-
-def to_json(settings: Settings) -> str:
-    """Everything as JSON; ``fl.Model.from_dict(data["model"])`` gives the model again."""
-    start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
-    data = {
-        "model": settings.model.to_dict(),
-        "t_end": settings.t_end,
-        "x0": start,
-        "method": settings.method.describe(),
-        "window": settings.window,
-        "coordinate": settings.coordinate,
-    }
-    return json.dumps(data, indent=1)
 
 
 def _method_argument(method: Method) -> str:
@@ -278,6 +263,24 @@ class Result:
             + 1
         )
         return np.clip(np.linspace(start, stop, count), start, stop)
+
+    def samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Times (N,), states (N, 2n) and modes (N,) of what is shown: at :meth:`times` and, where there are
+        few, on both sides of each event."""
+        run, times = self.run, self.times()
+        events = run.events
+        inside = np.flatnonzero((events.t > times[0]) & (events.t < times[-1]))
+        first = inside[np.diff(events.t[inside], prepend=-np.inf) > 0] if len(inside) <= MAX_EVENTS else []
+        jumps = events.t[first]
+        states, modes = run.states_and_modes(np.concatenate([times, jumps]))
+        before = events.before[first]
+        names = list(run.mode_names)
+        sources = np.array([names.index(name) for name in events.source[first]], dtype=np.int64)
+        times = np.concatenate([times, jumps, jumps])
+        states, modes = np.concatenate([states, before]), np.concatenate([modes, sources])
+        side = np.concatenate([np.ones(len(states) - len(jumps)), np.zeros(len(jumps))])
+        order = np.lexsort((side, times))
+        return times[order], states[order], modes[order]
 
     @cached_property
     def states(self) -> Array:

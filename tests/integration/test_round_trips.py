@@ -58,7 +58,7 @@ MORE = {
 }
 BUILDERS = {name: make for name, make in results.BUILDERS.items() if "automaton" not in name} | MORE
 # What is drawn, played or shown, and what others derive from; special orbits are tested where they are found.
-NO_RESULTS = {"Canvas", "Explorer", "Result", "Sound", "Drawing", "Curve", "SpecialOrbit"}
+NO_RESULTS = {"FrontEnd", "Explorer", "Result", "Sound", "Drawing", "Curve", "SpecialOrbit"}
 
 
 @cache

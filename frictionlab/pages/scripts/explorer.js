@@ -28,6 +28,7 @@ class Explorer {
   // --- what is on the page -----------------------------------------------------------------------------------------------
 
   build() {
+    this.panels = {};
     const { scene } = this, part = (name, tag = "div") => (this[name] = html(tag, { className: `fl-${name}` }));
     const button = (name, text, hint, does) => (this[`${name}Button`] = html("button", { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
     const buttons = html("div", { className: "fl-buttons" }, [
@@ -48,10 +49,12 @@ class Explorer {
     const about = html("p", { className: "fl-about", textContent: scene.about });
     const side = html("section", { className: "fl-side", ariaLabel: "controls" }, [this.statusBox(), part("words"), part("numbers"), part("comparison"), ...this.controlGroups()]);
     const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" }, scene.panels.map((name) => this.panel(name)));
-    this.root.replaceChildren(html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]), html("main", { className: "fl-body" }, [side, pictures]));
+    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]), body = html("main", { className: "fl-body" }, [side, pictures]);
+    this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures])); // a run that is watched has no controls
     this.observer.disconnect();
     this.observer.observe(pictures);
-    if (!this.options.address) this.followTheme(); else this.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    if (this.playing && this.playButton) this.playButton.textContent = "pause";
+    if (!this.options.address) this.followTheme(); else this.setTheme((this.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) ? "dark" : "light");
   }
 
   statusBox() {
@@ -74,7 +77,7 @@ class Explorer {
   }
 
   fileMenu() {
-    const name = this.scene.call.replace(/^fl\./, "").replace(/\(.*/s, ""), load = html("input", { type: "file", accept: ".json", hidden: true });
+    const name = this.scene.model.replace(/\(.*/s, ""), load = html("input", { type: "file", accept: ".json", hidden: true });
     const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: does });
     load.onchange = async () => { try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); } load.value = ""; };
     return html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), html("div", {}, [
@@ -98,14 +101,14 @@ class Explorer {
     const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: TITLES[name] ?? name }), over = html("canvas", { className: "fl-over" });
     const caption = html("figcaption", { textContent: TITLES[name] ?? name.replaceAll("_", " ") }), stack = html("div", { className: "fl-stack" }, [canvas, over]);
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]), panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
-    (this.panels ??= {})[name] = panel;
+    this.panels[name] = panel;
     if (name === "mechanism") figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick) this.pick(panel, event); };
     return figure;
   }
 
   player() { // play, pause, instant, pace, sound
-    const usual = roundDown125(this.scene.period / 2), paces = [...new Set([...PACES, usual])].sort((a, b) => b - a), button = (name, text, hint, does) => (this[`${name}Button`] = html("button", { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
+    const usual = this.scene.speed ?? roundDown125(this.scene.period / 2), paces = [...new Set([...PACES, usual])].sort((a, b) => b - a), button = (name, text, hint, does) => (this[`${name}Button`] = html("button", { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
     this.scrub = html("input", { type: "range", min: 0, max: 1000, value: 0, className: "fl-scrub", ariaLabel: "time", oninput: () => { this.share = Number(this.scrub.value) / 1000; this.frame(); } });
     this.pace = html("select", { className: "fl-pace", ariaLabel: "pace" }, paces.map((pace) => html("option", { value: pace, textContent: paceText(pace), selected: pace === usual })));
     this.now = html("span", { className: "fl-now" });
@@ -131,6 +134,8 @@ class Explorer {
   change(name, value, dragging) {
     this.state = { ...this.state, [name]: value };
     if (!dragging) this.showState();
+    const { settles } = this.scene; // another parameter than this one is computed when its slider is let go
+    if (dragging && settles && name !== settles) return;
     this.ask(dragging);
   }
 
@@ -162,7 +167,7 @@ class Explorer {
     this.error = "";
     if (result.complete) this.tell();
     this.redraw();
-    if (result.complete) this.record();
+    if (result.complete) this.record(); // a run that is watched has no words and no states
     this.took = performance.now() - this.began;
   }
 
@@ -178,6 +183,7 @@ class Explorer {
     clearTimeout(this.waiting);
     this.busy.hidden = true;
     this.error = text;
+    this.undoButton.disabled = false; // it leads to the last values that worked
     this.say(text, true);
   }
 
@@ -201,9 +207,9 @@ class Explorer {
 
   redraw() {
     const look = this.look(), { result } = this;
-    this.picture = this.panels.mechanism ? pictureOf(this.scene.mechanism, result, look) : null;
+    this.picture = this.panels.mechanism && result.samples ? pictureOf(this.scene.mechanism, result, look) : null;
     for (const name of this.scene.panels) if (name !== "mechanism") this.paint(this.panels[name], look);
-    if (this.panels.mechanism) {
+    if (this.panels.mechanism && result.samples) {
       this.panels.mechanism.figure.hidden = !this.picture;
       this.showModes();
     }
@@ -220,6 +226,7 @@ class Explorer {
     if (panel.drawing.title) panel.caption.textContent = panel.drawing.title;
     panel.canvas.ariaLabel = [panel.caption.textContent, panel.drawing.note].filter(Boolean).join(": ");
     panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick));
+    if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img", { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
     if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory, this.kept?.drawings[panel.name]);
   }
@@ -235,7 +242,7 @@ class Explorer {
   get time() { return this.result.start + this.share * (this.result.stop - this.result.start); }
 
   frame() {
-    if (!this.result) return;
+    if (!this.result?.samples) return;
     const look = this.look(), t = this.time, { structure, coordinate } = this.result, [samples, i] = this.engine.instant(t, this.result);
     if (this.now) {
       this.scrub.value = Math.round(1000 * this.share);
@@ -339,9 +346,9 @@ class Explorer {
 
   load(text) {
     const { model, scene, changed } = stateFromText(text);
-    if (model !== this.scene.call) {
+    if (model !== this.scene.model) {
       if (this.scene.menu?.some(({ name, state }) => name === scene && !state)) return this.engine.choose(scene, changed);
-      throw new RangeError(`the state must be that of ${this.scene.call}, got that of ${model}: open it there`);
+      throw new RangeError(`the state must be that of ${this.scene.model}, got that of ${model}: open it there`);
     }
     this.set({ ...this.scene.initial, ...changed });
   }
@@ -358,7 +365,7 @@ class Explorer {
   }
 
   figure() { // all plots as one picture to print, on white paper
-    const shown = this.scene.panels.map((name) => this.panels[name]).filter(({ name, figure, drawing }) => name !== "mechanism" && !figure.hidden && drawing);
+    const shown = this.scene.panels.map((name) => this.panels[name]).filter(({ name, figure, drawing }) => !figure.hidden && drawing?.curves);
     const [width, height] = [420, 300], columns = Math.min(2, shown.length), rows = Math.ceil(shown.length / columns);
     const look = { dark: false, ink: "#000000", paper: "#ffffff", grey: "#767676", line: "#dddddd", letters: 12 }, c = new SvgContext(columns * width, rows * height, look.paper);
     shown.forEach(({ name, drawing, memory }, i) => {

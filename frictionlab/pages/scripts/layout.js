@@ -26,7 +26,7 @@ function tiltingBelt(about, result, look) {
   const get = (data, name, i) => data.byName[name]?.[i] ?? 0;
   const size = Math.max(p.l1, p.l2) || 0.2, wheels = [Math.max(p.l1, 0.25 * size), Math.max(p.l2, 0.25 * size)];
   const room = 0.4 * Math.min(...wheels), top = largest(["x1", "y1", "x2", "y2"].map(samples.column));
-  const s = top > 0 ? roundDown125(room / top) : 1, reach = Math.max(room, s * top);
+  const s = result.magnify ?? (top > 0 ? roundDown125(room / top) : 1), reach = Math.max(room, s * top);
   const spring = Math.max(0.6 * size, 1.3 * s * samples.column("penetration").reduce((a, b) => Math.max(a, b), -Infinity));
   const radius = 0.2 * size, block = [0.4 * size, 0.3 * size];
   const walls = [-size - reach, wheels[1] + 0.7 * size + reach, -radius - 0.8 * size - reach], out = 0.6 * size + reach;
@@ -53,7 +53,7 @@ function partsPicture(about, result, look) {
   for (const part of parts) for (const place of Object.values(part)) for (const name of [place?.right, place?.up]) if (name) names.add(name.replace("-", ""));
   const value = (data, name, i) => data.byName[name]?.[i] ?? p[name] ?? 0;
   const top = Math.max(...[...names].map((name) => samples.byName[name] ? largest([samples.byName[name]]) : Math.abs(p[name] ?? 0)), 0);
-  const s = top > 0 ? roundDown125(REACH / top) : 1;
+  const s = result.magnify ?? (top > 0 ? roundDown125(REACH / top) : 1);
   const at = (place, data, i) => [[place.x, place.right], [place.y, place.up]].map(([base, name]) =>
     base + (name ? (name.startsWith("-") ? -s : s) * value(data, name.replace("-", ""), i) : 0));
   const contacts = parts.filter(({ part }) => part === "Forces").map(({ contact }) => contact);

@@ -87,6 +87,7 @@ const MARKERS = { // around (0, 0), of half the size r
   "^": (c, r) => { c.moveTo(0, -r); c.lineTo(r, r); c.lineTo(-r, r); c.closePath(); },
   D: (c, r) => { c.moveTo(0, -r); c.lineTo(r, 0); c.lineTo(0, r); c.lineTo(-r, 0); c.closePath(); },
   "+": (c, r) => { c.moveTo(-r, 0); c.lineTo(r, 0); c.moveTo(0, -r); c.lineTo(0, r); },
+  _: (c, r) => { c.moveTo(-r, 0); c.lineTo(r, 0); },
   x: (c, r) => { c.moveTo(-r, -r); c.lineTo(r, r); c.moveTo(r, -r); c.lineTo(-r, r); },
 };
 
@@ -95,7 +96,7 @@ function paintMarker(c, marker, size, x, y) {
   c.translate(x, y);
   c.beginPath();
   (MARKERS[marker] ?? MARKERS.o)(c, size / 2);
-  marker === "+" || marker === "x" ? c.stroke() : c.fill();
+  "+x_".includes(marker) ? c.stroke() : c.fill();
   c.restore();
 }
 

@@ -33,11 +33,6 @@ function samplesOf({ structure, values }, times, modes, states, { names, functio
   return samplesByName(times, modes, [...structure.states, ...names], [...columns, ...found]);
 }
 
-function samplesByName(times, modes, names, columns) {
-  const byName = Object.fromEntries(names.map((name, i) => [name, columns[i]]));
-  return { times, modes, byName, column: (name) => byName[name] };
-}
-
 // Samples at equal distances and, on both sides of each event, what jumps there; without the latter where they are many.
 function sampleWithEvents(solver, run, start, stop, count) {
   const n = run.structure.states.length, inside = [], uniform = sampleTimes(start, stop, count);

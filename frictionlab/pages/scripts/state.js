@@ -58,7 +58,7 @@ function readLink(text, scene) { // {state, scene, plays}; what no control can b
 
 function stateText(state, scene) {
   const changed = Object.fromEntries(differences(scene.initial, state).map((name) => [name, state[name]]));
-  return JSON.stringify({ format: FORMAT, model: scene.call, scene: scene.name ?? "", changed }, null, 1);
+  return JSON.stringify({ format: FORMAT, model: scene.model, scene: scene.name ?? "", changed }, null, 1);
 }
 
 function stateFromText(text) { // {model, scene, changed}

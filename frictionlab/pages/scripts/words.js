@@ -23,7 +23,7 @@ function stabilityText(values) {
 }
 
 function runText(result) { // a clause: what the run does at its end; empty where it settles to the equilibrium
-  if (!result.finished) return "";
+  if (!result.samples || !result.finished) return "";
   const from = STARTS[result.from];
   if (!result.moving) return result.mode.includes("slip") ? "" : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
   const what = motionText(result);

@@ -1,5 +1,4 @@
-// How mechanisms and phase planes are drawn on a canvas, in a notebook (frictionlab/widgets/canvas.js) and in exported
-// pages (frictionlab/pages).  The slider on the tilting belt, with lengths in metres, is drawn as draw_mechanism in
+// How mechanisms are drawn on a canvas by the front end (frictionlab/pages).  The slider on the tilting belt, with lengths in metres, is drawn as draw_mechanism in
 // tilting_belt.py draws it; a scene that has scene.shapes as parts.py draws it.  y points up.  Colours are those of the scene.
 const TURNS = 6, MARKS = 16;
 
@@ -7,11 +6,6 @@ function html(tag, properties = {}, children = []) {
   const node = Object.assign(document.createElement(tag), properties);
   node.append(...children);
   return node;
-}
-
-function subscripted(text) { // F_N as F with a small N
-  const [letter, rest] = text.split("_");
-  return rest ? [letter, html("sub", { textContent: rest[0] }), rest.slice(1)] : [text];
 }
 
 function line(c, points, width, colour) {
@@ -129,40 +123,6 @@ function shapes(c, width, height, scene, row) { // arrows last, over the bodies
   const arrows = scene.shapes.filter(({ kind }) => kind === "arrow"), others = scene.shapes.filter(({ kind }) => kind !== "arrow");
   for (const one of [...others, ...arrows]) shape(c, scene, one, row, 1 / k);
   c.restore();
-}
-
-function ticks([low, high]) { // some four round numbers
-  const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough)), step = power * [1, 2, 5, 10].find((d) => d * power >= rough);
-  const first = Math.ceil(low / step);
-  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, i) => (first + i) * step);
-}
-
-function phasePlane(c, width, height, scene, frames) { // draws the whole path; returns the function that tells where a state is
-  const [l, b, t, r] = [58, 40, 12, 12], range = (key) => {
-    let [low, high] = [Infinity, -Infinity];
-    for (let i = 0; i < frames.count; i++) { const v = frames.get(i, key); low = Math.min(low, v); high = Math.max(high, v); }
-    const margin = 0.05 * (high - low) || 1e-9;
-    return [low - margin, high + margin];
-  };
-  const [xs, ys] = [range(scene.axes[0]), range("rate")];
-  const X = (v) => l + (v - xs[0]) / (xs[1] - xs[0]) * (width - l - r), Y = (v) => height - b - (v - ys[0]) / (ys[1] - ys[0]) * (height - b - t);
-  let points = [];
-  for (let i = 0; i < frames.count; i++) { // a line for each stay in a mode, up to the first point of the next
-    const mode = frames.get(i, "mode"), old = frames.get(Math.max(0, i - 1), "mode");
-    points.push([X(frames.get(i, scene.axes[0])), Y(frames.get(i, "rate"))]);
-    if (mode !== old || i === frames.count - 1) { line(c, points, 1.5, scene.line_colours[old]); points = points.slice(-1); }
-  }
-  line(c, [[l, t], [l, height - b], [width - r, height - b]], 1, scene.ink);
-  Object.assign(c, { fillStyle: scene.ink, font: `${scene.letters ?? 12}px sans-serif`, textAlign: "center", textBaseline: "top" });
-  for (const v of ticks(xs)) { line(c, [[X(v), height - b], [X(v), height - b + 4]], 1, scene.ink); c.fillText(+v.toPrecision(3), X(v), height - b + 7); }
-  c.fillText(scene.axes[1], (l + width - r) / 2, height - b + 23);
-  Object.assign(c, { textAlign: "right", textBaseline: "middle" });
-  for (const v of ticks(ys)) { line(c, [[l - 4, Y(v)], [l, Y(v)]], 1, scene.ink); c.fillText(+v.toPrecision(3), l - 7, Y(v)); }
-  c.translate(12, (height - b + t) / 2);
-  c.rotate(-Math.PI / 2);
-  c.textAlign = "center";
-  c.fillText(scene.axes[2], 0, 0);
-  return (row) => [X(row[scene.axes[0]]), Y(row.rate)];
 }
 
 function fit(canvas) { // empties it; one unit is a CSS pixel, sharp on dense screens; at the same size it is wiped, which is quicker

@@ -14,7 +14,6 @@ from time import perf_counter
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import ipywidgets
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,18 +25,13 @@ from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import check_parameter_name
+from frictionlab.pages.scene import Data, number, slider_range
 from frictionlab.plotting.appearance import GREY
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label, state_label
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.presentation import state_unit
-from frictionlab.widgets.number_control import (
-    NumberControl,
-    label_control,
-    parameter_description,
-    round_to_step,
-    slider_range,
-)
+from frictionlab.widgets.controls import Control
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
 from frictionlab.widgets.update_scheduler import has_event_loop
 
@@ -56,11 +50,7 @@ PREVIEW_BATCH_SIZE = 4 * BATCH_SIZE  # previews computed in threads before the n
 
 GRID_VALUES, GRID_STEP = 300, 13  # values in the range shown; every 13th of them, 24, is the coarse diagram
 GOLDEN_STEP = 8  # its multiples modulo 13 fall one after the other into the widest gap left
-DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP = (
-    1000,
-    5000,
-    50,
-)  # periods of transient: at first, and at most
+DEFAULT_TRANSIENT, MAX_TRANSIENT = 1000, 5000  # periods of transient: at first, and at most
 WINDOW_PERIODS = 100  # periods of the window that is classified
 SELECTED_VALUE_LINE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder": 1.0}
 
@@ -197,41 +187,25 @@ class BifurcationPanel:
 
     Attributes
     ----------
-    controls : mapping of str to widget
+    controls : mapping of str to Control
         "range" sets the values shown, "transient" the seconds discarded.
     sweep : ProgressiveSweep or None
         The sweep in progress.
     """
 
     __name__ = "bifurcation"
-    hint = "click a value to see its response"
 
     def __init__(self, model: Model, parameter: str) -> None:
         about = parameter_metadata(type(model), model.components)[parameter]
-        low, high = slider_range(about, model.parameters[parameter])
-        span = ipywidgets.FloatRangeSlider(
-            value=(low, high),
-            min=low,
-            max=high,
-            step=(high - low) / 200,
-            readout_format=".4",
-            continuous_update=False,
-        )
-        first, most, step = (
-            n * rounded_period(model) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT, TRANSIENT_STEP)
-        )
-        positions = [step * i for i in range(round(most / step) + 1)]
+        span = slider_range(about, model.parameters[parameter])
+        first, most = (n * rounded_period(model) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT))
+        shown: Data = {"name": "range", "kind": "range", "group": "bifurcation", "value": span}
+        shown |= {"text": f"${about.symbol}$ from, to", "hint": "a narrow range is computed more finely"}
         rule = Parameter("", "s", "seconds that are thrown away", minimum=0.0)
-        seconds = NumberControl("transient", rule, first, positions)
-        seconds.description, seconds.continuous_update = "transient (s)", False
-        text = f"values of {parameter} that are shown; a narrow range is computed more finely"
-        self.controls: Mapping[str, Any] = MappingProxyType(
-            {
-                "range": label_control(span, "range", f"{parameter_description(about)} from, to", text),
-                "transient": seconds,
-            }
-        )
-        self.parameter = parameter
+        seconds = number("transient", rule, first, "bifurcation", (0.0, most))
+        controls = {"range": Control(shown), "transient": Control(seconds, rule=rule)}
+        self.controls: Mapping[str, Control] = MappingProxyType(controls)
+        self.parameter, self.pick = parameter, (parameter, None)  # a click selects a value
         self.sweep: ProgressiveSweep | None = None
         self._key: Any = None
         self._shown: Any = None
@@ -263,10 +237,6 @@ class BifurcationPanel:
         previews = sum(value not in sweep.steady_states for value in inside)
         note += f"\n{previews} of a short transient" if previews else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
-
-    def pick(self, x: float, _: float) -> dict[str, float]:
-        """The value of the parameter at a click, as a round number."""
-        return {self.parameter: round_to_step(x, self.controls["range"].value)}
 
     def _fill(
         self, sweep: ProgressiveSweep, result: Any, limits: tuple[float, float]

@@ -3,7 +3,6 @@
 import math
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ import frictionlab as fl
 from frictionlab.analysis import run_conditions, stated_conditions
 from frictionlab.analysis.run_comparison import ModeStays, first_event_difference
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.widgets.layout import run_end_text
+from frictionlab.widgets.front_end import run_text
 from tests.doors.generate import generate
 from tests.doors.mechanism import model_of
 from tests.helpers.automata import V, X, automaton
@@ -159,8 +158,8 @@ def test_a_steady_state_carries_the_warning():
 def test_an_explorer_and_a_bifurcation_pass_it_on():
     sharp = automaton(fl.Mode("on", (V, -X - 0.1 * V - sp.tanh((X - 0.5) * 100))))
     run = fl.solve(sharp, 5.0, x0=[2.0, 0.0], progress=False)
-    assert run_end_text(SimpleNamespace(has_run=True, run=run)) == ""
-    said = run_end_text(SimpleNamespace(has_run=True, run=with_longer_steps(run)))
+    assert run_text(run).startswith("The end was reached")
+    said = run_text(with_longer_steps(run))
     assert said.startswith("Do not trust this picture: steps in mode")
     settings = {"transient": 1.0, "window": 1.0, "progress": False}
     found = fl.bifurcation(A, "mu_k", [0.2, 1.4], **settings)

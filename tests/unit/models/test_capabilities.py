@@ -8,6 +8,7 @@ from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.models import Friction, Mechanics, Mechanism
 from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
 from tests.helpers.cases import slow_but
+from tests.helpers.explorers import columns
 
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
 CALLS = [row.call for row in fl.list_models("classics")]
@@ -72,14 +73,11 @@ def test_it_is_animated(run):
 
 
 def test_it_is_watched(run):
-    canvas = fl.watch(run)
-    columns = list(canvas.scene["columns"])
-    rows = np.frombuffer(canvas.rows, "<f4").reshape(-1, len(columns))
-    assert np.isfinite(rows).all()
-    assert len(rows) > 500
-    shown = rows[:, columns.index(canvas.scene["axes"][0])]
-    assert np.ptp(shown) > 0
-    assert shown[-1] == np.float32(run[canvas.scene["axes"][0]][-1])
+    found, name = columns(fl.watch(run)), run.source.coordinates[0]
+    assert all(np.isfinite(found[each]).all() for each in run.names)
+    assert len(found["t"]) > 500
+    assert np.ptp(found[name]) > 0
+    assert found[name][-1] == run[name][-1]
 
 
 def test_it_is_heard(model, run):
@@ -93,7 +91,8 @@ def test_it_is_heard(model, run):
 def test_it_is_explored_with_a_switch_for_each_nonlinearity_and_its_mechanism(model):
     explorer = fl.explore(model, panels=("response", "mechanism"))
     assert explorer.error is None
-    assert set(explorer.components.switches) == set(model.nonlinearities)
+    switches = {name for name in explorer.controls if name.startswith("switch-")}
+    assert switches == {f"switch-{name}" for name in model.nonlinearities}
     for name, one in model.nonlinearities.items():
         switch = explorer.controls[f"switch-{name}"]
         assert switch.value
@@ -138,7 +137,7 @@ def test_a_model_of_ones_own_has_all_of_them():
     assert audit.error < 1e-12
     assert tuple(model.nonlinearities) == ("cubic", "nonsmooth")
     assert len(fl.ablation(model, lambda m: m.period, progress=False).results) == 4
-    assert len(fl.watch(run).rows) > 0
+    assert len(columns(fl.watch(run))["t"]) > 0
     assert fl.listen(run).signal == "relative_velocity"
     with pytest.raises(ValueError, match="needs a run of a model that has a mechanism, got one of a Plain"):
         fl.watch(fl.simulate(Plain(), 1.0, x0=[0.0, 0.1, 0.0, 0.0], progress=False))

@@ -30,7 +30,10 @@ def node():
 
 
 def run_in_node(script):
-    done = subprocess.run([node(), "-e", script], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(
+        [node(), "-"], input=script, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert not done.returncode, done.stderr[-2000:]
     return json.loads(done.stdout)
 
 

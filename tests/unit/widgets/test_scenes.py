@@ -63,57 +63,33 @@ def test_grazing_by_its_closed_form():
 
 def test_the_first_scene_moves():
     scenes = Scenes(panels=("response",))
-    assert scenes.menu.value == PRESETS[0].name
+    assert scenes.widget.scene["name"] == PRESETS[0].name
+    assert scenes.widget.scene["about"] == PRESETS[0].about
     assert scenes.explorer.result.is_moving
-    assert PRESETS[0].about in scenes.about.value
 
 
-def test_a_link_opens_the_scene_with_what_was_changed():
+def test_a_browser_opens_a_scene_with_what_was_changed():
     scenes = Scenes(panels=("eigenvalues",))
-    scenes.menu.value = "ModeCoupling()"
-    for name, value in {"a1": 0.6, "start": "near", "k1": 1 / 3}.items():
-        scenes.explorer.controls[name].value = value
-    again = Scenes(scenes.link(), panels=("eigenvalues",))
-    assert again.menu.value == "ModeCoupling()"
-    assert again.explorer.settings == scenes.explorer.settings
-    assert again.explorer.model == fl.ModeCoupling(a1=0.6, k1=1 / 3)
+    left = scenes.explorer
+    changed = {"a1": 0.6, "start": "near", "k1": 1 / 3}
+    scenes.widget._handle_custom_msg({"open": "ModeCoupling()", "changed": changed}, [])
+    assert scenes.widget.scene["name"] == "ModeCoupling()"
+    assert scenes.explorer.model == fl.ModeCoupling(a1=0.6, k1=1 / 3)
+    assert scenes.widget.state == scenes.explorer.values()
+    updates = left.updates
+    scenes.widget.set_state({"state": scenes.explorer.values() | {"a1": 0.7}})
+    assert (scenes.explorer.model.a1, left.updates) == (0.7, updates)
 
 
 @pytest.mark.parametrize(
-    ("link", "words"),
+    ("name", "changed", "words"),
     [
-        ("?scene=two+fate", "scene in the link must be one of the menu"),
-        ("?scene=flutter&mu=3", "control 'mu', got none of that name"),
-        ("?mu_k=abc", "mu_k must be one number, got 'abc'"),
-        ("?mu_k=-1", "mu_k must be at least 0"),
+        ("two fate", {}, "scene must be one of the menu, got 'two fate': did you mean 'two fates'"),
+        ("flutter", {"mu": 3.0}, "control 'mu', got none of that name"),
+        ("flutter", {"mu_k": -1.0}, "mu_k must be at least 0"),
     ],
 )
-def test_what_a_link_cannot_say_is_told_in_words(link, words):
-    scenes = Scenes(link, panels=("eigenvalues",))
-    assert words.replace("'", "&#x27;") in scenes.explorer.layout.message.value.replace("'", "&#x27;")
-    assert scenes.explorer.error is None
-
-
-def test_a_saved_state_opens_its_model():
-    other = fl.explore(fl.TwoBlocks(), panels=("eigenvalues",))
-    other.controls["v"].value = 0.3
+def test_what_cannot_be_opened_is_told_in_words(name, changed, words):
     scenes = Scenes(panels=("eigenvalues",))
-    scenes.load(other.files.buttons["save state"].make().content)
-    assert (scenes.menu.value, scenes.explorer.model) == ("TwoBlocks()", fl.TwoBlocks(v=0.3))
-    own = fl.explore(fl.TwoBlocks(v=0.37), panels=("eigenvalues",))
-    scenes.load(own.files.buttons["save state"].make().content)
-    assert scenes.explorer.model == fl.TwoBlocks(v=0.37)
-    with pytest.raises(ValueError, match="save its state"):
-        scenes.link()
-
-
-def test_no_part_of_a_scene_that_was_left_stays():
-    def parts(widget):
-        return [widget, *(part for child in getattr(widget, "children", ()) for part in parts(child))]
-
-    scenes = Scenes(panels=("eigenvalues",))
-    left = parts(scenes.explorer.widget)
-    assert len(left) > 50
-    scenes.menu.value = "ModeCoupling()"
-    assert [part for part in left if part.comm is not None] == []
-    assert all(part.comm is not None for part in parts(scenes.widget))
+    scenes.widget._handle_custom_msg({"open": name, "changed": changed}, [])
+    assert words in scenes.widget.error

@@ -1,4 +1,6 @@
-"""Sliders say what the parameter's metadata say."""
+"""Sliders say what the parameter's metadata say; their positions are round numbers and the value itself."""
+
+import json
 
 import numpy as np
 import pytest
@@ -6,12 +8,28 @@ import pytest
 import frictionlab as fl
 from frictionlab.components import Parameter
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.widgets.number_control import equal_within_rounding, remove_browser_rounding, slider
+from frictionlab.pages.export import text_of
+from frictionlab.pages.scene import number
+from frictionlab.widgets.controls import Control
+from tests.helpers.cases import slow_but
+from tests.helpers.explorers import MODELS
+from tests.unit.pages.test_javascript import run_in_node
 
 pytestmark = pytest.mark.plain_python
 
 MODEL = fl.SliderOnBelt()
 ABOUT = parameter_metadata(type(MODEL), MODEL.components)
+
+
+def slider(name, about, value):
+    return Control(number(name, about, value, "main"), rule=about)
+
+
+def positions_of(abouts):
+    """The positions of sliders as a browser makes them."""
+    code = text_of("controls.js").replace("function nearest", "function nearestPosition")
+    given = json.dumps([[a["low"], a["high"], a["value"], a["log"]] for a in abouts])
+    return run_in_node(f"{code} console.log(JSON.stringify({given}.map((a) => sliderPositions(...a))))")
 
 
 def test_the_range_is_made_wide_enough_for_the_value():
@@ -37,37 +55,55 @@ def test_the_guessed_range_keeps_to_the_bounds():
     assert 0.0 < made.min < 2.0 < made.max <= 3.0
 
 
-@pytest.mark.parametrize("value", [np.pi / 6, np.radians(150.0), np.pi / 4, 1 / 3])
-def test_a_value_that_is_not_round_is_a_position_to_the_last_bit(value):
-    angle = Parameter("a", "rad", range=(-np.pi, np.pi))
-    positions = slider("a", angle, value).positions
-    assert value in positions
-    assert (positions[0], positions[-1]) == (-np.pi, np.pi)
-    assert {-1.0, 0.0, 0.55, 3.1} < set(positions)
+def test_a_value_that_is_not_round_is_a_position_to_the_last_bit():
+    angle, values = Parameter("a", "rad", range=(-np.pi, np.pi)), (np.pi / 6, np.radians(150.0), 1 / 3)
+    for value, positions in zip(values, positions_of([number("a", angle, v, "main") for v in values])):
+        assert value in positions
+        assert (positions[0], positions[-1]) == (-np.pi, np.pi)
+        assert {-1.0, 0.0, 0.55, 3.1} < set(positions)
 
 
 def test_steps_are_round_numbers():
-    made = [slider(name, ABOUT[name], MODEL.parameters[name]) for name in ("mu_k", "F", "l1")]
-    steps = [np.diff(one.positions[1:-1]) for one in made]
+    abouts = [number(name, ABOUT[name], MODEL.parameters[name], "main") for name in ("mu_k", "F", "l1")]
+    steps = [np.diff(positions[1:-1]) for positions in positions_of(abouts)]
     assert [step.min() for step in steps] == pytest.approx([0.01, 5.0, 0.002])
     assert [step.max() for step in steps] == pytest.approx([0.01, 5.0, 0.002])
 
 
-@pytest.mark.parametrize("name", [name for name in MODEL.parameters if ABOUT[name].log])
-def test_a_logarithmic_slider_has_fifty_positions_a_decade(name):
-    positions = np.array(slider(name, ABOUT[name], MODEL.parameters[name]).positions)
-    ratios = positions[1:] / positions[:-1]
-    assert ratios.max() == pytest.approx(10**0.02, rel=6e-3)  # of three digits
-    assert all(power in positions for power in 10.0 ** np.arange(*np.log10(ABOUT[name].range)))
+def test_a_logarithmic_slider_has_fifty_positions_a_decade():
+    names = [name for name in MODEL.parameters if ABOUT[name].log]
+    for name, found in zip(
+        names, positions_of([number(n, ABOUT[n], MODEL.parameters[n], "") for n in names])
+    ):
+        positions = np.array(found)
+        ratios = positions[1:] / positions[:-1]
+        assert ratios.max() == pytest.approx(10**0.02, rel=6e-3)  # of three digits
+        assert all(power in positions for power in 10.0 ** np.arange(*np.log10(ABOUT[name].range)))
 
 
-def test_rounding_is_undone_and_nothing_else():
-    assert remove_browser_rounding(20.000000000000004, 5.0) == 20.0
-    assert remove_browser_rounding(0.30000000000000004, 5.0) == 0.3
-    assert remove_browser_rounding(1.23456789012 * (1 + 1e-12), 1.23456789012) == 1.23456789012
-    for own in (1 / 3, 1.0 + 1e-10, 0.0, -2.5):
-        assert remove_browser_rounding(own, 7.0) == own
-    assert equal_within_rounding((0.0, 1.0), (0.0, 1.0 + 1e-13))
-    assert not equal_within_rounding((0.0, 1.0), (0.0, 1.1))
-    assert not equal_within_rounding(None, 1.0)
-    assert not equal_within_rounding(True, False)
+@pytest.mark.parametrize("name", slow_but(["SliderOnBelt()", "DenHartog()"], MODELS))
+def test_every_value_of_every_model_is_a_position_of_its_slider(name):
+    explorer = fl.explore(MODELS[name], panels=("eigenvalues",))
+    abouts = [one.about for one in explorer.controls.values() if one.about["kind"] == "number"]
+    for about, positions in zip(abouts, positions_of(abouts)):
+        assert about["value"] in positions
+        assert positions == sorted(positions)
+    assert explorer.model == MODELS[name]
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("0,5", 0.5),
+        ("2e2", 200.0),
+        ("\u22123", -3.0),
+        ("1,234", None),
+        ("abc", None),
+        ("", None),
+        ("1 2", None),
+    ],
+)
+def test_a_number_is_typed_with_point_or_comma(text, found):
+    attempt = f"try {{ said = typedNumber({json.dumps(text)}) }} catch (error) {{ said = error.message }}"
+    said = run_in_node(f"{text_of('controls.js')} let said; {attempt}; console.log(JSON.stringify(said))")
+    assert said == found or (found is None and "write" in said)

@@ -7,14 +7,14 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
+from tests.helpers.explorers import columns, curve, said
 
 FLAT = fl.SliderOnBelt().without("geometry")
-PIXELS = 440  # of a panel's width, as a browser tells it
 
 
 def watched(explorer):
     """The explorer, shown in a browser."""
-    explorer.layout.screen.pixels = PIXELS
+    explorer.widget.shown = True
     return explorer
 
 
@@ -25,8 +25,7 @@ def stability():
 
 @pytest.mark.slow
 def test_the_critical_curve_is_that_of_the_analysis(stability):
-    line = stability.picture.tiles["critical"].lines["critical"]
-    at, values = line.get_data()
+    at, values = curve(stability, "critical", "critical")
     known = np.flatnonzero(np.isfinite(values))[::7]
     assert len(known) > 2
     for i in known:
@@ -35,16 +34,16 @@ def test_the_critical_curve_is_that_of_the_analysis(stability):
 
 
 def test_the_point_moves_and_changes_where_it_passes_the_curve(stability):
-    lines = stability.picture.tiles["critical"].lines
     critical = fl.critical_value(fl.SliderOnBelt(), "mu_k", (0, 3))
     for mu_k, stable in ((critical - 0.01, True), (critical + 0.01, False)):
         stability.controls["mu_k"].value = mu_k
-        here, elsewhere = (lines[f"here, {n}"] for n in ("stable", "unstable")[:: 1 if stable else -1])
-        assert (here.get_xdata(), here.get_ydata()) == ([200.0], [mu_k])
-        assert len(elsewhere.get_xdata()) == 0
+        names = ("stable", "unstable")[:: 1 if stable else -1]
+        (x, y), (elsewhere, _) = (curve(stability, "critical", f"here, {name}") for name in names)
+        assert (x.tolist(), y.tolist()) == ([200.0], [mu_k])
+        assert len(elsewhere) == 0
         assert stability.result.eigenvalues.stable is stable
-    grows = stability.picture.tiles["eigenvalues"].lines["grows"].get_xdata()
     rates = fl.eigenvalues(stability.model).growth_rates
+    grows = said(stability.widget, "eigenvaluePanel(result).curves.at(-1).x")
     assert grows == pytest.approx([rates.max()])
 
 
@@ -55,7 +54,7 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
         computed.append(model)
         return curve_and_gaps(model, *args, **options)
 
-    monkeypatch.setattr("frictionlab.widgets.panels.standard.curve_and_gaps", counted)
+    monkeypatch.setattr("frictionlab.widgets.panels.critical_value.curve_and_gaps", counted)
     stability.controls["mu_k"].value = 0.7
     stability.controls["F"].value = 450.0
     assert not computed
@@ -68,15 +67,14 @@ def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
 def test_in_an_event_loop_the_critical_curve_becomes_finer():
     async def browser():
         explorer = watched(fl.explore_stability())
-        line, seen = explorer.picture.tiles["critical"].lines["critical"], []
-        while explorer.busy.left:
-            seen.append(np.array(line.get_data()))
+        seen = []
+        while explorer.progress:
+            seen.append(np.array(curve(explorer, "critical", "critical")))
             await asyncio.sleep(0.02)
-        return explorer, [*seen, np.array(line.get_data())]
+        return explorer, [*seen, np.array(curve(explorer, "critical", "critical"))]
 
     explorer, seen = asyncio.run(browser())
     assert explorer.error is None
-    assert explorer.busy.widget.layout.visibility == "hidden"
     first, last = seen[0], seen[-1]
     assert (first.shape[1], last.shape[1]) == (21, 87)
     assert np.array_equal(first, last[:, 3::4], equal_nan=True)
@@ -86,10 +84,8 @@ def test_in_an_event_loop_the_critical_curve_becomes_finer():
     assert last[1, 41] == pytest.approx(alone, rel=1e-9)
 
 
-def test_a_click_moves_the_point_to_round_numbers(stability):
-    stability.click("critical", 333.3, 1.2345)
-    assert (stability.model.F, stability.model.mu_k) == (335.0, 1.23)
-    assert stability.picture.tiles["critical"].lines["here, unstable"].get_xdata() == [335.0]
+def test_a_click_sets_both_parameters(stability):
+    assert stability.widget.picture["drawings"]["critical"]["pick"] == ("F", "mu_k")
 
 
 def test_two_different_parameters_are_needed():
@@ -116,14 +112,13 @@ def block():
 
 
 def shown(explorer):
-    lines = explorer.picture.tiles["bifurcation"].lines.values()
-    x = np.concatenate([line.get_xdata() for line in lines if line.get_label() != "_here"])
-    return np.unique(x)
+    curves = explorer.drawings["bifurcation"].curves
+    return np.unique(np.concatenate([np.asarray(c.x) for label, c in curves.items() if label != "_here"]))
 
 
 @pytest.mark.slow
 def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
-    panel = diagram.picture.panels["bifurcation"]
+    panel = diagram.panels["bifurcation"]
     diagram.controls["range"].value = (0.0, 1.2)
     coarse = dict(panel.steady_states)
     assert len(shown(diagram)) >= 24
@@ -132,13 +127,13 @@ def test_a_narrow_range_is_computed_more_finely_and_nothing_twice(diagram):
     assert len(fine) >= 24
     assert (fine.min(), fine.max()) == (0.3, 0.6)
     assert all(panel.steady_states[value] is coarse[value] for value in coarse)
-    assert diagram.picture.tiles["bifurcation"].ax.get_xlim() == (0.3, 0.6)
+    assert diagram.drawings["bifurcation"].xlim == (0.3, 0.6)
 
 
 @pytest.mark.slow
 def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
-    sweep = diagram.picture.panels["bifurcation"].sweep
+    sweep = diagram.panels["bifurcation"].sweep
     found, method = sweep.steady_states, sweep.options.method
     assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
     model = FLAT.replace(mu_s=4.0)
@@ -150,63 +145,37 @@ def test_the_points_are_those_of_the_analysis(diagram):
 
 
 def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(block):
-    panel = block.picture.panels["bifurcation"]
+    panel = block.panels["bifurcation"]
     before = dict(panel.steady_states)
     block.controls["mu_k"].value = 0.45
     assert panel.steady_states == before
-    assert block.picture.tiles["bifurcation"].lines["_here"].get_xdata() == [0.45, 0.45]
-    t, x = block.picture.tiles["response"].lines["$x$"].get_data()
-    assert np.array_equal(x, block.run(t)[:, 0])
+    assert block.drawings["bifurcation"].curves["_here"].x == [0.45, 0.45]
+    assert columns(block.widget)["x"][-1] == block.run.final_state[0]
     assert block.model.mu_k == 0.45
 
 
 @pytest.mark.slow
 def test_another_parameter_means_another_diagram(diagram):
-    panel = diagram.picture.panels["bifurcation"]
-    assert not diagram.controls["F"].continuous_update
-    assert diagram.controls["mu_k"].continuous_update
+    panel = diagram.panels["bifurcation"]
+    assert diagram.widget.scene["settles"] == "mu_k"  # only this one is followed while it moves
     before = panel.steady_states
     diagram.controls["F"].value = 250.0
     assert panel.steady_states is not before
     assert len(panel.steady_states) == 24
 
 
-def at(explorer, name, x, y):
-    """Shares of the picture's width and height at data coordinates."""
-    tile = explorer.picture.tiles[name]
-    pixels = tile.ax.transData.transform((x, y))
-    return (pixels - tile.box.min) / tile.box.size
-
-
-def test_a_click_into_the_diagram_shows_the_motion_there(block):
-    block.controls["range"].value = (0.3, 0.6)
-    image = block.picture.images["bifurcation"]
-    # In the middle of what is shown, which depends on how much has been computed yet.
-    x, y = at(block, "bifurcation", 0.4201, np.mean(block.picture.tiles["bifurcation"].ax.get_ylim()))
-    image._handle_custom_msg({"x": x, "y": y}, [])
-    slider = block.controls["mu_k"]
-    assert block.model.mu_k == slider.value == 0.42
-    block.controls["range"].value = (0.41, 0.45)
-    block.click("bifurcation", 0.42315, 0.0)
-    assert block.model.mu_k == 0.4232
-    assert slider.value == slider.field.value == 0.4232  # what the browser shows
-    updates = block.updates
-    image._handle_custom_msg({"x": 0.01, "y": 0.5}, [])  # beside the axes
-    assert block.updates == updates
-
-
 @pytest.fixture(scope="module")
 def filled():
-    """An explorer that was filled in an event loop, and meanwhile: values, how many, words, visibility."""
+    """An explorer that was filled in an event loop, and meanwhile: values, how many, progress."""
 
     async def browser():
         explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
-        panel, mark = explorer.picture.panels["bifurcation"], explorer.busy.widget
+        panel = explorer.panels["bifurcation"]
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
-        while explorer.busy.left:
+        while explorer.progress:
             done = len(panel.steady_states) - len(panel.sweep.unsettled)
-            seen.append((dict(panel.steady_states), done, mark.value, mark.layout.visibility))
+            seen.append((dict(panel.steady_states), done, explorer.widget.picture["progress"]))
             await asyncio.sleep(0.02)
         return explorer, seen
 
@@ -217,12 +186,10 @@ def filled():
 def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled):
     explorer, seen = filled
     assert 0 < len(seen[0][0]) < 300
-    for _, done, words, visibility in seen:
-        assert f"{done} of 300" in words
-        assert visibility == "visible"
-    panel = explorer.picture.panels["bifurcation"]
-    assert (len(panel.steady_states), explorer.busy.widget.layout.visibility) == (300, "hidden")
-    assert explorer.picture.tiles["bifurcation"].note.get_text() == "300 values"
+    assert all(progress == [done, 300] for _, done, progress in seen)
+    panel = explorer.panels["bifurcation"]
+    assert (len(panel.steady_states), explorer.widget.picture["progress"]) == (300, None)
+    assert explorer.drawings["bifurcation"].note == "300 values"
     assert explorer.error is None
     assert panel.sweep.options.transient == 5.0
     assert not panel.sweep.previews  # they would take as long
@@ -232,7 +199,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
 def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
     explorer, seen = filled
     every = np.linspace(*explorer.controls["range"].value, 300)
-    last = explorer.picture.panels["bifurcation"].steady_states
+    last = explorer.panels["bifurcation"].steady_states
     assert sorted(last) == every.tolist()
     order = np.searchsorted(every, list(last)).tolist()
     assert sorted(order[:24]) == [*range(0, 300, 13)]
@@ -247,12 +214,11 @@ def test_a_coarse_diagram_comes_first_and_is_refined_evenly(filled):
 def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
     async def browser():
         explorer, seen = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5))), []
-        sweep, tile = explorer.picture.panels["bifurcation"].sweep, explorer.picture.tiles["bifurcation"]
+        sweep = explorer.panels["bifurcation"].sweep
         while len(sweep.steady_states) < 12:
             await asyncio.sleep(0.02)
-            seen.append(
-                (len(sweep.previews), len(sweep.steady_states), tile.note.get_text(), len(shown(explorer)))
-            )
+            note = explorer.drawings["bifurcation"].note
+            seen.append((len(sweep.previews), len(sweep.steady_states), note, len(shown(explorer))))
         explorer.close()
         return sweep, seen
 
@@ -280,14 +246,14 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
     async def browser():
         explorer = watched(fl.explore_bifurcation(FLAT.replace(mu_k=0.5)))
         explorer.controls["transient"].value = 5.0
-        panel, counts = explorer.picture.panels["bifurcation"], [0]
-        drawn = explorer.picture.images["response"].value
+        panel, counts = explorer.panels["bifurcation"], [0]
+        drawn = explorer.widget.picture["samples"]
         for value in (0.51, 0.52, 0.53):
             explorer.controls["mu_k"].value = value
             counts.append(len(panel.steady_states))
-            assert explorer.picture.images["response"].value != drawn
+            assert explorer.widget.picture["samples"] != drawn
             await asyncio.sleep(0.05)
-        assert "of 300 values" in explorer.picture.tiles["bifurcation"].note.get_text()
+        assert "of 300 values" in explorer.drawings["bifurcation"].note
         while len(panel.steady_states) == counts[-1]:
             await asyncio.sleep(0.05)
         explorer.close()
@@ -301,8 +267,8 @@ def test_what_a_slider_changes_is_shown_before_the_diagram_goes_on(monkeypatch):
 def test_what_nobody_looks_at_waits():
     async def browser():
         explorer, counts = fl.explore_bifurcation(FLAT.replace(mu_k=0.5)), []
-        for pixels in (0, PIXELS):
-            explorer.layout.screen.pixels = pixels
+        for shown_now in (False, True):
+            explorer.widget.shown = shown_now
             updates = explorer.updates
             await asyncio.sleep(0.5)
             counts.append(explorer.updates - updates)
@@ -332,13 +298,13 @@ FULL = fl.SliderOnBelt(mu_k=0.5, impact=fl.PlasticImpact("full"))
 def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     async def browser():
         explorer = watched(fl.explore_bifurcation(FULL))
-        panel, notes = explorer.picture.panels["bifurcation"], []
+        panel, notes = explorer.panels["bifurcation"], []
         explorer.controls["range"].value = (0.5, 1.0)
         explorer.controls["transient"].value = 40.0
-        while explorer.busy.left:
+        while explorer.progress:
             await asyncio.sleep(0.02)
-            tile = explorer.picture.tiles["bifurcation"]
-            notes.append((len(panel.steady_states), tile.note.get_text(), set(panel.sweep.unsettled)))
+            note = explorer.drawings["bifurcation"].note
+            notes.append((len(panel.steady_states), note, set(panel.sweep.unsettled)))
         return explorer, notes
 
     explorer, notes = asyncio.run(browser())
@@ -347,7 +313,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
     assert len(filled[0][1]) > 12
     assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
     assert filled[-1] == ("300 values", set())
-    panel, value = explorer.picture.panels["bifurcation"], max(filled[0][1])
+    panel, value = explorer.panels["bifurcation"], max(filled[0][1])
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options.method
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
@@ -365,12 +331,12 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
         explorer = watched(fl.explore_bifurcation(FULL))
         explorer.controls["range"].value = (0.5, 1.0)
         explorer.controls["transient"].value = 5.0
-        panel, before = explorer.picture.panels["bifurcation"], None
-        while explorer.busy.left:
+        panel, before = explorer.panels["bifurcation"], None
+        while explorer.progress:
             await asyncio.sleep(0.02)
             if before is None and len(panel.steady_states) == 300:
                 before = dict(panel.steady_states)
-                explorer.click("bifurcation", 0.75, 0.0)  # is shown before anything goes on
+                explorer.controls["mu_k"].value = 0.75  # is shown before anything goes on
                 shown = explorer.model.mu_k, dict(panel.steady_states)
         return explorer, before, shown
 
@@ -378,12 +344,11 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
     assert mu_k == 0.75
     assert all(found[value] is before[value] for value in before)
     assert explorer.error is None
-    assert explorer.busy.widget.layout.visibility == "hidden"
-    assert "not settled yet" in explorer.picture.tiles["bifurcation"].note.get_text()
+    assert "not settled yet" in explorer.drawings["bifurcation"].note
 
 
 def test_a_model_without_the_usual_parameter_has_a_bifurcation_explorer():
     model = fl.MassOnBeam()
     explorer = fl.explore_bifurcation(model)
-    assert explorer.parameters.sliders[next(iter(model.parameters))].continuous_update
+    assert explorer.widget.scene["settles"] == next(iter(model.parameters))
     explorer.close()

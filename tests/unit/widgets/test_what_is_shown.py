@@ -1,35 +1,28 @@
-"""The window shows what moves, the words say what the run does, and legends fit into their tiles."""
-
-import re
+"""The window shows what moves, and the words say what the run does."""
 
 import numpy as np
 import pytest
 
 import frictionlab as fl
-from tests.helpers.explorers import lines
-
-
-def words(explorer):
-    """What stands beside the picture about the equilibrium, without its numbers."""
-    return re.sub("<br>.*|<[^>]*>", "", explorer.layout.equilibrium.value)
+from tests.helpers.explorers import columns, said, words
 
 
 def test_a_ball_that_comes_to_rest_is_shown_while_it_moves():
     explorer = fl.explore(fl.BouncingBall(), panels=("response",))
-    t, y = lines(explorer, "response")["$y$"].get_data()
+    t, y = (columns(explorer.widget)[name] for name in ("t", "y"))
     over = 3 * np.sqrt(2 / 9.81)  # closed form: e = 0.5 takes three times the first fall
     assert t[0] == 0.0
     assert over < t[-1] < 1.3 * over
     assert np.ptp(y) == pytest.approx(1.0, rel=1e-3)
     explorer.controls["window"].value = 5.0
-    t, y = lines(explorer, "response")["$y$"].get_data()
+    t, y = (columns(explorer.widget)[name] for name in ("t", "y"))
     assert (t[0], t[-1], np.ptp(y)) == (95.0, 100.0, 0.0)
 
 
 def test_a_mass_that_dry_friction_stops_is_shown_until_it_stops():
     explorer = fl.explore(fl.FreeCoulomb(), panels=("response",))
     stop = explorer.run.events.t[-1]
-    t = lines(explorer, "response")["$x$"].get_xdata()
+    t = columns(explorer.widget)["t"]
     assert (t[0], t[-1]) == (0.0, pytest.approx(1.15 * stop))
 
 
@@ -68,23 +61,27 @@ def test_a_legend_has_no_modes_of_runs_before():
     for start in ([3.0, -2.0, 5.0, -4.0], [-3.0, 2.0, -5.0, 4.0]):
         fl.simulate(model, 50.0, x0=start, progress=False)
     explorer = fl.explore(model, panels=("phase",))
-    legend = explorer.picture.tiles["phase"].ax.get_legend()
-    shown = {text.get_text() for text in legend.get_texts()} - {"equilibrium"}
-    assert shown == set(explorer.run.time_in_mode)
+    shown = {curve["label"] for curve in said(explorer.widget, "phase(result).curves")} - {"equilibrium"}
+    assert shown == {explorer.run.mode_names[mode] for mode in explorer.result.samples()[2]}
     assert len(shown) < len(explorer.run.mode_names)  # those before had more
-
-
-def test_what_is_kept_for_comparison_is_dotted_and_of_no_modes_colour():
-    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("phase",))
-    explorer.controls["compare"].value = True
-    tile = explorer.picture.tiles["phase"]
-    kept, now = tile.frozen["slip+"], tile.lines["slip+"]
-    assert kept.get_color() not in {
-        line.get_color() for label, line in tile.lines.items() if label != "equilibrium"
-    }
-    assert (kept.is_dashed(), now.is_dashed()) == (True, False)
 
 
 def test_rates_that_are_rounding_do_not_set_the_axis():
     explorer = fl.explore(fl.MassOnBelt(), panels=("eigenvalues",))
-    assert explorer.picture.tiles["eigenvalues"].ax.get_xlim() == (-1.0, 1.0)
+    assert said(explorer.widget, "eigenvaluePanel(result).xlim") == [-1, 1]
+
+
+def test_where_nothing_slides_there_is_no_panel_of_eigenvalues():
+    explorer = fl.explore(fl.BouncingBall(), panels=("eigenvalues", "spectrum"))
+    assert said(explorer.widget, "eigenvaluePanel(result)") is None
+    assert words(explorer).startswith("Nothing in this model slides steadily")
+    assert said(explorer.widget, "spectrum(result).note") == "at rest"
+
+
+def test_a_model_without_a_mechanism_is_explored_without():
+    class Bare(fl.MassOnBelt):
+        mechanism = None
+
+    explorer = fl.explore(Bare())
+    assert explorer.error is None
+    assert "mechanism" not in explorer.widget.scene["panels"]

@@ -1,0 +1,91 @@
+// The front end as a widget: its engine is the Python process.  The state goes there, and the result comes back, now or later.
+const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
+
+class PythonEngine {
+  constructor(model) { Object.assign(this, { model, parameters: null, images: {} }); }
+
+  ask(state) {
+    this.model.set("state", state);
+    this.model.save_changes();
+  }
+
+  has(name) { return !this.parameters || name in this.parameters; }
+  choose(name, changed = {}) { this.model.send({ open: name, changed }); }
+  python() { return this.model.get("picture").python; }
+
+  result() { // the picture, with its arrays as numbers
+    const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture, result = { ...picture, highest: this.model.get("scene").highest };
+    this.parameters = picture.parameters;
+    if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes), Object.keys(samples.columns), Object.values(samples.columns).map(floats));
+    if (spectrum) result.spectrum = { ...spectrum, frequencies: floats(spectrum.frequencies), amplitudes: floats(spectrum.amplitudes) };
+    result.drawings = Object.fromEntries(Object.entries(drawings).map(([name, drawing]) => [name, drawing.image ? { image: this.imageOf(name, drawing.image) } : { ...drawing, curves: drawing.curves.map((curve) => ({ ...curve, x: floats(curve.x), y: floats(curve.y) })) }]));
+    return result;
+  }
+
+  imageOf(name, bytes) { // the address of a picture that matplotlib has drawn
+    URL.revokeObjectURL(this.images[name]);
+    return (this.images[name] = URL.createObjectURL(new Blob([bytes], { type: "image/svg+xml" })));
+  }
+
+  instant(t, { samples }) { return [samples, nearestTime(samples.times, t)]; }
+
+  hear() {
+    return new Promise((heard, refused) => {
+      this.heard = ({ text, rate }, [bytes]) => {
+        if (!bytes) return refused(new RangeError(text));
+        const samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+        heard({ samples: Float32Array.from(samples, (v) => v / 32767), rate, text });
+      };
+      this.model.send({ hear: true });
+    });
+  }
+}
+
+function render({ model, el }) {
+  const root = html("div"), engine = new PythonEngine(model), explorer = new Explorer(root, model.get("scene"), engine, { address: model.get("scene").address });
+  let link = model.get("scene").address ? location.hash : "", due = false;
+  el.append(root);
+  function show() { // several values change in one message: they are shown once
+    due = false;
+    const { picture, error } = { picture: model.get("picture"), error: model.get("error") };
+    if (error) return explorer.fail(error);
+    if (picture.parameters) explorer.show(engine.result());
+  }
+  const soon = () => { if (!due) queueMicrotask(show); due = true; };
+  const reopen = () => {
+    explorer.open(model.get("scene"), model.get("state"));
+    if (link) follow(readLink(link, model.get("scene")).state);
+  };
+  const take = () => { // controls that were set in Python
+    if (!sameValue(explorer.state, model.get("state")) && Object.keys(explorer.state).every((name) => name in model.get("state"))) {
+      explorer.state = { ...model.get("state") };
+      explorer.showState();
+    }
+  };
+  function follow(state) {
+    link = "";
+    explorer.set(state);
+  }
+  const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon, "msg:custom": (...message) => engine.heard?.(...message) };
+  for (const [name, does] of Object.entries(changes)) model.on(name, does);
+  model.set("shown", true);
+  model.save_changes();
+  take();
+  show();
+  if (link) {
+    const asked = readLink(link, model.get("scene"));
+    asked.scene && asked.scene !== model.get("scene").name ? engine.choose(asked.scene) : follow(asked.state);
+  }
+  const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (explorer.playButton && !calm && model.get("scene").plays) explorer.toggle();
+  const themes = new MutationObserver(() => { if (!explorer.options.address) explorer.followTheme(); });
+  themes.observe(document.body, { attributes: true });
+  requestAnimationFrame(() => { if (!explorer.options.address) explorer.followTheme(); }); // once it is in the page
+  return () => {
+    for (const [name, does] of Object.entries(changes)) model.off(name, does);
+    themes.disconnect();
+    explorer.close();
+  };
+}
+
+export default { render };

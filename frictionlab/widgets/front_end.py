@@ -1,0 +1,209 @@
+"""The front end of `frictionlab.pages` as a widget, whose engine is this process.
+
+Three values go to the browser: the scene, the state of the controls, and the result of a state, whose arrays
+travel as binary.  The browser sends the state back when a control is moved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import anywidget
+import numpy as np
+import traitlets
+from matplotlib.colors import to_hex
+
+from frictionlab.hybrid.problem import evaluate_output
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.model import Model
+from frictionlab.pages.export import FRONT_END, script_text, text_of
+from frictionlab.pages.scene import Data, quantity_data
+from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
+from frictionlab.plotting.figure import Curve, Drawing
+from frictionlab.widgets.result import Array, Result, python_snippet, time_of_rest
+
+from .sound import listen
+
+MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+", "x": "x"}
+SOLID = "-", "solid"
+NO_LINE = "none", "None", "", " "
+
+
+class FrontEnd(anywidget.AnyWidget):
+    """The front end in a notebook or an application.
+
+    Attributes
+    ----------
+    scene, state, picture : dict
+        What is shown, what the controls are set to, and the result of that.
+    error : str
+        Why the present state has no result; empty where it has one.
+    shown : bool
+        Whether a browser shows it.
+    """
+
+    _esm = script_text((*FRONT_END, "python_engine"))
+    _css = text_of("explorer.css")
+    scene = traitlets.Dict().tag(sync=True)
+    state = traitlets.Dict().tag(sync=True)
+    picture = traitlets.Dict().tag(sync=True)
+    error = traitlets.Unicode().tag(sync=True)
+    shown = traitlets.Bool(False).tag(sync=True)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.run: Any = None
+        self.opens: Callable[[str, Mapping[str, Any]], None] = _opens_nothing
+        self.on_msg(self._heard)
+
+    def _heard(self, _: Any, content: Any, __: Any) -> None:
+        """Send what the run sounds like, or why it makes no sound; or open a scene."""
+        if "open" in content:
+            self.opens(content["open"], content.get("changed", {}))
+            return
+        try:
+            sound = listen(self.run)
+        except ValueError as error:
+            self.send({"text": str(error)})
+            return
+        silent = not sound.samples.any()
+        text = "it makes no sound" if silent else f"{sound.signal}, {sound.pitch:.3g} times as high as it is"
+        samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
+        self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
+
+
+def _opens_nothing(name: str, changed: Mapping[str, Any]) -> None:
+    raise ValueError(f"there is no menu of scenes to open {name!r} from")
+
+
+def result_data(
+    result: Result, drawings: Mapping[str, Drawing], needs_run: bool, needs_spectrum: bool
+) -> Data:
+    """A result as the front end takes it; without samples where no panel shows the run."""
+    model, known = result.model, result.eigenvalues
+    point = None if known is None else known.equilibrium
+    data: Data = {
+        "structure": quantity_data(model, model.automaton()),
+        "parameters": dict(model.parameters),
+        "coordinate": result.settings.coordinate,
+        "from": result.settings.x0 if isinstance(result.settings.x0, str) else "own",
+        "eigenvalues": None if known is None else [[v.real, v.imag] for v in known.values.tolist()],
+        "reason": result.no_equilibrium_reason,
+        "equilibrium": point
+        and {
+            "q": [float(x) for x in point.q],
+            "penetration": _finite(point.penetration),
+            "normal_force": _finite(point.normal_force),
+            "friction_force": _finite(point.friction_force),
+        },
+        "python": python_snippet(result.settings),
+        "complete": True,
+        "finished": True,
+        "status": "",
+        "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
+        "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),
+    }
+    return data | (run_data(result, needs_spectrum) if needs_run else {})
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def run_data(result: Result, needs_spectrum: bool) -> Data:
+    """The run, sampled over the part that is shown, and what it does at its end."""
+    run, moving = result.run, result.is_moving
+    samples = result.samples()
+    return sampled_run(run, result.model, *samples) | {
+        "mode": run.mode[-1] if len(run.mode) else "",
+        "struck": bool(np.any(run.events.t > samples[0][0])),
+        "moving": moving,
+        "decays": result.decays if moving else False,
+        "rest": None if moving else time_of_rest(run),
+        "spectrum": spectrum_data(result) if needs_spectrum else None,
+    }
+
+
+def sampled_run(run: Trajectory, model: Model, times: Array, states: Array, modes: Any) -> Data:
+    """A run at times (N,), with its states (N, n) and modes (N,) there."""
+    automaton, names, colours = run.automaton, run.mode_names, mode_colours(run)
+    columns = {name: states[:, i] for i, name in enumerate(run.names)}
+    columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
+    own = quantity_data(model, automaton)
+    return {
+        "structure": own | {"modes": list(names), "colours": [colours[name] for name in names]},
+        "samples": {
+            "times": packed(times),
+            "modes": packed(modes),
+            "columns": {name: packed(values) for name, values in columns.items()},
+        },
+        "start": float(times[0]),
+        "stop": float(times[-1]),
+        "size": float(np.abs(states[:, : automaton.coordinates]).max()),
+        "finished": run.status.ok and run.warning is None,
+        "status": run_text(run),
+    }
+
+
+def run_text(run: Trajectory) -> str:
+    """How a run ended: its steps and events, or a warning."""
+    if not run.status.ok:
+        return f"The run ended at {run.raw.t:.4g} s: {run.status}."
+    if run.warning is not None:
+        return f"Do not trust this picture: {run.warning}."
+    stats = run.stats
+    return (
+        f"The end was reached. {stats['steps']} steps, {stats['events']} events, "
+        f"solved in {1e3 * stats['wall_time']:.1f} ms"
+    )
+
+
+def spectrum_data(result: Result) -> Data | None:
+    """Frequencies and amplitudes; None where the run is too short."""
+    found = result.spectrum
+    if found is None:
+        return None
+    return {
+        "frequencies": packed(found.frequencies),
+        "amplitudes": packed(found.amplitudes),
+        "strongest": float(found.strongest),
+        "largest": float(found.amplitudes.max()),
+    }
+
+
+def packed(values: Any) -> bytes:
+    """Numbers as 64-bit floats."""
+    return np.ascontiguousarray(values, dtype="<f8").tobytes()
+
+
+def drawing_data(drawing: Drawing) -> Data:
+    """A drawing as the front end takes it."""
+    curves = sorted(enumerate(drawing.curves.items()), key=lambda item: item[1][1].style.get("zorder", 2.0))
+    return {
+        "xlabel": drawing.xlabel,
+        "ylabel": drawing.ylabel,
+        "right": drawing.right,
+        "log": drawing.yscale == "log",
+        "note": drawing.note,
+        "xlim": drawing.xlim and [float(x) for x in drawing.xlim],
+        "ylim": drawing.ylim and [float(y) for y in drawing.ylim],
+        "curves": [_curve(label, curve, place) for place, (label, curve) in curves],
+    }
+
+
+def _curve(label: str, curve: Curve, place: int) -> Data:
+    style = curve.style
+    line, marker = style.get("linestyle", "-"), style.get("marker")
+    return {
+        "label": label,
+        "x": packed(curve.x),
+        "y": packed(curve.y),
+        "axis": curve.axis,
+        "colour": to_hex(style.get("color", LINE_COLOURS[place % len(LINE_COLOURS)])),
+        "width": float(style.get("linewidth", 1.3)),
+        "line": line not in NO_LINE,
+        "dash": line not in (*SOLID, *NO_LINE),
+        "marker": MARKERS.get(marker, "o") if marker not in (None, "none", "None", "") else None,
+        "size": float(style.get("markersize", 6.0)) * (0.6 if marker == "." else 1.0) * 4 / 3,
+    }

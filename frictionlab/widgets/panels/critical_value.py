@@ -1,0 +1,119 @@
+"""The panel of critical values: where steady sliding changes its stability, over another parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.model import check_parameter_name
+from frictionlab.pages.scene import slider_range
+from frictionlab.plotting.appearance import BLACK, BLUE, VERMILLION
+from frictionlab.plotting.figure import Curve, Drawing
+from frictionlab.plotting.labels import parameter_label
+from frictionlab.stability import CriticalCurve
+from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
+from frictionlab.widgets.update_scheduler import has_event_loop
+
+if TYPE_CHECKING:
+    from frictionlab.models.model import Model
+    from frictionlab.widgets.result import Result
+
+CURVE_POINTS, CURVE_PARTS = 87, 4  # points of a critical curve, and the parts in which it is computed
+MAX_CACHED_CURVES = 16  # curves
+OPERATING_POINT: dict[str, Any] = {"linestyle": "none", "markersize": 8.0, "zorder": 3.0}
+
+
+class CriticalValuePanel:
+    """A panel: the critical values of a parameter over another; steady sliding is stable below the curve.
+
+    The curve does not depend on the model's values of the two parameters, so moving the point computes
+    nothing anew.  It is computed in parts, first every fourth point; in a script that is all.
+
+    Parameters
+    ----------
+    model : SliderOnBelt
+        The model whose parameters give the limits of the axes.
+    parameter, over : str
+        The critical parameter, on the vertical axis, and the other one, on the horizontal axis.
+    """
+
+    __name__ = "critical"
+
+    def __init__(self, model: Model, parameter: str = "mu_k", over: str = "F") -> None:
+        about = parameter_metadata(type(model), model.components)
+        self.parameter, self.over = parameter, over
+        self.bounds, self.sides = (slider_range(about[n], model.parameters[n]) for n in (parameter, over))
+        self.pick = over, parameter  # what a click sets: the model moves there
+        self._curve = lru_cache(MAX_CACHED_CURVES)(self._begun)
+        self._shown: Any = None
+
+    def __call__(self, result: Result) -> Drawing:
+        """The curve, and a point in the colour of its stability."""
+        model, eigenvalues = result.model, result.eigenvalues
+        for name in (self.parameter, self.over):
+            check_parameter_name(model, name)
+        curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
+        # After a change the present curve is shown before more is computed; a script gets its first part.
+        if not curve.at.size or (result is self._shown and has_event_loop()):
+            curve.work()
+        self._shown = result
+        here = [model.parameters[self.over]], [model.parameters[self.parameter]]
+        stable = eigenvalues is not None and eigenvalues.stable
+        curves = {
+            "critical": Curve(curve.at, curve.values, {"color": BLACK}),
+            "here, stable": _operating_point(here, stable, BLUE, "o"),
+            "here, unstable": _operating_point(here, eigenvalues is not None and not stable, VERMILLION, "^"),
+        }
+        x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
+        progress = (curve.at.size, CURVE_POINTS) if curve.left and has_event_loop() else None
+        return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds, progress=progress)
+
+    def _begun(self, others: _ModelApartFrom) -> _CurveInParts:
+        # At the ends there may be no contact force, or a mass may be zero.
+        at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
+
+        def compute(part: Any) -> CriticalCurve:
+            return curve_and_gaps(others.model, self.parameter, self.bounds, over=(self.over, part))[0]
+
+        return _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
+
+
+class _CurveInParts:
+    """The parts of a critical curve that are computed so far, (at, values), and those that are left."""
+
+    def __init__(self, compute: Callable[[Any], CriticalCurve], parts: list[Any]) -> None:
+        self.at = self.values = np.zeros(0)
+        self.left, self._compute = parts, compute
+
+    def work(self) -> None:
+        """Compute one more part, if one is left."""
+        if not self.left:
+            return
+        part, self.left = self._compute(self.left[0]), self.left[1:]
+        at, values = np.append(self.at, part.at), np.append(self.values, part.values)
+        order = np.argsort(at)
+        self.at, self.values = at[order], values[order]
+
+
+class _ModelApartFrom:
+    """A model without regard to the parameters named: two are equal if they differ only in these."""
+
+    def __init__(self, model: Model, names: tuple[str, ...]) -> None:
+        self.model = model
+        values = tuple(item for item in model.parameters.items() if item[0] not in names)
+        self._key = model.structure_key, values
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _ModelApartFrom) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
+def _operating_point(here: Any, there: bool, colour: str, marker: str) -> Curve:
+    x, y = here if there else ([], [])
+    return Curve(x, y, OPERATING_POINT | {"color": colour, "marker": marker})
