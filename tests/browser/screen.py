@@ -3,23 +3,22 @@
 import time
 
 PATIENCE = 60_000  # milliseconds
-SEEN = """async (root) => {
-  const explorer = document.querySelector(root);
-  const bytes = async (image) => new Uint8Array(await (await fetch(image.src)).arrayBuffer()).join();
-  const pictures = await Promise.all([...explorer.querySelectorAll(".fl-panel img")].map(bytes));
-  const numbers = [...explorer.querySelectorAll(".fl-equilibrium span")].map((e) => e.innerText);
-  return { pictures, words: numbers.join(" ") };
+SEEN = """(root) => {
+  const explorer = document.querySelector(root), texts = (of) => explorer.querySelector(of)?.innerText ?? "";
+  const plots = explorer.querySelectorAll(".fl-panel:not(.fl-panel-mechanism) canvas.fl-canvas");
+  return { pictures: [...plots].map((canvas) => canvas.toDataURL()), words: texts(".fl-numbers") };
 }"""
+BUSY = """(root) => [...document.querySelectorAll(root + " .fl-busy")].every((busy) => busy.hidden)"""
 
 
 def seen(page, root):
-    """What the explorer shows now: bytes of its pictures, and the numbers of the equilibrium."""
+    """What the explorer shows now: its plots, and the numbers of the equilibrium."""
     return page.evaluate(SEEN, root)
 
 
 def press(page, root, name, key="ArrowRight"):
     """A key on a slider."""
-    page.locator(f"{root} .fl-{name} [role=slider]").focus()
+    page.locator(f"{root} .fl-control.fl-{name} input[type=range]").focus()
     page.keyboard.press(key)
 
 
@@ -31,11 +30,7 @@ def flip(page, root, name):
 def settled(page, root):
     """Wait until nothing is computed any more; returns what is seen then."""
     page.wait_for_timeout(400)  # the mark appears after 0.3 s
-    page.wait_for_function(
-        "(root) => getComputedStyle(document.querySelector(root + ' .fl-busy')).visibility === 'hidden'",
-        arg=root,
-        timeout=PATIENCE,
-    )
+    page.wait_for_function(BUSY, arg=root, timeout=PATIENCE)
     last = seen(page, root)
     while True:
         page.wait_for_timeout(300)
@@ -46,11 +41,7 @@ def settled(page, root):
 
 
 def changed(page, root, before, pictures=1, words=True):
-    """Wait until so many pictures, and if asked the words, differ; returns what is seen once they stay.
-
-    They come in messages of their own, one after the other.
-    """
-    # Asked from here: a predicate that awaits is no predicate for Playwright, its promise counts as true.
+    """Wait until so many pictures, and if asked the words, differ; returns what is seen once they stay."""
     end = time.monotonic() + PATIENCE / 1000
     while True:
         now = seen(page, root)
@@ -72,20 +63,17 @@ def come_to(page, expected, look):
     return now
 
 
-# Texts, fields, buttons and pictures that reach beyond the window or beyond a box that cuts them off.  What
-# one scrolls is no fault: the strip of panels on a narrow screen, and the picture where it is higher than the
-# window.
+# Texts, fields, buttons and pictures that reach beyond the window or beyond a box that cuts them off.
 CUT = """(root) => {
   const width = document.documentElement.clientWidth, found = [], box = (e) => e.getBoundingClientRect();
   const shown = (e) => e.checkVisibility({ visibilityProperty: true }) && box(e).width && box(e).height;
   const says = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
   for (const e of document.querySelectorAll(root + " *")) {
-    if (!shown(e) || e.closest("mjx-container, option")) continue;
+    if (!shown(e) || e.closest("option, sub, sup, .fl-files > div")) continue;
     if (!says(e) && !/^(INPUT|SELECT|BUTTON|TEXTAREA|IMG|CANVAS)$/.test(e.tagName)) continue;
     const b = box(e), name = `${e.tagName} ${e.className} "${(e.textContent || e.value || "").slice(0, 30)}"`;
-    const strip = e.closest(".fl-picture") && width <= 800;
-    if (!strip && (b.left < -0.5 || b.right > width + 0.5)) found.push(`${name} leaves the window`);
-    for (let p = e.parentElement; p && !p.matches(root + ", .fl-picture"); p = p.parentElement) {
+    if (b.left < -0.5 || b.right > width + 0.5) found.push(`${name} leaves the window`);
+    for (let p = e.parentElement; p && !p.matches(root); p = p.parentElement) {
       const q = box(p), style = getComputedStyle(p);
       const across = b.left < q.left - 0.5 || b.right > q.right + 0.5;
       const down = b.top < q.top - 2 || b.bottom > q.bottom + 2;

@@ -17,29 +17,22 @@ import psutil
 ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
 
-# Two explorers and an animation.  The kernel counts what the sliders and switches of
-# both say; of the second one, the negative control, it has forgotten to whom to say it.  One cell,
-# as JupyterLab takes others off the page where they are out of sight.
+# An explorer and a run that is watched.  The kernel counts what the controls say.  One cell, as JupyterLab
+# takes others off the page where they are out of sight.
 CELL = """\
 import frictionlab as fl
 import ipywidgets
 
-def made(name, deaf):
-    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("response", "phase"))
-    explorer.controls["duration"].value = 2.0
-    explorer.widget.add_class(name)
-    heard = ipywidgets.Label("0").add_class(f"{name}-heard")
-    def count(change):
-        heard.value = str(int(heard.value) + (change["new"] != change["old"]))
-    for control in ("F", "switch-cubic", "switch-nonsmooth", "switch-geometry"):
-        if deaf:
-            explorer.controls[control].unobserve_all("value")
-        explorer.controls[control].observe(count, names="value")
-    display(heard, explorer)
-
-made("live", deaf=False)
-made("deaf", deaf=True)
-fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
+explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("response", "phase"))
+explorer.controls["duration"].value = 2.0
+explorer.widget.add_class("live")
+heard = ipywidgets.Label("0").add_class("live-heard")
+def count(change):
+    heard.value = str(int(heard.value) + 1)
+for control in explorer.controls.values():
+    control.observe(count, names="value")
+watched = fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
+display(heard, explorer, watched.add_class("watched"))
 """
 
 
@@ -73,12 +66,10 @@ def made(i, model):
     told, times = ipywidgets.Label("0 same").add_class(f"told-{i}"), []
     def tell(change):
         times.append(change["name"])
-        kept = explorer.parameters.values(model) == dict(model.parameters)
+        kept = explorer.values() == explorer.initial
         told.value = f"{len(times)} {'same' if kept else 'other'}"
     for control in explorer.controls.values():
-        if hasattr(control, "value"):
-            control.observe(tell, names="value")
-    explorer.parameters.widget.children[1].selected_index = 0
+        control.observe(tell, names="value")
     display(told, explorer)
 
 for i, row in enumerate(fl.list_models("classics")):

@@ -49,6 +49,11 @@ function numberControl(about, changed) { // it counts positions: a browser that 
   const shown = unit ? [html("span", { className: "fl-unit", textContent: shownUnit(unit) })] : [];
   control.node = row({ ...about, hint: `${meaning || name}${unit && `, ${shownUnit(unit)}`} (${name}, ${shortNumber(about.low)} to ${shortNumber(about.high)}${log ? ", logarithmic" : ""})` },
     [html("label", { htmlFor: id, className: "fl-label" }, [html("span", {}, labelNodes(label)), ...shown]), range, field, message], "number");
+  const refuse = control.refuse = (text) => { // why a value is not taken
+    message.textContent = text;
+    message.hidden = !text;
+    text ? field.setAttribute("aria-invalid", "true") : field.removeAttribute("aria-invalid");
+  };
   control.show = (value) => {
     if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value), Math.max(about.high, value), value, log && value > 0);
     control.value = value;
@@ -58,11 +63,6 @@ function numberControl(about, changed) { // it counts positions: a browser that 
     field.value = shortNumber(value, 7);
     refuse("");
   };
-  function refuse(text) {
-    message.textContent = text;
-    message.hidden = !text;
-    text ? field.setAttribute("aria-invalid", "true") : field.removeAttribute("aria-invalid");
-  }
   function move(dragging) {
     const value = control.positions[Number(range.value)];
     if (value === control.value && dragging) return;

@@ -133,6 +133,7 @@ class Explorer {
 
   change(name, value, dragging) {
     this.state = { ...this.state, [name]: value };
+    this.moved = name;
     if (!dragging) this.showState();
     const { settles } = this.scene; // another parameter than this one is computed when its slider is let go
     if (dragging && settles && name !== settles) return;
@@ -140,6 +141,7 @@ class Explorer {
   }
 
   set(state) { // of all controls at once
+    this.moved = "";
     this.state = { ...state };
     this.showState();
     this.ask(false);
@@ -185,6 +187,7 @@ class Explorer {
     this.error = text;
     this.undoButton.disabled = false; // it leads to the last values that worked
     this.say(text, true);
+    this.controls.find(({ name }) => name === this.moved)?.refuse?.(text); // where one looks
   }
 
   say(text, bad = false) {
