@@ -32,8 +32,7 @@ BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f"}
 NOT_PYTHON = (  # in the wheel
     *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
     *("tutorials/00-index.ipynb", "tutorials/diagrams.py", "tutorials/diagrams/stiff.jsonl"),
-    *("plotting/animation/drawing.js", "widgets/canvas.js", "widgets/panels/panel_image.js"),
-    *("widgets/layout.css", "widgets/screen.js", "widgets/number_control.js", "widgets/file_button.js"),
+    *("plotting/animation/drawing.js", "pages/scripts/explorer.js", "pages/scripts/explorer.css"),
 )
 # In a wheel: machine code of the solver for all systems and browsers, and what was derived of the models.
 MOST_BYTES = {"/objects/": 1_800_000, "/structures.zip": 150_000}
@@ -45,7 +44,7 @@ from frictionlab.compilation import machine_code
 assert importlib.util.find_spec("numba") is None and machine_code.LOADED is not None
 """
 NOTEBOOKS = "tests/slow/docs/test_tutorials.py"
-NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "page_frames", "axe")]
+NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "axe")]
 WITHOUT_SYMPY = """
 import sys
 from frictionlab.cli.command import main

@@ -17,8 +17,8 @@ from typing import Any
 
 from frictionlab.models import MassOnBelt, Model, SliderOnBelt
 from frictionlab.pages import export
+from frictionlab.pages.scene import main_parameters
 from frictionlab.presentation import markdown_table
-from frictionlab.widgets.controls import main_parameters
 from frictionlab.widgets.explorer import Explorer, explore
 
 LATENCY_PANELS = ("mechanism", "response", "phase", "forces", "spectrum")
@@ -61,12 +61,11 @@ DRAG = """async ([count, low, high]) => {
 
 @dataclass(frozen=True)
 class SliderStep:
-    """A step of a slider: total seconds, seconds of the simulation, and the number of axes redrawn."""
+    """A step of a slider: total seconds, and seconds of the simulation."""
 
     parameter: str
     seconds: float
     simulation: float
-    axes: int
 
 
 def latencies(
@@ -105,25 +104,20 @@ def latencies(
 
 
 def _slider_values(slider: Any, count: int) -> list[float]:
-    """Values at the next steps of a slider: upwards, or downwards where too few steps are left."""
-    positions = slider.positions
-    here = min(range(len(positions)), key=lambda i: abs(positions[i] - slider.value))
-    up = positions[here + 1 : here + 1 + count]
-    return list(up if len(up) == count else positions[here - count : here][::-1])
+    """Values of some steps of a slider: upwards, or downwards where too few are left."""
+    step = (slider.max - slider.min) / 300
+    sign = 1 if slider.value + count * step <= slider.max else -1
+    return [slider.value + sign * step * (i + 1) for i in range(count)]
 
 
 def _time_step(explorer: Explorer, name: str, value: float) -> SliderStep:
-    axes, begin = _axes_drawn(explorer), time.perf_counter()
+    begin = time.perf_counter()
     explorer.controls[name].value = value
     seconds = time.perf_counter() - begin
     if explorer.error is not None:
         raise explorer.error
     simulation = float(explorer.run.stats["wall_time"]) if explorer.result.has_run else 0.0
-    return SliderStep(name, seconds, simulation, _axes_drawn(explorer) - axes)
-
-
-def _axes_drawn(explorer: Explorer) -> int:
-    return sum(tile.redrawn for tile in explorer.picture.tiles.values())
+    return SliderStep(name, seconds, simulation)
 
 
 def latency_table(measured: Mapping[str, Sequence[SliderStep]]) -> str:

@@ -44,7 +44,7 @@ def test_computing_and_plotting_need_none_of_them(tmp_path):
     assert answer.returncode == 0, answer.stderr
 
 
-VIEWS = {"explore": "ipywidgets", "explore_stability": "ipywidgets", "watch": "anywidget"}
+VIEWS = {"explore": "traitlets", "explore_stability": "traitlets", "watch": "anywidget"}
 VIEWING = f"""
 for name in {[*VIEWS]!r}:
     try:

@@ -6,6 +6,6 @@
     animate         `fl.animate`: a film of the mechanism, drawn by one of these two, with the phase plane
                     beside it
 
-A run and its model's mechanism become a picture, and a picture becomes artists.  `fl.watch`
-(widgets/canvas.py) sends the same picture to the browser.
+A run and its model's mechanism become a picture, and a picture becomes artists.  The front end of
+`frictionlab.pages` draws mechanisms in the browser, with ``drawing.js``.
 """
