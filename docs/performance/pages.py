@@ -155,10 +155,10 @@ EXPLORER = """\
 ## A step of an explorer's slider
 
 `fl.explore` with the mechanism and four panels (response, phase plane, forces, spectrum), 20 s simulated:
-from the new value of a slider to the bytes of its result. A browser adds the way there and back, and some 5 ms
-in which it draws them. The sliders in sight are moved step by step, once before without being timed. The
-explorer's default method has a tolerance of 1e-7, and under Eq. (13) it replaces flights below 0.4 ms by their
-limit.
+from the new value of a slider to the bytes of its result. A browser adds the way there and back, and some
+5 ms in which it draws them. The sliders in sight are moved step by step, once before without being timed.
+The explorer's default method has a tolerance of 1e-7, and under Eq. (13) it replaces flights below 0.4 ms by
+their limit.
 
 """
 

@@ -9,6 +9,6 @@
     update_scheduler    one update at a time, for the latest change
     canvas, sound       `fl.watch` and `fl.listen`
 
-A change of a control gives new Settings, and these a new Result.  Its data go to the browser, where the front end
-draws them and says what they mean.
+A change of a control gives new Settings, and these a new Result.  Its data go to the browser, where the front
+end draws them and says what they mean.
 """

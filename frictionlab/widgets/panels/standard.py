@@ -8,12 +8,12 @@ from inspect import signature
 from typing import Any
 
 from frictionlab.pages.scene import PANELS
-from frictionlab.plotting.figure import Drawing, RunFigure
+from frictionlab.plotting.figure import RunFigure
 from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 
 from ..result import Result
 
-Panel = Callable[[Any], Drawing]
+Panel = Callable[..., Any]  # of a Result, returns a Drawing; or of a run and axes
 OF_RUN = frozenset(PANELS) - {"eigenvalues"}  # the panels that need a run
 
 
@@ -55,7 +55,7 @@ def draws_on_axes(panel: Panel) -> bool:
     return len(required) == 2
 
 
-def drawn_on_axes(panel: Callable[[Any, Any], Any], result: Result) -> bytes:
+def drawn_on_axes(panel: Panel, result: Result) -> bytes:
     """What a function of a run and of axes draws, as SVG."""
     figure = RunFigure()
     panel(result.run, figure.subplots())
