@@ -59,7 +59,7 @@ class Explorer {
 
   statusBox() {
     this.status = html("p", { className: "fl-status", role: "status" });
-    this.busy = html("p", { className: "fl-busy", hidden: true }, [html("progress", {}), " computing …"]);
+    this.busy = html("p", { className: "fl-busy", hidden: true }, [html("progress", { ariaLabel: "computing" }), " computing …"]);
     return html("div", { className: "fl-told" }, [this.status, this.busy]);
   }
 
@@ -161,11 +161,16 @@ class Explorer {
     this.engine.ask(this.state, dragging, this);
   }
 
-  show(result) { // what an engine has computed
+  rest() { // nothing is being computed, but for what a long panel has left
     clearTimeout(this.waiting);
+    const { progress } = this.result ?? {}, bar = this.busy.firstChild;
+    this.busy.hidden = !progress;
+    if (progress) Object.assign(bar, { value: progress[0], max: progress[1] }); else bar.removeAttribute("value");
+  }
+
+  show(result) { // what an engine has computed
     this.result = result;
-    this.busy.hidden = !result.progress;
-    if (result.progress) Object.assign(this.busy.firstChild, { value: result.progress[0], max: result.progress[1] });
+    this.rest();
     this.error = "";
     if (result.complete) this.tell();
     this.redraw();

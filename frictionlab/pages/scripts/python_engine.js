@@ -4,7 +4,8 @@ const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, vie
 class PythonEngine {
   constructor(model) { Object.assign(this, { model, parameters: null, images: {} }); }
 
-  ask(state) {
+  ask(state, dragging, explorer) {
+    if (sameValue(state, this.model.get("state"))) return explorer.rest(); // nothing that Python would answer
     this.model.set("state", state);
     this.model.save_changes();
   }
