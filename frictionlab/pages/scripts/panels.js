@@ -50,7 +50,7 @@ function response(result) {
 }
 
 function forces(result) {
-  const { structure: { forces: drawn }, samples: { times, column } } = result, names = Object.keys(drawn);
+  const { structure: { forces: drawn }, samples: { times, column } } = result, names = Object.keys(drawn).filter(column);
   if (!names.length) { // the rates, where a model has no contact forces
     const drawing = historyDrawing(result, coordinatesOf(result).map((name) => `${name}'`), ["velocity", "angular velocity"]);
     return { ...drawing, title: "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
