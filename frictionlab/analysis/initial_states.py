@@ -10,7 +10,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.law_states_at_start import with_law_states
+from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
@@ -32,6 +32,11 @@ def initial_state_of(
         check_masses(model, start)
         return with_law_states(model, start)
     return start
+
+
+def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:
+    """The initial state (n,) of a run from where one with other parameter values has ended."""
+    return carried_law_states(model, state) if isinstance(model, MechanicalModel) else state
 
 
 def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> Any:

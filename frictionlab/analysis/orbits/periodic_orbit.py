@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import eig, null_space
 from scipy.optimize import minimize_scalar
 
-from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.initial_states import carried_state_of, initial_state_of
 from frictionlab.analysis.motion_scales import (
     AT_REST_RTOL,
     Array,
@@ -165,7 +165,8 @@ def periodic_orbit(
     _check(model, guess, period, t_max, tolerance)
     refuse_time(model, "a periodic orbit")
     given = guess if isinstance(guess, (SteadyState, Trajectory)) else initial_state_of(model, guess)
-    start = _start_in_freest_mode(automaton, *state_and_period(automaton, given, period, t_max))
+    state, about = state_and_period(automaton, given, period, t_max)
+    start = _start_in_freest_mode(automaton, carried_state_of(model, state), about)
     shot = shoot(automaton, start, tolerance)
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)

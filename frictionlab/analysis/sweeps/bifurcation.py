@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.ensemble import ensemble
-from frictionlab.analysis.initial_states import initial_state_of, named_state
+from frictionlab.analysis.initial_states import carried_state_of, initial_state_of, named_state
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
@@ -375,7 +375,8 @@ def _run_continued(
     with InterruptCounter(URGENT_PRESS) as interrupts, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
-                result = _named_task(name, model, rest if start is None else start, options)
+                begins = rest if start is None else carried_state_of(model, start)
+                result = _named_task(name, model, begins, options)
                 if result is None:
                     return False
                 journal.keep(i, result)

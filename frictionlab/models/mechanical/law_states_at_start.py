@@ -1,11 +1,13 @@
 """The states of dynamic friction laws where a run begins.
 
 They are zero where the contact is lost and the law returns them to zero; that of an elastic-plastic law is
-within its limit.
+within its limit.  An end state of a run with other parameters may be beyond: as the limit falls the contact
+yields, so it begins at the limit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +36,17 @@ def with_law_states(model: MechanicalModel, start: Array) -> Array:
     ValueError
         Where the state of an elastic-plastic law is beyond its limit.
     """
+    return _with_law_states(model, start, _check_limit)
+
+
+def carried_law_states(model: MechanicalModel, state: Array) -> Array:
+    """The end state of a run with other parameter values as an initial state."""
+    return _with_law_states(model, state, lambda _model, _name, value, limit: min(max(value, -limit), limit))
+
+
+def _with_law_states(
+    model: MechanicalModel, start: Array, limited: Callable[[MechanicalModel, str, float, float], float]
+) -> Array:
     known, formulas = _of_structure(model.structure_key)
     if not known or not any(start[place] for about in known for place in about["places"]):
         return start
@@ -45,16 +58,18 @@ def with_law_states(model: MechanicalModel, start: Array) -> Array:
         if about["lost"] and touching < 0:
             start[about["places"]] = 0.0
         elif about["limited"]:
-            _check_limit(model, about["names"][0], float(start[about["places"][0]]), limit)
+            place = about["places"][0]
+            start[place] = limited(model, about["names"][0], float(start[place]), limit)
     return start
 
 
-def _check_limit(model: MechanicalModel, name: str, value: float, limit: float) -> None:
+def _check_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
     if abs(value) > (1 + LIMIT_RTOL) * max(limit, 0.0):
         raise ValueError(
             f"x0 of {type(model).__name__} must have {name} within the limit of its friction law, {limit:g} "
             f"here, got {value:g}: the contact slips at the limit; give a smaller {name}"
         )
+    return value
 
 
 @cache

@@ -119,6 +119,16 @@ def test_a_run_begins_with_a_deflection_within_the_limit():
         fl.simulate(Driven(), 0.1, x0={"z": 1.0}, progress=False)
 
 
+def test_a_deflection_carried_to_a_lower_limit_begins_there():
+    model = Driven()
+    diagram = fl.bifurcation(
+        model, "mu_k", [0.4, 0.05], x0="continue", transient=20.0, window=10.0, progress=False
+    )
+    assert "ended early" not in map(str, diagram.kinds)
+    orbit = fl.periodic_orbit(model.replace(mu_k=0.05), fl.simulate(model, 50.0, progress=False))
+    assert orbit.period == pytest.approx(model.period, rel=1e-12)
+
+
 def test_a_normal_force_with_a_damper_is_refused():
     @fl.model
     class Damped(fl.MechanicalModel):
