@@ -189,6 +189,9 @@ from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
 from .structures.damping import RayleighDamping as RayleighDamping
 from .structures.matrix_files import read_matrix as read_matrix
+from .structures.sliding_contacts import SlidingContacts as SlidingContacts
+from .structures.sliding_contacts import relative_rows as relative_rows
+from .structures.sliding_equilibrium import SlidingEquilibrium as SlidingEquilibrium
 from .structures.structure import Structure as Structure
 from .structures.window_eigenvalues import WindowEigenvalues as WindowEigenvalues
 from .widgets.canvas import watch as watch

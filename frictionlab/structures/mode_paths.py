@@ -28,6 +28,7 @@ from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import (
     DAMPED_SHARE,
     EDGE_SHARE,
+    EXACT,
     Point,
     Reduction,
     Sample,
@@ -54,7 +55,7 @@ EDGE_WIDTH = 0.05  # of the window's upper end: beyond it no mode grows
 OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
 REFINEMENTS = 6
 SETTLED_RTOL = 1e-11  # of the range of the parameter: changes that move by less are settled
-SAME_SAMPLE_RTOL = 1e-12
+NEAR_SHARE = 1e-3  # of the range: so near to a change it is looked for again
 
 
 def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus:
@@ -94,19 +95,36 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
         return _changes(structure, parameter, (low, high))
     samples = over_box(structure, {parameter: (low, high)})
     changes = _changes(Reduction.of(structure, samples).structure, parameter, (low, high))
+    settled = [
+        _settled(structure, parameter, one, (low, high)) for one in progress_bar(changes, "stability changes")
+    ]
+    growing = changes[0].unstable[0] if changes else 0
+    return _with_counts(sorted(settled, key=lambda one: one.value), growing)
+
+
+def _settled(
+    structure: Structure, parameter: str, change: StabilityChange, bounds: tuple[float, float]
+) -> StabilityChange:
+    """A change by a reduction to the modes at its own place, where that is exact."""
+    width = bounds[1] - bounds[0]
     for _ in range(REFINEMENTS):
-        new = [one.value for one in changes if not _is_sampled(one.value, samples, parameter, high - low)]
-        if not new:
+        sample = Sample.of(structure, {parameter: change.value})
+        low, high = change.value - NEAR_SHARE * width, change.value + NEAR_SHARE * width
+        local = Reduction.of(structure, [sample], EXACT).structure
+        near = _changes(local, parameter, (max(low, bounds[0]), min(high, bounds[1])))
+        alike = [one for one in near if one.direction == change.direction]
+        if not alike:
             break
-        samples += [Sample.of(structure, {parameter: p}) for p in progress_bar(new, "stability changes")]
-        before = [one.value for one in changes]
-        changes = _changes(Reduction.of(structure, samples).structure, parameter, (low, high))
-        after = [one.value for one in changes]
-        if len(before) == len(after) and np.abs(np.subtract(before, after)).max() <= SETTLED_RTOL * (
-            high - low
-        ):
+        before, scale = change, structure.window[1] if structure.window else change.frequency or 1.0
+        change = min(
+            alike,
+            key=lambda one: (
+                abs(one.frequency - before.frequency) / scale + abs(one.value - before.value) / width
+            ),
+        )
+        if abs(change.value - before.value) <= SETTLED_RTOL * width:
             break
-    return changes
+    return change
 
 
 def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -> SmallSpectra:
@@ -115,10 +133,6 @@ def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -
     if not _is_small(structure):
         small = Reduction.of(structure, over_box(structure, box)).structure
     return SmallSpectra(small)
-
-
-def _is_sampled(value: float, samples: Sequence[Sample], parameter: str, width: float) -> bool:
-    return any(abs(one.point[parameter] - value) <= SAME_SAMPLE_RTOL * width for one in samples)
 
 
 def _is_small(structure: Structure) -> bool:
@@ -213,7 +227,7 @@ class SmallSpectra:
             columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
             parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // (2 * self.structure.size) ** 2))
             chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
-            return np.concatenate([eigenvalues_of_matrices(self.matrices(chunk)) for chunk in chunks])
+            return np.concatenate([_eigenvalues(self.matrices(chunk)) for chunk in chunks])
         structures = self._structures(changes)
         values: Any = np.full((len(structures), 2 * self.structure.size), -np.inf, dtype=complex)
         for row, one in zip(values, structures, strict=True):
@@ -241,6 +255,14 @@ class SmallSpectra:
             return 2 * self.structure.size
         found = len(self.structure.find_eigenvalues().values)
         return min(2 * self.structure.size, 2 * (found + OTHER_MODES))
+
+
+def _eigenvalues(matrices: Array) -> Any:
+    """Eigenvalues (N, m) of state matrices (N, m, m), NaN where there is no equilibrium."""
+    known = np.isfinite(matrices).all(axis=(1, 2))
+    values = np.full(matrices.shape[:2], complex(np.nan, np.nan))
+    values[known] = eigenvalues_of_matrices(matrices[known])
+    return values
 
 
 def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:

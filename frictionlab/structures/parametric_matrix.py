@@ -22,7 +22,13 @@ from frictionlab.models.symbols import symbol
 from frictionlab.structures.matrix_files import read_matrix
 from frictionlab.tape.arguments import names_in, parse_expression
 from frictionlab.tape.formulas import Formulas, formulas_of
-from frictionlab.validation import abbreviate, check_number, did_you_mean_or_known, is_sequence
+from frictionlab.validation import (
+    abbreviate,
+    check_number,
+    did_you_mean_or_known,
+    float_array,
+    is_sequence,
+)
 
 Matrix: TypeAlias = Any  # csc_array (n, n), of which type checkers know neither shape nor sums
 SYMMETRY_RTOL = 1e-12  # of the largest entry: files have numbers of some 16 digits
@@ -163,6 +169,33 @@ def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) ->
                 f"{matrix.shape}: give matrices of the same freedoms"
             )
     return ParametricMatrix(tuple(texts), tuple(matrices))
+
+
+def parametric_vector(name: str, given: Any, parameters: Mapping[str, float], size: int) -> ParametricMatrix:
+    """What a user gives as constant forces, as columns (n, 1): an array, or a list of (coefficient, array).
+
+    Raises
+    ------
+    ValueError
+        As :func:`parametric_matrix`.
+    """
+    cure = "give one force for each freedom"
+    terms = [(1, given)]
+    if is_sequence(given) and len(given) and all(is_sequence(one) and len(one) == 2 for one in given):
+        pairs: Any = given
+        if all(is_sequence(one[1]) or getattr(one[1], "ndim", 0) for one in pairs):
+            terms = list(pairs)
+    texts, columns = [], []
+    for i, (coefficient, force) in enumerate(terms):
+        where = name if len(terms) == 1 else f"term {i} of {name}"
+        texts.append(_coefficient(where, coefficient, parameters))
+        column = float_array(where, force, cure, finite=True).ravel()
+        if len(column) != size:
+            raise ValueError(
+                f"{where} must have one force for each of {size} freedoms, got {len(column)}: give an array"
+            )
+        columns.append(sparse.csc_array(column[:, None]))
+    return ParametricMatrix(tuple(texts), tuple(columns))
 
 
 def _is_list_of_terms(given: Any) -> bool:

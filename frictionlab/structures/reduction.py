@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Point = Mapping[str, float]  # values of some parameters
-DEPENDENT = 1e-9  # length of a unit vector that is left beside a basis, below which it is in its span
-KNOWN_RTOL = 1e-7  # share of an eigenvalue by which a reduced structure may miss it at the last sample
+EXACT, CLOSE = 1e-9, 1e-6  # lengths that may be left of unit vectors beside a basis which has them
+KNOWN_RTOL = 1e-6  # share of an eigenvalue by which a reduced structure may miss it at the last sample
 EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
 DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and need not be known well
 MOST_SAMPLES = 17  # of each parameter
@@ -44,19 +44,24 @@ class Sample:
     values : complex array (k,)
     shapes : complex array (n, k)
         Of length 1.
+    displacements : array (n,)
+        The static ones.
     """
 
     point: Point
     values: Any
     shapes: Any
+    displacements: Array
 
     @classmethod
     def of(cls, structure: Structure, point: Point) -> Sample:
         """The modes at a point."""
-        modes: WindowEigenvalues = structure.at_values(point).find_eigenvalues()
+        there = structure.at_values(point)
+        modes: WindowEigenvalues = there.find_eigenvalues()
         chosen = (modes.values.imag > 0.0) | ((modes.values.real > 0.0) & (modes.values.imag == 0.0))
         shapes = modes.vectors[: structure.size, chosen]
-        return cls(point, modes.values[chosen], shapes / np.linalg.norm(shapes, axis=0))
+        shapes /= np.linalg.norm(shapes, axis=0)
+        return cls(point, modes.values[chosen], shapes, modes.equilibrium.q)
 
     @property
     def growing(self) -> int:
@@ -79,21 +84,26 @@ class Reduction:
     basis: Array
 
     @classmethod
-    def of(cls, structure: Structure, samples: Sequence[Sample]) -> Reduction:
+    def of(cls, structure: Structure, samples: Sequence[Sample], tol: float = CLOSE) -> Reduction:
         """The reduction that has the modes of samples."""
         reduction = cls(structure, np.zeros((structure.size, 0)))
         for sample in samples:
-            reduction = reduction.with_modes(sample)
+            reduction = reduction.with_modes(sample, tol)
         return reduction
 
-    def with_modes(self, sample: Sample) -> Reduction:
-        """The reduction that has further modes."""
-        shapes = np.hstack([sample.shapes.real, sample.shapes.imag])
+    def with_modes(self, sample: Sample, tol: float = CLOSE) -> Reduction:
+        """The reduction that has further modes, and static displacements where there are contacts."""
+        # In this phase modes are as real as they can be, and of their small imaginary parts few matter.
+        phases = np.exp(-0.5j * np.angle((sample.shapes**2).sum(axis=0)))
+        shapes = np.hstack([(phases * sample.shapes).real, (phases * sample.shapes).imag])
+        if self.full.contacts:
+            size = np.linalg.norm(sample.displacements) or 1.0
+            shapes = np.column_stack([shapes, sample.displacements / size])
         left = shapes - self.basis @ (self.basis.T @ shapes)
         left -= self.basis @ (self.basis.T @ left)
         parts: Any = linalg.qr(left, mode="economic", pivoting=True)
         directions, sizes = parts[0], np.abs(np.diagonal(parts[1]))
-        new = directions[:, : int((sizes > DEPENDENT).sum())]
+        new = directions[:, : int((sizes > tol).sum())]
         # A direction of which little was left is not orthogonal to the basis, to rounding.
         new, _ = np.linalg.qr(new - self.basis @ (self.basis.T @ new))
         return Reduction(self.full, np.hstack([self.basis, new]))

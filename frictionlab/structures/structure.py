@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from html import escape
@@ -26,20 +27,24 @@ from frictionlab.structures.parametric_matrix import (
     ParametricMatrix,
     check_symmetry,
     parametric_matrix,
+    parametric_vector,
 )
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
+from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts
+from frictionlab.structures.sliding_equilibrium import Statics, equilibrium_of
 from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
 from frictionlab.validation import (
     abbreviate,
     check_limits,
     check_mapping,
     check_number,
+    check_sequence,
     explains_fields,
-    float_array,
     unknown_parameter,
 )
 
 Array = NDArray[np.float64]
+OWNERS = ("C", "contacts")  # fields that may have parameters of their own
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
 REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
@@ -49,7 +54,9 @@ LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only
 @explains_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Structure(LargeSystem[WindowEigenvalues]):
-    """M q'' + (C + G) q' + (K + N) q = load, for small motions of a structure with n freedoms.
+    """M q'' + (C + G) q' + (K + N) q = load + forces of contacts, a structure with n freedoms.
+
+    It moves little about a state in which all contacts slide steadily, or are open.
 
     Each matrix is an array, a sparse matrix of scipy, the path of a file (see :func:`read_matrix`), or a sum:
     a list of (coefficient, matrix).  A coefficient is a number, a text such as "1/r - 1", or a function of
@@ -71,7 +78,10 @@ class Structure(LargeSystem[WindowEigenvalues]):
     circulatory : matrix (n, n), optional
         N, of any form: what friction adds to the stiffness.
     load : array (n,), optional
-        Constant forces.  They matter to the static displacements alone.
+        Constant forces, or a sum: a list of (coefficient, array).  Without contacts they matter to the static
+        displacements alone.
+    contacts : SlidingContacts or sequence of SlidingContacts, optional
+        With their laws.  What they add to K and C is that of the equilibrium under the load.
     parameters : mapping of str to float, optional
         Values of the parameters that coefficients name.
     window : (float, float), optional
@@ -112,10 +122,12 @@ class Structure(LargeSystem[WindowEigenvalues]):
     gyroscopic: Any = None
     circulatory: Any = None
     load: Any = None
+    contacts: Any = None
     parameters: Any = None
     window: Any = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "contacts", self._checked_contacts())
         object.__setattr__(self, "parameters", self._checked_parameters())
         new = []
         for name in MATRICES:
@@ -126,12 +138,12 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 continue
             object.__setattr__(self, name, parametric_matrix(name, given, self.parameters))
             new.append(name)
+        if self.load is not None and not isinstance(self.load, ParametricMatrix):
+            object.__setattr__(self, "load", parametric_vector("load", self.load, self.parameters, self.size))
         self._check_sizes()
         self._check_use_of_parameters()
         self._check_symmetries(new)
         self._check_mass("M" in new)
-        if self.load is not None:
-            object.__setattr__(self, "load", self._checked_load())
         if self.window is not None:
             cure = "give (low, high) in Hz, such as (0, 8000)"
             low, high = check_limits("window", self.window, cure)
@@ -160,13 +172,61 @@ class Structure(LargeSystem[WindowEigenvalues]):
 
     @cached_property
     def pencil(self) -> QuadraticPencil:
-        """M, C + G and K + N at the values of the parameters."""
+        """M, C + G and K + N at the values of the parameters, with what contacts add at the equilibrium."""
+        return self._with_contacts(self.structural_pencil, self.contact_forces)
+
+    @cached_property
+    def structural_pencil(self) -> QuadraticPencil:
+        """M, C + G and K + N without the contacts."""
         return self._pencil(lambda one: one.at(self.parameters))
 
+    @property
+    def load_vector(self) -> Array:
+        """The constant forces (n,)."""
+        if self.load is None:
+            return np.zeros(self.size)
+        return self.load.at(self.parameters).toarray().ravel()
+
+    @cached_property
+    def displacements(self) -> Array:
+        """The static displacements (n,)."""
+        return self.statics.solve()
+
+    @property
+    def statics(self) -> Statics:
+        """The static equations."""
+        stiffness = self.structural_pencil.K.real.tocsc()
+        return Statics(stiffness, self.load_vector, self.contacts, self.parameters)
+
+    @property
+    def contact_forces(self) -> list[ContactForces]:
+        """Of each group of contacts, at the static displacements."""
+        return [one.forces(self.displacements, self.parameters) for one in self.contacts]
+
     def pencil_derivative(self, parameter: str) -> QuadraticPencil:
-        """The derivatives of M, C + G and K + N by a parameter."""
+        """The derivatives of M, C + G and K + N by a parameter, with those of the equilibrium."""
         self.check_parameter(parameter)
-        return self._pencil(lambda one: one.derivative(parameter, self.parameters))
+        given = self._pencil(lambda one: one.derivative(parameter, self.parameters))
+        if not self.contacts:
+            return given
+        step = 1j * COMPLEX_STEP
+        values = {**self.parameters, parameter: self.parameters[parameter] + step}
+        pushed = sum(one.on_structure(one.forces(self.displacements, values)) for one in self.contacts)
+        forces = given.K.real @ self.displacements - np.imag(pushed) / COMPLEX_STEP
+        if self.load is not None:
+            forces = forces - self.load.derivative(parameter, self.parameters).toarray().ravel()
+        solve = factorised(self.pencil.K.real.tocsc())
+        if solve is None:
+            raise ValueError(
+                f"the equilibrium must depend smoothly on {parameter} to have derivatives, got a singular "
+                "stiffness: take another value"
+            )
+        moved = self.displacements - step * solve(forces)
+        slopes = [
+            ContactForces(*(np.imag(part) / COMPLEX_STEP for part in one.forces(moved, values)))
+            for one in self.contacts
+        ]
+        return self._with_contacts(given, slopes)
 
     def replace(self, /, **changes: Any) -> Self:
         """The structure with other values of parameters, or other fields; no matrix is read again.
@@ -184,15 +244,16 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 raise unknown_parameter(type(self).__name__, name, [*self.parameters, *sorted(own)])
         values = {name: value for name, value in changes.items() if name in self.parameters}
         others = {name: value for name, value in changes.items() if name not in values}
-        if isinstance(self.C, RayleighDamping) and (values or "C" in others):
-            rates = asdict(self.C)  # they are its own, and go with it
-            if "C" not in others:
-                others["C"] = replace(self.C, **{name: values.pop(name) for name in rates if name in values})
-            own_values = {name: value for name, value in self.parameters.items() if name not in rates}
-        else:
-            own_values = dict(self.parameters)
-        if values or "C" in others:
-            others["parameters"] = {**own_values, **(others.get("parameters") or {}), **values}
+        own = _own_values(self.C, self.contacts)
+        if values or not others.keys().isdisjoint(OWNERS):
+            if isinstance(self.C, RayleighDamping) and "C" not in others:
+                rates = asdict(self.C)  # they are its own, and go with it
+                others["C"] = replace(self.C, **{name: values[name] for name in rates if name in values})
+            if self.contacts and "contacts" not in others:
+                others["contacts"] = tuple(one.with_values(values) for one in self.contacts)
+            shared = {name: value for name, value in self.parameters.items() if name not in own}
+            values = {name: value for name, value in values.items() if name not in own}
+            others["parameters"] = {**shared, **(others.get("parameters") or {}), **values}
         return replace(self, **others)
 
     def check_parameter(self, name: Any) -> None:
@@ -201,22 +262,8 @@ class Structure(LargeSystem[WindowEigenvalues]):
             raise unknown_parameter(type(self).__name__, name, list(self.parameters))
 
     def find_equilibrium(self) -> Equilibrium:
-        """The static displacements under the load, which are zero without one."""
-        state = np.zeros(2 * self.size)
-        residual = 0.0
-        if self.load is not None:
-            stiffness = self.pencil.K.real.tocsc()
-            solve = factorised(stiffness)
-            if solve is None:
-                raise ValueError(
-                    "K and circulatory must hold all freedoms where there is a load, got a singular "
-                    "stiffness: add supports, or leave out the load"
-                )
-            q = state[: self.size] = solve(self.load)
-            largest = np.abs(self.load).max() or 1.0
-            residual = float(np.abs(stiffness @ q - self.load).max() / largest)
-        itself: Any = self  # to type checkers no model
-        return Equilibrium(state, np.nan, np.nan, np.nan, residual, itself, self.coordinates)
+        """The static displacements under load and contacts, which are zero without these."""
+        return equilibrium_of(self)
 
     def find_eigenvalues(self) -> WindowEigenvalues:
         return window_eigenvalues(self, self.find_equilibrium())
@@ -249,7 +296,12 @@ class Structure(LargeSystem[WindowEigenvalues]):
             for name in MATRICES
             if isinstance(matrix := getattr(self, name), ParametricMatrix)
         }
-        return self._copied(**matrices, load=None if self.load is None else basis.T @ self.load)
+        load = None
+        if self.load is not None:
+            columns = tuple(sparse.csc_array(basis.T @ each) for each in self.load.matrices)
+            load = ParametricMatrix(self.load.coefficients, columns)
+        contacts = tuple(one.projected(basis) for one in self.contacts)
+        return self._copied(**matrices, load=load, contacts=contacts)
 
     def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
@@ -258,12 +310,34 @@ class Structure(LargeSystem[WindowEigenvalues]):
         values |= {name: np.broadcast_to(np.ravel(column), (count,)) for name, column in changes.items()}
         zero = np.zeros((count, self.size, self.size))
         M, C, K = (sum((one.stack(values, count) for one in terms), zero) for terms in self.terms)
+        if self.contacts:
+            self._add_contacts(C, K, values)
         return M, C, K
 
     def spectra_over(self, box: Mapping[str, tuple[float, float]]) -> SpectraOf:
         from frictionlab.structures.mode_paths import spectra_over
 
         return spectra_over(self, box)
+
+    def _add_contacts(self, C: Array, K: Array, values: Mapping[str, Array]) -> None:
+        """Add what contacts add to stacked C and K (N, n, n); NaN where there is no equilibrium."""
+        contacts = tuple(one.full() for one in self.contacts)
+        forces = np.zeros((len(C), self.size))
+        if self.load is not None:
+            forces = self.load.stack(values, len(C))[..., 0]
+        start = None
+        with suppress(ValueError):  # its own values may have no equilibrium where others have one
+            start = self.displacements
+        for i, point in enumerate(zip(*values.values(), strict=True)):
+            statics = Statics(K[i], forces[i], contacts, dict(zip(values, map(float, point), strict=True)))
+            try:
+                q = statics.solve(start)
+            except ValueError:
+                C[i], K[i] = np.nan, np.nan
+                continue
+            for one, acting in zip(contacts, statics.contact_forces(q), strict=True):
+                C[i] += one.damping(acting)
+                K[i] += one.stiffness(acting)
 
     def _copied(self, **changes: Any) -> Self:
         """A copy with other values of fields, which are right."""
@@ -287,15 +361,33 @@ class Structure(LargeSystem[WindowEigenvalues]):
         zero: Any = sparse.csc_array((self.size, self.size))
         return QuadraticPencil(*(sum(map(value, terms), zero) for terms in self.terms))
 
+    def _with_contacts(self, pencil: QuadraticPencil, forces: list[ContactForces]) -> QuadraticPencil:
+        C, K = pencil.C, pencil.K
+        for one, each in zip(self.contacts, forces, strict=True):
+            C, K = C + one.damping(each), K + one.stiffness(each)
+        return QuadraticPencil(pencil.M, C.tocsc(), K.tocsc())
+
+    def _checked_contacts(self) -> tuple[SlidingContacts, ...]:
+        given = self.contacts
+        if given is None:
+            return ()
+        groups = (given,) if isinstance(given, SlidingContacts) else given
+        cure = "give fl.SlidingContacts, or several in a list"
+        for one in check_sequence("contacts", groups, cure):
+            if not isinstance(one, SlidingContacts):
+                raise TypeError(f"contacts must be SlidingContacts, got {abbreviate(one)}: {cure}")
+        return tuple(groups)
+
     def _checked_parameters(self) -> Mapping[str, float]:
         given = {} if self.parameters is None else self.parameters
         check_mapping("parameters", given, 'give names and values, such as {"r": 5.0}')
-        values = asdict(self.C) if isinstance(self.C, RayleighDamping) else {}
+        values = _own_values(self.C, self.contacts)
         for name, value in given.items():
             number = float(check_number(name, value))
             if values.setdefault(name, number) != number:
+                owner = "RayleighDamping" if name in _own_values(self.C, ()) else "SlidingContacts"
                 raise ValueError(
-                    f"parameters must not contradict RayleighDamping, got {name} = {number:.6g} beside its "
+                    f"parameters must not contradict {owner}, got {name} = {number:.6g} beside its "
                     f"{values[name]:.6g}: give it once"
                 )
         for name in values:
@@ -314,6 +406,12 @@ class Structure(LargeSystem[WindowEigenvalues]):
                     f"{name} must have the size of M, {self.size}, got {matrix.size}: give matrices of the "
                     "same freedoms"
                 )
+        for one in self.contacts:
+            if one.size != self.size:
+                raise ValueError(
+                    f"contacts must have a column for each of {self.size} freedoms, got {one.size}: give "
+                    "rows of the same freedoms"
+                )
 
     def _check_use_of_parameters(self) -> None:
         own = asdict(self.C) if isinstance(self.C, RayleighDamping) else {}
@@ -326,6 +424,8 @@ class Structure(LargeSystem[WindowEigenvalues]):
                         "rename that parameter"
                     )
         used = {name for terms in self.terms for one in terms for name in one.parameters}
+        used |= _own_values(self.C, self.contacts).keys()
+        used |= set() if self.load is None else {*self.load.parameters}
         for name in self.parameters:
             if name not in used:
                 raise ValueError(
@@ -372,14 +472,6 @@ class Structure(LargeSystem[WindowEigenvalues]):
                 f"{np.flatnonzero(held)[freedom]}: {cure}"
             )
 
-    def _checked_load(self) -> Array:
-        load = float_array("load", self.load, "give one force for each freedom", finite=True).ravel()
-        if len(load) != self.size:
-            raise ValueError(
-                f"load must have one force for each of {self.size} freedoms, got {len(load)}: give an array"
-            )
-        return load
-
     def __getstate__(self) -> dict[str, Any]:  # what is computed from the fields is computed again
         state = {each.name: getattr(self, each.name) for each in fields(self)}
         return state | {"parameters": dict(self.parameters)}
@@ -390,6 +482,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
 
     def __repr__(self) -> str:
         parts = [count(self.size, "freedom")]
+        parts += [count(sum(one.count for one in self.contacts), "contact")] if self.contacts else []
         parts += [f"{name}={value:.6g}" for name, value in self.parameters.items()]
         parts += ["{:g} to {:g} Hz".format(*self.window)] if self.window else []
         return f"Structure({', '.join(parts)})"
@@ -401,6 +494,19 @@ class Structure(LargeSystem[WindowEigenvalues]):
             if getattr(self, name) is not None
         )
         return f"<p>{escape(repr(self))}</p><table>{rows}</table>"
+
+
+def _own_values(damping: Any, contacts: tuple[SlidingContacts, ...]) -> dict[str, float]:
+    """Values of the parameters that Rayleigh damping and contacts have of their own."""
+    values = asdict(damping) if isinstance(damping, RayleighDamping) else {}
+    for one in contacts:
+        for name, value in one.parameters.items():
+            if values.setdefault(name, value) != value:
+                raise ValueError(
+                    f"parameters of the same name must have one value, got {name} = {values[name]:.6g} and "
+                    f"{value:.6g}: take laws with other names"
+                )
+    return values
 
 
 def _described(matrix: Any) -> str:

@@ -1,0 +1,382 @@
+"""`fl.SlidingContacts`: contacts of a structure that slide steadily, by rows of the freedoms.
+
+A contact has a row g of penetrations, delta = g q + delta_0, and a row t of tangential displacements: its
+forces enter as -g^T F_N + t^T F_T.  Laws are the library's, differentiated by their formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from frictionlab.components.component import Component, parameters_of
+from frictionlab.components.contact import ContactLaw, LinearContact
+from frictionlab.components.friction import Coulomb, FrictionLaw
+from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.tape.formulas import Formulas, formulas_of
+from frictionlab.validation import abbreviate, check_number, explains_fields, float_array
+
+Array = NDArray[np.float64]
+COMPLEX_STEP = 1e-30  # of a derivative by an imaginary step, which cancels nothing
+
+
+class ContactForces(NamedTuple):
+    """Forces of contacts, and how they change.
+
+    Parameters
+    ----------
+    penetration : array (k,)
+        m; NaN where the normal force is given.
+    normal, friction : array (k,)
+        F_N and F_T, N; 0 where the contact is open.
+    normal_slope, friction_slope : array (k,)
+        Their derivatives by the penetration, N/m.
+    damping : array (k,)
+        Derivative of the friction force by the sliding speed, N s/m.
+    """
+
+    penetration: Any
+    normal: Any
+    friction: Any
+    normal_slope: Any
+    friction_slope: Any
+    damping: Any
+
+
+@explains_fields
+@dataclass(frozen=True, eq=False, repr=False)
+class SlidingContacts:
+    """Contacts of a structure that slide steadily, each with a row of the freedoms.
+
+    The penetration of a contact is g q + delta_0, its relative velocity v - t q'.  With F_N by the contact
+    law, 0 where the contact is open, and F_T by the friction law, the forces on the structure are
+
+        -g^T F_N + t^T F_T
+
+    Values of the laws' parameters, v and N are parameters of the structure.
+
+    Parameters
+    ----------
+    tangential : matrix (k, n), optional
+        Rows t, see :func:`relative_rows`.  None without friction.
+    normal : matrix (k, n), optional
+        Rows g, whose positive direction presses the bodies together.  None where N is given.
+    contact : ContactLaw
+        Of the normal force; per area, if there are areas.
+    friction : FrictionLaw, optional
+        A law without states.  None: contacts without friction, as of a counterpart that rests.
+    v : float
+        Velocity (m/s) with which the counterpart moves along the tangent; not 0 with friction.
+    N : float, optional
+        Normal force (N) of each contact, where no penetration determines it.
+    penetration : float or array (k,)
+        delta_0, that without displacements, m; negative for a gap.
+    area : float or array (k,)
+        Factors of the forces.
+
+    Raises
+    ------
+    ValueError
+        For rows that are not of the same number, not finite, zero, or there twice; for a law with states.
+
+    Examples
+    --------
+    The slider of Hoffmann et al. (2002), whose contact spring is one of two in the normal direction:
+
+    >>> import frictionlab as fl
+    >>> contacts = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=4 / 3), fl.Coulomb(0.5))
+    >>> springs = [[1.125, 0.21650635], [0.21650635, 0.375]]
+    >>> structure = fl.Structure([[1, 0], [0, 1]], springs, contacts=contacts, load=[0.0, 1.0])
+    >>> round(fl.critical_value(structure, "mu_k", (0, 1)), 6)
+    0.457069
+    """
+
+    tangential: Any = None
+    normal: Any = None
+    contact: ContactLaw = LinearContact()
+    friction: FrictionLaw | None = Coulomb()
+    v: float = 1.0
+    N: float | None = None
+    penetration: Any = 0.0
+    area: Any = 1.0
+
+    def __post_init__(self) -> None:
+        self._check_laws()
+        cures = {"normal": "or a normal force N", "tangential": "or friction=None"}
+        for name, needed in (("normal", self.N is None), ("tangential", self.friction is not None)):
+            rows = getattr(self, name)
+            if rows is None and needed:
+                raise ValueError(f"{name} must be rows of the freedoms, got None: give them, {cures[name]}")
+            if rows is not None:
+                object.__setattr__(self, name, _rows(name, rows))
+        if self.normal is not None and self.N is not None:
+            raise ValueError(f"N must be None where there are rows of normal, got {self.N}: leave one out")
+        if self.normal is None and self.tangential is None:
+            raise ValueError("contacts must have rows, got none: give normal or tangential")
+        shapes = [one.shape for one in (self.normal, self.tangential) if one is not None]
+        if shapes[0] != shapes[-1]:
+            raise ValueError(
+                f"normal and tangential must have rows of the same contacts, got the shapes {shapes[0]} and "
+                f"{shapes[1]}: give one row each"
+            )
+        self._check_repeats()
+        for name in ("penetration", "area"):
+            cure = "give one number, or one for each contact"
+            given = float_array(name, getattr(self, name), cure, finite=True)
+            if given.shape not in ((), (self.count,)):
+                raise ValueError(
+                    f"{name} must be of {self.count} contacts, got the shape {given.shape}: {cure}"
+                )
+            object.__setattr__(self, name, np.broadcast_to(given, (self.count,)).copy())
+        if not (self.area > 0.0).all():
+            raise ValueError(f"area must be above 0, got {self.area.min():g}: leave out such contacts")
+
+    @property
+    def count(self) -> int:
+        """The number k of contacts."""
+        return self._any_rows.shape[0]
+
+    @property
+    def size(self) -> int:
+        """The number n of freedoms."""
+        return self._any_rows.shape[1]
+
+    @cached_property
+    def parameters(self) -> Mapping[str, float]:
+        """Values of the laws' parameters, of v and of N."""
+        values = {name: getattr(law, name) for law in self._laws for name in parameters_of(type(law))}
+        values |= {} if self.friction is None else {"v": self.v}
+        return values if self.N is None else {**values, "N": self.N}
+
+    def with_values(self, values: Mapping[str, float]) -> Self:
+        """The same contacts with other values of parameters, checked by their rules."""
+        changes: dict[str, Any] = {name: values[name] for name in ("v", "N") if name in values}
+        for role in ("contact", "friction"):
+            law: Component | None = getattr(self, role)
+            if law is None:
+                continue
+            own = parameters_of(type(law))
+            if inner := {name: values[name] for name in own if name in values}:
+                changes[role] = replace(law, **inner)
+        return replace(self, **changes)
+
+    def projected(self, basis: Array) -> Self:
+        """The contacts of a structure whose displacements are in the span of a basis (n, r)."""
+        return self._with_rows(lambda rows: sparse.csr_array(rows @ basis))
+
+    def full(self) -> Self:
+        """The same contacts, with rows as full matrices."""
+        return self._with_rows(lambda rows: rows.toarray())
+
+    def _with_rows(self, change: Callable[[Any], Any]) -> Self:
+        copy = object.__new__(type(self))
+        copy.__setstate__(vars(self))  # with the formulas
+        for name in ("normal", "tangential"):
+            if (rows := getattr(self, name)) is not None:
+                object.__setattr__(copy, name, change(rows))
+        return copy
+
+    def forces(self, q: Any, values: Mapping[str, Any]) -> ContactForces:
+        """The forces at displacements q (n,) and values of the parameters; both may be complex."""
+        one = np.ones(self.count)
+        if self.normal is None:
+            penetration, closed = np.nan * one, one > 0.0
+            pressure, stiffness = values["N"] * one, 0.0 * one
+        else:
+            penetration = self.normal @ q + self.penetration
+            closed = penetration.real > 0.0
+            law, slope = self._contact_formulas
+            given = [
+                np.where(closed, penetration, 0.0),
+                *(values[name] for name in self._names(self.contact)),
+            ]
+            pressure, stiffness = _evaluated(law, given), _evaluated(slope, given)
+        normal = np.where(closed, self.area * pressure, 0.0)
+        normal_slope = np.where(closed, self.area * stiffness, 0.0)
+        if self.friction is None:
+            return ContactForces(penetration, normal, 0.0 * normal, normal_slope, 0.0 * normal, 0.0 * normal)
+        sign = np.sign(np.real(values["v"]))
+        if not sign:
+            raise ValueError(
+                "v must not be 0 for steady sliding, got 0.0: give the counterpart a speed, or friction=None"
+            )
+        law, by_force, by_speed = self._friction_formulas
+        # the pressure of an open contact is put to any number, as laws may have no slope at 0
+        given = [np.where(closed, pressure, 1.0), sign * values["v"] * one]
+        given += [values[name] for name in self._names(self.friction)]
+        parts = [
+            np.where(closed, self.area * _evaluated(each, given), 0.0) for each in (law, by_force, by_speed)
+        ]
+        friction, friction_slope = sign * parts[0], sign * parts[1] * stiffness
+        return ContactForces(penetration, normal, friction, normal_slope, friction_slope, parts[2])
+
+    def on_structure(self, forces: ContactForces) -> Any:
+        """What forces put on the structure (n,)."""
+        pressed = 0.0 if self.normal is None else -(self.normal.T @ forces.normal)
+        return pressed if self.tangential is None else pressed + self.tangential.T @ forces.friction
+
+    def damping(self, forces: ContactForces) -> Any:
+        """What friction adds to C (n, n); 0 without friction."""
+        if self.tangential is None:
+            return 0
+        return (self.tangential.T * forces.damping[None, :]) @ self.tangential
+
+    def stiffness(self, forces: ContactForces) -> Any:
+        """What contacts add to K (n, n); 0 where their normal forces are given."""
+        if self.normal is None:
+            return 0
+        pressing = self.normal.T * forces.normal_slope[None, :]
+        if self.tangential is not None:
+            pressing = pressing - self.tangential.T * forces.friction_slope[None, :]
+        return pressing @ self.normal
+
+    def secant_stiffness(self, force: float, values: Mapping[str, float]) -> Array:
+        """Stiffnesses (k,), N/m, of contacts that carry a normal force together, for a start."""
+        law, names = self._contact_formulas[0], self._names(self.contact)
+        depth = np.finfo(float).eps
+        while depth < 1.0:
+            carried = float(self.area.sum() * _evaluated(law, [depth, *(values[name] for name in names)]))
+            if carried >= force and carried > 0.0:
+                break
+            depth *= 2.0
+        return self.area / self.area.sum() * max(carried, np.finfo(float).tiny) / depth
+
+    @property
+    def _laws(self) -> list[Component]:
+        laws: list[Component] = [] if self.normal is None else [self.contact]
+        return laws if self.friction is None else [*laws, self.friction]
+
+    @property
+    def _any_rows(self) -> Any:
+        return self.tangential if self.normal is None else self.normal
+
+    @cached_property
+    def _contact_formulas(self) -> tuple[Formulas, Formulas]:
+        at = symbol("penetration")
+        law = symbolic_copy(self.contact.structure_key).force(at)
+        formulas = formulas_of([at, *map(symbol, self._names(self.contact))], [law])
+        return formulas, formulas.jacobian([0])[1]
+
+    @cached_property
+    def _friction_formulas(self) -> tuple[Formulas, Formulas, Formulas]:
+        assert self.friction is not None
+        force, speed = symbol("normal_force"), symbol("speed")
+        law = symbolic_copy(self.friction.structure_key).kinetic(force, speed)
+        formulas = formulas_of([force, speed, *map(symbol, self._names(self.friction))], [law])
+        return formulas, formulas.jacobian([0])[1], formulas.jacobian([1])[1]
+
+    @staticmethod
+    def _names(law: Component) -> tuple[str, ...]:
+        return law.structure_key.parameters
+
+    def _check_laws(self) -> None:
+        for name, kind in (("contact", ContactLaw), ("friction", FrictionLaw)):
+            law = getattr(self, name)
+            if not isinstance(law, kind) and not (law is None and name == "friction"):
+                raise TypeError(f"{name} must be a {kind.__name__}, got {abbreviate(law)}: give one")
+        if self.friction is not None and self.friction.states:
+            raise ValueError(
+                f"friction must be a law without states, got {self.friction!r}: take one of sliding, such as "
+                "Stribeck"
+            )
+        object.__setattr__(self, "v", float(check_number("v", self.v)))
+        if self.N is not None:
+            object.__setattr__(self, "N", float(check_number("N", self.N, above=0.0)))
+        if self.friction is not None and not self.v:
+            raise ValueError(
+                "v must not be 0 for steady sliding, got 0.0: give the counterpart a speed, or friction=None"
+            )
+
+    def _check_repeats(self) -> None:
+        rows: Any = [one for one in (self.normal, self.tangential) if one is not None]
+        seen: dict[bytes, int] = {}
+        for i in range(self.count):
+            parts = [one[[i]].tocoo() for one in rows]
+            key = b"".join(part.col.tobytes() + part.data.tobytes() + b"|" for part in parts)
+            if (other := seen.setdefault(key, i)) != i:
+                raise ValueError(
+                    f"each contact must be there once, got the same rows for {other} and {i}: leave one out"
+                )
+
+    def __getstate__(self) -> dict[str, Any]:  # formulas are made again where they are needed
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        laws = ", ".join(map(repr, self._laws))
+        return f"SlidingContacts({self.count} x {self.size}, {laws})"
+
+
+def _evaluated(formulas: Formulas, given: list[Any]) -> Any:
+    """The one value of a formula, 0 where it has none as it vanishes everywhere."""
+    with np.errstate(all="ignore"):
+        values = formulas.arrays(*given)
+    return values[0] if values else 0.0
+
+
+def _rows(name: str, given: Any) -> Any:
+    """Rows of the freedoms, sparse; none is zero."""
+    cure = "give one row for each contact and one column for each freedom"
+    values = given if sparse.issparse(given) else float_array(name, given, cure)
+    if values.ndim != 2 or values.dtype.kind not in "iuf":
+        raise ValueError(f"{name} must be a matrix of numbers, got {abbreviate(given)}: {cure}")
+    rows: Any = sparse.csr_array(values).astype(float)
+    rows.sum_duplicates()
+    rows.eliminate_zeros()
+    if not np.isfinite(rows.data).all():
+        raise ValueError(
+            f"{name} must hold finite numbers, got {rows.data[~np.isfinite(rows.data)][0]}: {cure}"
+        )
+    if not rows.shape[0] or not (empty := np.diff(rows.indptr) > 0).all():
+        at = int(empty.argmin()) if rows.shape[0] else 0
+        raise ValueError(f"{name} must have rows that are not zero, got row {at}: {cure}")
+    return rows
+
+
+def relative_rows(pairs: Any, size: int) -> sparse.csr_array:
+    """Rows of q[i] - q[j] for pairs (i, j) of freedoms, as of node pairs in contact.
+
+    Parameters
+    ----------
+    pairs : array_like (k, 2)
+        Freedoms, counted from 0.  -1 stands for a counterpart that is no part of the structure.
+    size : int
+        The number n of freedoms.
+
+    Returns
+    -------
+    csr_array (k, n)
+
+    Raises
+    ------
+    ValueError
+        For what are no pairs of freedoms, or pairs of one with itself.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> fl.relative_rows([(0, 2), (1, -1)], 3).toarray().tolist()
+    [[1.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
+    """
+    n = check_number("size", size, integer=True, least=1)
+    cure = "give rows of two freedoms, such as [(0, 2), (1, -1)]"
+    given = float_array("pairs", pairs, cure, finite=True)
+    if given.ndim != 2 or given.shape[1] != 2 or not len(given) or (given != given.astype(int)).any():
+        raise ValueError(f"pairs must be rows of two freedoms, got {abbreviate(pairs)}: {cure}")
+    places = given.astype(int)
+    if (places < -1).any() or (places >= n).any() or (places[:, 0] == places[:, 1]).any():
+        raise ValueError(
+            f"pairs must be two different freedoms from 0 to {n - 1}, or -1, got {abbreviate(pairs)}: {cure}"
+        )
+    row, side = np.nonzero(places >= 0)
+    signs = np.array([1.0, -1.0])[side]
+    return sparse.csr_array((signs, (row, places[row, side])), shape=(len(places), n))

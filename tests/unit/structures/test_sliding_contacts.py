@@ -1,0 +1,273 @@
+"""Structures with contacts: models of the library, closed forms, and numpy's dense matrices."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from tests.helpers.finite_elements import beam
+
+
+def is_same(found, expected):
+    """Whether numbers agree to 1e-12."""
+    return np.allclose(found, expected, rtol=1e-12, atol=0.0)
+
+
+def slider_on_belt(model):
+    """Matrices of Eqs. (1) to (3) by hand, of a belt that does not tilt: x1, y1, x2, y2."""
+    half = model.k3 / 2
+    K = np.diag([model.k1 + half, half, model.k4, model.k5 + model.k6])
+    K[0, 1] = K[1, 0] = -half
+    contacts = fl.SlidingContacts(
+        fl.relative_rows([(0, 2)], 4), fl.relative_rows([(3, 1)], 4), model.contact, model.friction, model.v
+    )
+    return fl.Structure(
+        np.diag([model.M, model.M, model.m, model.m]),
+        K,
+        np.diag([model.c1, model.c2, model.c4, model.c5 + model.c6]),
+        load=[("F", [0.0, -1.0, 0.0, 0.0])],
+        contacts=contacts,
+        parameters={"F": model.F},
+    )
+
+
+SLIDERS = [
+    fl.SliderOnBelt(mu_k=1.4, geometry=fl.FixedLoad()),
+    fl.SliderOnBelt(geometry=fl.FixedLoad(), friction=fl.Stribeck(mu_k=0.5, mu_s=1.2), v=0.3),
+    fl.SliderOnBelt(geometry=fl.FixedLoad(), contact=fl.HertzContact(), v=-1.0),
+    fl.SliderOnBelt(geometry=fl.FixedLoad(), friction=fl.PressureDependent(mu_k=0.5, mu_s=1.2), v=0.3),
+]
+
+
+@pytest.mark.parametrize("model", SLIDERS, ids=lambda one: f"{one.contact!r} {one.friction!r}")
+def test_slider_on_belt_as_a_structure(model):
+    structure = slider_on_belt(model)
+    mine: Any = fl.equilibrium(structure)
+    its = fl.equilibrium(model)
+    assert is_same(mine.q, its.q)
+    forces = [(one.penetration, one.normal_force, one.friction_force) for one in (mine, its)]
+    assert is_same(*forces)
+    assert mine.open.tolist() == [False]
+    found, expected = fl.eigenvalues(structure).values, fl.eigenvalues(model).values
+    assert np.allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_critical_values_of_slider_on_belt():
+    model = SLIDERS[0]
+    found, expected = (fl.critical_value(one, "mu_k", (0, 4)) for one in (slider_on_belt(model), model))
+    assert found is not None
+    assert is_same(found, expected)
+
+
+def test_given_normal_forces():
+    """MassOnBelt and TwoBlocks, whose normal forces do not depend on their motion."""
+    law = fl.Stribeck(mu_k=0.3, mu_s=0.6)
+    mass = fl.MassOnBelt(friction=law, v=0.3)
+    contacts = fl.SlidingContacts([[1.0]], N=mass.N, friction=law, v=mass.v)
+    one = fl.Structure([[mass.m]], [[mass.k]], [[mass.c]], contacts=contacts)
+    blocks = fl.TwoBlocks(friction=law)
+    contacts = fl.SlidingContacts(np.eye(2), N=1.0, friction=law, v=blocks.v, area=[blocks.N1, blocks.N2])
+    K = [[blocks.k1 + blocks.k12, -blocks.k12], [-blocks.k12, blocks.k2 + blocks.k12]]
+    two = fl.Structure(np.diag([blocks.m1, blocks.m2]), K, blocks.c * np.eye(2), contacts=contacts)
+    for structure, model in ((one, mass), (two, blocks)):
+        assert is_same(fl.equilibrium(structure).q, fl.equilibrium(model).q)
+        found, expected = fl.eigenvalues(structure).values, fl.eigenvalues(model).values
+        assert np.allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+        assert len(fl.eigenvalues(structure).growing) > 0
+
+
+def mode_coupling():
+    model = fl.ModeCoupling(c=0.0)
+    k11, k12, k22 = model.stiffnesses
+    contacts = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=model.k3), fl.Coulomb(0.5))
+    structure = fl.Structure(
+        model.m * np.eye(2), [[k11, k12], [k12, k22 - model.k3]], contacts=contacts, load=[0.0, model.F]
+    )
+    return structure, model
+
+
+def test_critical_friction_in_closed_form():
+    structure, model = mode_coupling()
+    assert np.isclose(fl.critical_value(structure, "mu_k", (0, 2)) or 0.0, model.critical_friction, rtol=1e-9)
+    again = pickle.loads(pickle.dumps(structure))
+    assert (fl.eigenvalues(again).values == fl.eigenvalues(structure).values).all()
+
+
+def random_structure(seed, n=12, k=5):
+    rng = np.random.default_rng(seed)
+    A, B = rng.standard_normal((2, n, n))
+    given = {
+        "K": A @ A.T + np.eye(n),
+        "M": B @ B.T / n + np.eye(n),
+        "G": rng.standard_normal((k, n)),
+        "T": rng.standard_normal((k, n)),
+        "load": 10.0 * rng.standard_normal(n),
+        "area": rng.uniform(0.5, 2.0, k),
+        "penetration": rng.uniform(-0.1, 0.1, k),
+    }
+    contacts = fl.SlidingContacts(
+        given["T"],
+        given["G"],
+        fl.CubicContact(k2=30.0, k_nl=400.0),
+        fl.Coulomb(mu_k=0.4, mu_s=5.0),
+        penetration=given["penetration"],
+        area=given["area"],
+    )
+    K = given["K"]
+    return fl.Structure(given["M"], K, 0.01 * K, contacts=contacts, load=given["load"]), given
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_structures_against_dense_matrices(seed):
+    """Some contacts are open; the static equations and the eigenvalues are written out with numpy."""
+    structure, one = random_structure(seed)
+    found: Any = fl.equilibrium(structure)
+    G, T, K, n = one["G"], one["T"], one["K"], len(one["K"])
+    depth = G @ found.q + one["penetration"]
+    closed = depth > 0.0
+    force = np.where(closed, one["area"] * (30.0 * depth + 400.0 * depth**3), 0.0)
+    slope = np.where(closed, one["area"] * (30.0 + 1200.0 * depth**2), 0.0)
+    assert (found.open == ~closed).all()
+    assert 0 < closed.sum() < 5
+    assert np.allclose(found.normal_forces, force, rtol=1e-12)
+    left_over = K @ found.q - one["load"] + (G - 0.4 * T).T @ force
+    assert np.abs(left_over).max() < 1e-12 * np.abs(one["load"]).max() * np.linalg.cond(K)
+    tangent = K + (G - 0.4 * T).T @ (slope[:, None] * G)
+    lower = np.hstack([-np.linalg.solve(one["M"], tangent), -np.linalg.solve(one["M"], 0.01 * K)])
+    expected = np.linalg.eigvals(np.vstack([np.eye(n, 2 * n, n), lower]))
+    values = fl.eigenvalues(structure).values
+    assert np.abs(values[:, None] - expected).min(axis=1).max() < 1e-12 * np.abs(expected).max()
+
+
+def test_a_contact_that_opens_may_change_stability():
+    structure, _ = random_structure(2)
+    change = fl.stability_changes(structure, "mu_k", (0.76, 0.8))[0]
+    assert change.kind == "border"
+    before, after = (fl.equilibrium(structure.replace(mu_k=change.value + step)) for step in (-1e-6, 1e-6))
+    assert isinstance(before, fl.SlidingEquilibrium)
+    assert isinstance(after, fl.SlidingEquilibrium)
+    assert (before.open != after.open).sum() == 1
+
+
+def test_sensitivities_count_how_the_equilibrium_moves():
+    structure = slider_on_belt(SLIDERS[1])
+    found = fl.eigenvalues(structure)
+    for name, share in (("mu_k", 1e-5), ("k_nl", 1e-4), ("F", 1e-5), ("v", 1e-5)):
+        step = share * structure.parameters[name]
+        low, high = (
+            fl.eigenvalues(structure.replace(**{name: structure.parameters[name] + d})).values
+            for d in (-step, step)
+        )
+        slopes = (high - low) / (2 * step)
+        assert np.allclose(found.sensitivities(name), slopes, rtol=1e-5, atol=1e-6 * np.abs(slopes).max())
+
+
+def beam_under_pads(elements):
+    """Two beams side by side, of which one bends along the belt; pads press on the middle of the other."""
+    M, K = (one.toarray() for one in beam(elements, stiffness=20.0))
+    n = len(M)
+    zero = np.zeros((n, n))
+    lowest = np.linalg.eigvals(np.linalg.solve(M, K)).real.min()
+    cross = 0.3 * lowest * M
+    pads = np.arange(elements // 2 - 2, elements // 2 + 3) * 2
+    normal, tangential = np.zeros((len(pads), 2 * n)), np.zeros((len(pads), 2 * n))
+    normal[range(len(pads)), pads - 1], tangential[range(len(pads)), n + pads - 1] = 1.0, 1.0
+    load = np.zeros(2 * n)
+    load[pads - 1] = 1.0
+    contacts = fl.SlidingContacts(
+        tangential, normal, fl.CubicContact(k2=40.0, k_nl=1e4), fl.Coulomb(0.1, 3.0)
+    )
+    return fl.Structure(
+        np.block([[M, zero], [zero, M]]),
+        np.block([[K, cross], [cross, 1.3 * K]]),
+        fl.RayleighDamping(alpha=0.02),
+        contacts=contacts,
+        load=[("F", load)],
+        parameters={"F": 2.0},
+        window=(0.0, 20.0),
+    )
+
+
+@pytest.mark.slow
+def test_many_freedoms_are_as_few(monkeypatch):
+    """By GMRES, Arnoldi's method and reductions, and by full matrices."""
+    structure = beam_under_pads(8)
+    whole = fl.equilibrium(structure), fl.eigenvalues(structure)
+    changes = fl.stability_changes(structure, "mu_k", (0.0, 2.0))
+    assert len(changes) > 0
+    for module in ("window_eigenvalues", "sliding_equilibrium"):
+        monkeypatch.setattr(f"frictionlab.structures.{module}.MOST_DENSE", 10)
+    monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", 10)
+    structure = beam_under_pads(8)
+    assert np.allclose(fl.equilibrium(structure).q, whole[0].q, rtol=1e-11)
+    assert np.allclose(fl.eigenvalues(structure).values, whole[1].values, rtol=1e-8)
+    found = fl.stability_changes(structure, "mu_k", (0.0, 2.0))
+    assert np.allclose([c.value for c in found], [c.value for c in changes], rtol=1e-8)
+
+
+def test_pairs_of_freedoms():
+    assert fl.relative_rows([(0, 2), (1, -1)], 3).toarray().tolist() == [[1, 0, -1], [0, 1, 0]]
+    for pairs in ([(0, 0)], [(0, 5)], [0, 1], [(0.5, 1)], []):
+        with pytest.raises(ValueError, match="pairs must be"):
+            fl.relative_rows(pairs, 3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"normal": None}, "normal must be rows of the freedoms, got None"),
+        ({"tangential": None}, "tangential must be rows of the freedoms, got None"),
+        ({"normal": [[0.0, 1.0], [1.0, 0.0]]}, "rows of the same contacts"),
+        ({"normal": [[0.0, 0.0]]}, "rows that are not zero, got row 0"),
+        ({"normal": [[0.0, np.nan]]}, "finite numbers, got nan"),
+        ({"normal": [[0.0, 1.0]] * 2, "tangential": [[1.0, 0.0]] * 2}, "the same rows for 0 and 1"),
+        ({"N": 3.0}, "N must be None where there are rows of normal"),
+        ({"v": 0.0}, "v must not be 0 for steady sliding"),
+        ({"friction": fl.LuGre()}, "a law without states"),
+        ({"area": -1.0}, "area must be above 0"),
+        ({"area": [1.0, 2.0]}, "area must be of 1 contacts"),
+        ({"normal": [0.0, 1.0]}, "normal must be a matrix"),
+    ],
+)
+def test_contacts_that_are_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        fl.SlidingContacts(**{"tangential": [[1.0, 0.0]], "normal": [[0.0, 1.0]], **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"load": [0.0, -1.0]}, "a contact must be closed, and all 1 are open"),
+        ({"load": None}, "a contact must be closed, and all 1 are open"),
+        ({"K": np.diag([0.0, 1.0])}, "K and the contacts must hold all freedoms"),
+        ({"load": [("F", [0.0, 1.0])]}, "names 'F', which is no parameter"),
+        ({"parameters": {"mu_k": 0.2}}, "must not contradict SlidingContacts, got mu_k = 0.2"),
+    ],
+)
+def test_structures_with_contacts_that_are_refused(changes, message):
+    contacts = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]])
+    with pytest.raises(ValueError, match=message):
+        fl.eigenvalues(
+            fl.Structure(**{"M": np.eye(2), "K": np.eye(2), "contacts": contacts, "load": [0, 1], **changes})
+        )
+
+
+def test_groups_of_contacts():
+    first = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]])
+    with pytest.raises(ValueError, match=r"one value, got mu_k = 0\.3 and 0\.1"):
+        fl.Structure(
+            np.eye(2),
+            np.eye(2),
+            contacts=[first, fl.SlidingContacts([[1.0, 1.0]], N=1.0, friction=fl.Coulomb(0.1))],
+        )
+    with pytest.raises(ValueError, match="a column for each of 3 freedoms, got 2"):
+        fl.Structure(np.eye(3), np.eye(3), contacts=first)
+    with pytest.raises(TypeError, match="contacts must be SlidingContacts, got 3"):
+        fl.Structure(np.eye(2), np.eye(2), contacts=[3])
+    structure = fl.Structure(np.eye(2), np.eye(2), contacts=first, load=[0.0, 1.0])
+    assert structure.replace(mu_k=0.2).contacts[0].friction == fl.Coulomb(mu_k=0.2)
+    assert dict(structure.replace(contacts=None).parameters) == {}
+    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
+        structure.replace(mu_k=4.0)
