@@ -28,18 +28,18 @@ class Closing(NamedTuple):
     ----------
     projection : array (n, n) or None
         P; None where the whole state has to return.
-    turns : tuple of (int, array (n,))
-        Places of the states that return up to whole turns, each with how far all states move in a turn.
+    turns : tuple of (array (n,), array (n,))
+        For each angle how many turns of it a change of the states is, and how far all states move in one.
     """
 
     projection: Array | None = None
-    turns: tuple[tuple[int, Array], ...] = ()
+    turns: tuple[tuple[Array, Array], ...] = ()
 
     def difference(self, states: Array, other: Array) -> Array:
         """How far states (..., n) are from another one, but for turns."""
         away = states - other
-        for place, turn in self.turns:
-            away = away - np.round(away[..., place] / turn[place])[..., None] * turn
+        for count, turn in self.turns:
+            away = away - np.round(away @ count)[..., None] * turn
         return away if self.projection is None else away @ self.projection.T
 
     def matrix(self, fundamental: Array) -> Array:
@@ -63,18 +63,18 @@ def closing_of(run: Trajectory) -> Closing:
     shifts = shifts_without_effect(run, places)
     if shifts is None:
         return Closing(None, turns)
-    if shifts.turning:
+    if shifts.winding.size:
         return Closing(None, (*turns, *_turns_of_angles(shifts, len(automaton.state_names))))
     projection = np.eye(len(automaton.state_names))
     projection[np.ix_(places, places)] = shifts.across @ np.linalg.pinv(shifts.across)
     return Closing(projection, turns)
 
 
-def _turns_of_angles(shifts: Drift, states: int) -> Iterator[tuple[int, Array]]:
-    """The angles that return up to whole turns, and how far others turn with each."""
-    others = [place for place in shifts.places if place not in shifts.turning]
-    for angle in shifts.turning:
-        turn = np.zeros(states)
-        turn[angle] = TURN
-        turn[others] = -TURN * shifts.across[shifts.places.index(angle)]
-        yield angle, turn
+def _turns_of_angles(shifts: Drift, states: int) -> Iterator[tuple[Array, Array]]:
+    """The turns of angles, alone or with others; across them nothing moves."""
+    others = shifts.across.shape[1]
+    moves = np.linalg.inv(np.hstack([shifts.across, shifts.winding]).T)
+    for j in range(shifts.winding.shape[1]):
+        count, turn = np.zeros((2, states))
+        count[shifts.places], turn[shifts.places] = shifts.winding[:, j] / TURN, TURN * moves[:, others + j]
+        yield count, turn

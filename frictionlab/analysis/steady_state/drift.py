@@ -29,7 +29,7 @@ SAMPLES = 32  # states in each of these parts
 INVARIANCE_RTOL = 1e-9  # share of a function, or of a row of derivatives, that is rounding
 DIFFERENCE_ROUNDING = 64 * np.finfo(float).eps
 TURN = 2 * np.pi
-TURN_CORRECTIONS = 2  # of the ratios of states that turn together, which the mean motion gives roughly
+TURN_CORRECTIONS = 4  # of the ratios of states that turn together, which the mean motion gives roughly
 
 
 def drifting_states(run: Trajectory) -> list[int]:
@@ -60,25 +60,25 @@ class Drift:
         The states that drift.
     across : array (k, r)
         Directions across the shifts, as columns: what is left of the k states in comparisons.
-    turning : list of int
-        Which of the places are angles that only whole turns leave as they are.
+    winding : array (k, t)
+        Combinations of the k states, as columns, that are angles: only whole turns leave them as they are.
     """
 
     run: Trajectory
     places: list[int]
     across: Array
-    turning: list[int]
+    winding: Array
 
     def leave_out(self, states: Array) -> Array:
         """States (N, m) of the run without the shifts; phases and angles that turn as points on circles."""
         others = np.delete(phase_on_circle(self.run, states), self.places, axis=1)
-        angles = states[:, self.turning]
+        angles = states[:, self.places] @ self.winding
         return np.hstack([states[:, self.places] @ self.across, np.cos(angles), np.sin(angles), others])
 
     def places_and_rates(self, states: Array) -> tuple[Array, Array]:
         """What the shifts leave of the coordinates and further states (N, k), and the velocities (N, n)."""
         n, left = self.run.automaton.coordinates, self.leave_out(states)
-        first = self.across.shape[1] + 2 * len(self.turning) + n - sum(i < n for i in self.places)
+        first = self.across.shape[1] + 2 * self.winding.shape[1] + n - sum(i < n for i in self.places)
         return np.delete(left, slice(first, first + n), axis=1), left[:, first : first + n]
 
     @property
@@ -117,25 +117,24 @@ def shifts_without_effect(run: Trajectory, places: list[int]) -> Drift | None:
     """The shifts of some states, at least one, that change nothing in a run; None where there are none."""
     across = _directions_across(run, places)
     if across.shape[1] < len(places):
-        return Drift(run, places, across, [])
-    angles = [i for i in places if _is_same_after(run, [i], TURN)]
-    if angles:
-        basis = np.eye(len(places))[:, [k for k, i in enumerate(places) if i not in angles]]
-        return Drift(run, places, basis, angles)
-    for k, angle in enumerate(places if len(places) > 1 else []):  # all of them turn together
+        return Drift(run, places, across, np.zeros((len(places), 0)))
+    angles = [k for k, i in enumerate(places) if _is_same_after(run, [i], TURN)]
+    rest, basis = [k for k in range(len(places)) if k not in angles], np.eye(len(places))
+    for k in rest if len(places) > 1 else []:  # all of them turn together
         shift = _common_turn(run, places, k)
         if _is_same_after(run, places, shift):
-            others = [i for i in range(len(places)) if i != k]
-            across = np.eye(len(places))[:, others]
-            across[k] = -shift[others] / TURN
-            return Drift(run, places, across, [angle])
-    return None
+            basis[k] -= shift / TURN
+            basis[k, k] = 1.0
+            rest.remove(k)
+            angles.append(k)
+            break
+    return Drift(run, places, basis[:, rest], basis[:, angles]) if angles else None
 
 
 def _common_turn(run: Trajectory, places: list[int], angle: int) -> Array:
     """How far states that drift move while one of them, `places[angle]`, makes a turn, as with gears.
 
-    From their mean motion, corrected so that all functions that are linear are as before the turn.
+    From their mean motion, corrected by Newton's method so that all functions are as before the turn.
     """
     moved = (run.final_state - run.raw.step_states[0])[places]
     shift = TURN / moved[angle] * moved

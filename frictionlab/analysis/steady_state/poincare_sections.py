@@ -52,8 +52,9 @@ def _other_states(run: Trajectory) -> set[Any]:
     return {*run.automaton.states[first:]} if first else set()
 
 
-def turns_of_phases(run: Trajectory) -> tuple[tuple[int, np.ndarray], ...]:
-    """The phases of a run that are set back by a number: their places, and how far all states move (m,)."""
+def turns_of_phases(run: Trajectory) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """The phases of a run that are set back by a number: how many periods a change of the states is, as a row
+    (m,), and how far the states move in one (m,)."""
     if not _other_states(run):
         return ()
     automaton = run.automaton
@@ -64,8 +65,9 @@ def turns_of_phases(run: Trajectory) -> tuple[tuple[int, np.ndarray], ...]:
             moved = state - after
             if moved.is_number and moved.is_positive:
                 place = automaton.states.index(state)
-                turns[place] = float(moved) * np.eye(len(automaton.states))[place]
-    return tuple(turns.items())
+                along = np.eye(len(automaton.states))[place]
+                turns[place] = along / float(moved), float(moved) * along
+    return tuple(turns.values())
 
 
 def only_phase_resets(run: Trajectory) -> bool:

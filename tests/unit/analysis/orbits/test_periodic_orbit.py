@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 import frictionlab as fl
@@ -270,3 +271,39 @@ def test_an_oscillator_is_a_family_of_orbits():
     assert np.hypot(*orbit.state) == pytest.approx(0.5, abs=0.01)  # that next to the guess
     assert orbit.multipliers == pytest.approx([1.0, 1.0], abs=1e-7)
     assert not orbit.stable
+
+
+@fl.model
+class Gears(fl.MechanicalModel):
+    """An eccentric wheel that a torque drives, and a gear that sines couple to it by a ratio."""
+
+    ratio: float = 1.5
+    coordinates = cyclic = ("a", "b")
+
+    def mechanics(self, q, v):
+        mesh = 30.0 * (1 - fl.functions.cos(q.b - self.ratio * q.a))
+        return fl.Mechanics(
+            kinetic=(v.a**2 + v.b**2) / 2,
+            potential=mesh - 0.3 * fl.functions.cos(q.a),
+            dissipation=0.1 * (v.a**2 + v.b**2),
+            loads={"a": 1.0},
+        )
+
+
+@pytest.mark.parametrize("ratio", [1.5, 1.2345])
+def test_gears_that_sines_couple_close_after_a_turn_of_one_and_a_part_of_one_of_the_other(ratio):
+    model = Gears(ratio=ratio)
+    run = fl.simulate(model, 150.0, x0={"a'": 2.0, "b'": 2.0 * ratio}, progress=False)
+    orbit = fl.periodic_orbit(model, run)
+
+    def rates(_, z):
+        tooth = 30.0 * np.sin(z[1] - ratio * z[0])
+        ahead = 1.0 - 0.3 * np.sin(z[0]) + ratio * tooth - 0.2 * z[2]
+        return [z[2], z[3], ahead, -tooth - 0.2 * z[3]]
+
+    moved = solve_ivp(rates, (0.0, orbit.period), orbit.state, method="DOP853", rtol=1e-12, atol=1e-13)
+    away = moved.y[:, -1] - orbit.state
+    assert away == pytest.approx([2 * np.pi, 2 * np.pi * ratio, 0.0, 0.0], abs=1e-8)
+    settled = fl.steady_state(model, run.final_state, transient=0.0, window=60.0, progress=False)
+    assert str(settled.kind) == "periodic"
+    assert settled.period == pytest.approx(orbit.period, rel=1e-9)
