@@ -83,8 +83,8 @@ def result_data(
     """A result as the front end takes it; without samples where no panel shows the run."""
     model, known = result.model, result.eigenvalues
     point = None if known is None else known.equilibrium
+    shown = run_data(result, needs_spectrum) if needs_run else _without_run(model)
     data: Data = {
-        "structure": quantity_data(model, model.automaton()),
         "parameters": dict(model.parameters),
         "coordinate": result.settings.coordinate,
         "from": result.settings.x0 if isinstance(result.settings.x0, str) else "own",
@@ -99,12 +99,14 @@ def result_data(
         },
         "python": python_snippet(result.settings),
         "complete": True,
-        "finished": True,
-        "status": "",
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
         "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),
     }
-    return data | (run_data(result, needs_spectrum) if needs_run else {})
+    return data | shown
+
+
+def _without_run(model: Model) -> Data:
+    return {"structure": quantity_data(model, model.automaton()), "finished": True, "status": ""}
 
 
 def _finite(value: float) -> float | None:
@@ -116,7 +118,7 @@ def run_data(result: Result, needs_spectrum: bool) -> Data:
     run, moving = result.run, result.is_moving
     samples = result.samples()
     return sampled_run(run, result.model, *samples) | {
-        "mode": run.mode[-1] if len(run.mode) else "",
+        "mode": run.mode_names[run.raw.step_modes[-1]] if len(run.raw.step_modes) else "",
         "struck": bool(np.any(run.events.t > samples[0][0])),
         "moving": moving,
         "decays": result.decays if moving else False,

@@ -50,7 +50,7 @@ def opened(browser, widget, dark=False):
     page.set_content("<!doctype html><body style='margin: 0'></body>")
     state = {name: getattr(widget, name) for name in ("scene", "state", "picture", "error")}
     values = json.dumps(state, default=lambda data: {"base64": base64.b64encode(data).decode()})
-    code = {"code": type(widget)._esm, "css": text_of("explorer.css"), "values": values}
+    code = {"code": widget._esm, "css": text_of("explorer.css"), "values": values}
     page.evaluate(START, code)
     return page
 
