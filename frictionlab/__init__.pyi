@@ -194,7 +194,6 @@ from .structures.sliding_contacts import relative_rows as relative_rows
 from .structures.sliding_equilibrium import SlidingEquilibrium as SlidingEquilibrium
 from .structures.structure import Structure as Structure
 from .structures.window_eigenvalues import WindowEigenvalues as WindowEigenvalues
-from .widgets.canvas import watch as watch
 from .widgets.explorer import Explorer as Explorer
 from .widgets.explorer import explore as explore
 from .widgets.explorer import explore_bifurcation as explore_bifurcation
@@ -203,5 +202,6 @@ from .widgets.front_end import FrontEnd as FrontEnd
 from .widgets.result import Result as Result
 from .widgets.sound import Sound as Sound
 from .widgets.sound import listen as listen
+from .widgets.watch import watch as watch
 
 __all__: list[str]

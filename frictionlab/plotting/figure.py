@@ -12,9 +12,6 @@ and the same curves can be checked in a test or kept for comparison::
         return Drawing("time (s)", "penetration (m)", {"penetration": Curve(t, u)})
 
     fl.explore(panels=("response", penetration))
-
-`envelope` reduces a long curve to few points: the smallest and the largest value of the samples that share a
-pixel.
 """
 
 from __future__ import annotations
@@ -54,7 +51,6 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 A = TypeVar("A", bound=Artist)
-ENVELOPE_BINS = 400  # about the width of a panel in pixels
 COMPRESSION = 3  # of PNG: zlib's default, 6, takes twice as long for files that are 2 percent smaller
 # Settings of matplotlib that change what is written, and what they are by default.
 PLAIN = {"savefig.bbox": None, "savefig.facecolor": "auto", "savefig.edgecolor": "auto"}
@@ -148,39 +144,6 @@ def _check_curve(label: str, curve: Any) -> None:
         curve.style,
         "give keywords of Line2D, as {'color': 'red'}",
     )
-
-
-def envelope(x: Any, y: Any, bins: int = ENVELOPE_BINS) -> tuple[Array, Array]:
-    """The curve in few points: both extremes of each of its `bins` parts, in order, and its ends.
-
-    Parameters
-    ----------
-    x, y : array_like (N,)
-        Equally spaced in x; finite.
-    bins : int
-
-    Returns
-    -------
-    x, y : arrays
-        Samples of the curve: all of them where they are at most four for each part.
-    """
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if len(y) <= 4 * bins:
-        return x, y
-    edges = np.linspace(0, len(y), bins + 1).astype(int)[:-1]
-    extremes = np.concatenate(
-        [_extreme_indices(np.minimum, y, edges), _extreme_indices(np.maximum, y, edges)]
-    )
-    indices = np.unique(np.append(extremes, [0, len(y) - 1]))
-    return x[indices], y[indices]
-
-
-def _extreme_indices(extreme: Any, y: Array, edges: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Index of the first extreme value in each part, from one edge to the next."""
-    value = extreme.reduceat(y, edges)
-    part = np.repeat(np.arange(len(edges)), np.diff(np.append(edges, len(y))))
-    places = np.flatnonzero(y == value[part])
-    return places[np.unique(part[places], return_index=True)[1]]
 
 
 class SavingCanvas(FigureCanvasAgg):

@@ -7,7 +7,7 @@
     panels/             panels of one's own and of long work: functions of a Result that return a `Drawing`
     scenes              a menu of all models and scenes; `frictionlab app`
     update_scheduler    one update at a time, for the latest change
-    canvas, sound       `fl.watch` and `fl.listen`
+    watch, sound        `fl.watch` and `fl.listen`
 
 A change of a control gives new Settings, and these a new Result.  Its data go to the browser, where the front
 end draws them and says what they mean.

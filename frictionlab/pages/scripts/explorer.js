@@ -124,6 +124,8 @@ class Explorer {
       const [other, value] = about.when ?? [];
       node.hidden = other !== undefined && this.state[other] !== value || about.kind === "number" && about.parameter && !this.engine.has(name, this.state);
     }
+    const runs = this.root.querySelector(".fl-group-run");
+    if (runs && this.result) runs.hidden = !this.result.samples; // where no panel shows a run
     this.undoButton.disabled = !this.history.place;
     this.redoButton.disabled = this.history.place + 1 >= this.history.states.length;
     this.resetButton.disabled = sameValue(this.state, this.scene.initial);
