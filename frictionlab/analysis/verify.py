@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +26,7 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.hybrid.variational.tangent_flow import initial_frame
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable
 from frictionlab.validation import check_flag, check_t_end, explains_keywords
@@ -180,32 +182,36 @@ class RunSetup:
         self._model, self._automaton, self._progress = model, automaton_of(model), progress
         self.start, self._t_end = start, t_end
 
-    def run(self, method: Method, start: Array | None = None, t_end: float | None = None) -> Trajectory:
+    def run(
+        self,
+        method: Method,
+        start: Array | None = None,
+        t_end: float | None = None,
+        mode: str | None = None,
+    ) -> Trajectory:
         source = None if self._model is self._automaton else self._model
         return run_automaton(
             self._automaton,
             self._t_end if t_end is None else t_end,
             self.start if start is None else start,
             method,
-            RunOptions(progress=self._progress, source=source),
+            RunOptions(mode, progress=self._progress, source=source),
         )
 
     def neighbouring_run(self, run: Trajectory) -> Trajectory:
-        """A run by the same method from a neighbouring state, in the same mode.
-
-        In stick the velocities are constrained, at a stop a coordinate as well.  So coordinates and
-        velocities are changed together if the run then still starts in the same mode, else the coordinates
-        alone, else the velocities alone.  If none of these works, the run itself is returned.
+        """A run by the same method from a neighbouring state that keeps the constraints of its mode, as stick
+        and closed rigid contacts have; the run itself where its mode cannot begin on either side.
         """
-        method, n = method_of(Taylor(**_method_settings(run))), self._automaton.coordinates
+        if not len(run.raw.step_modes):
+            return run
+        method, mode = Taylor(**_method_settings(run)), run.mode_names[int(run.raw.step_modes[0])]
         size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
-        signs = NEIGHBOUR_OFFSET * size * np.where(np.arange(len(size)) % 2, -1.0, 1.0)
-        group = np.minimum(np.arange(len(size)) // n, 2) if n else np.zeros(len(size), dtype=int)
-        for moved in (group < 2, group == 0, group == 1):
-            for start in (self.start + signs * moved, self.start - signs * moved):
-                first = self.run(replace(method, max_steps=1), start).raw.step_modes
-                if len(first) and first[0] == run.raw.step_modes[0]:
-                    return self.run(method, start, run.raw.t)
+        signs, n = np.where(np.arange(len(size)) % 2, -1.0, 1.0), self._automaton.coordinates
+        signs[2 * n if n else len(size) :] = 0.0  # phases and states of laws stay
+        offset = NEIGHBOUR_OFFSET * (initial_frame(run) @ (size * signs))
+        for start in (self.start + offset, self.start - offset):
+            with suppress(ValueError):
+                return self.run(method, start, run.raw.t, mode)
         return run
 
 

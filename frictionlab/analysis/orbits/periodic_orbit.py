@@ -39,6 +39,7 @@ from frictionlab.validation import abbreviate, check_number, is_sequence
 MOST_PERIODS = 64  # of an orbit in a guess
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
+SHORTEST_STAY = 1e-6  # share of a run that a stay has to last for an orbit to begin in it
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
 CONSTRAINT_STEPS = 3  # of Newton's method onto the constraints of a mode; one where they are linear
@@ -237,7 +238,9 @@ def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array
     """Of stays in modes of these names the longest in a mode with the fewest constraints: its number, and
     the name of its mode, None where that has no constraints."""
     counts = {name: len(automaton.mode(name).constraints) for name in {*names} if name}
-    lasting = [name for name, length in zip(names, lengths, strict=True) if length > 0.0 and name in counts]
+    # A state that rounding has moved off a closed contact makes a flight before the first event.
+    shortest = SHORTEST_STAY * lengths.sum()
+    lasting = [n for n, length in zip(names, lengths, strict=True) if length > shortest and n in counts]
     fewest = min(counts[name] for name in lasting)
     chosen = [name in counts and counts[name] == fewest for name in names]
     i = int(np.argmax(np.where(chosen, lengths, 0.0)))

@@ -152,9 +152,10 @@ class ActiveRun:
         return GuardZero(0.0, int(guard), int(multiplicity))
 
 
-# Share of a condition's terms below which it counts as zero where the run starts from a state at an event of
-# another run: the sums in the last step of that run had larger terms than the state has.
-ROUNDING_OF_EVENT_STATE = 4096 * MACHINE_EPSILON
+# Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
+# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms than
+# the state has; along a closed contact rounding adds up, so that its state may be off by more.
+ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
 
 
 def initial_mode(run: ActiveRun, order: int) -> Selection:
@@ -172,15 +173,18 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.interpreted_system
     forget_zeros(scratch)
-    rounding = Rounding(problem.x0, COEFFICIENT_ROUNDING)
-    if problem.mode is None and run.queue is not None:
-        return select_combination(system, run.queue, NO_MODE, problem.x0, rounding, order, scratch)
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
-    if selection.mode < 0 and problem.mode is not None:
-        rounding = Rounding(problem.x0, ROUNDING_OF_EVENT_STATE)
-        selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
-    if selection.mode < 0 and problem.mode is not None:
+    for share in ROUNDINGS_AT_START:
+        rounding = Rounding(problem.x0, share)
+        if problem.mode is None and run.queue is not None:
+            selection = select_combination(
+                system, run.queue, NO_MODE, *(problem.x0, rounding, order, scratch)
+            )
+        else:
+            selection = select_mode(system, candidates, problem.x0, rounding, order, scratch)
+        if selection.mode >= 0 or selection.missing != NO_MODE:
+            return selection
+    if problem.mode is not None:
         raise ValueError(
             f"the run cannot start in mode {program.modes[problem.mode]!r}: at x0 one of its conditions "
             "does not hold or fails at once; leave mode=None to have the mode chosen"

@@ -314,3 +314,70 @@ def test_a_woodpecker_pecks_as_moreaus_scheme_says():
     orbit = fl.periodic_orbit(Woodpecker(), settled)
     assert orbit.period == pytest.approx(settled.period, rel=1e-5)
     assert np.abs(orbit.multipliers[1:]).max() < 1
+
+
+@fl.model
+class SliderOnRail(fl.MechanicalModel):
+    """A slider on a rigid rail, inclined by the slope b to the coordinates, that a belt drags along."""
+
+    m: float = 1.0
+    k: float = 100.0
+    kc: float = 30.0
+    c: float = 0.1
+    P: float = 20.0
+    v0: float = 0.5
+    b: float = 0.3
+    friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.3, mu_s=0.5)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        springs = self.k * q.x**2 / 2 + self.kc * (q.x - q.y) ** 2 / 2 + self.P * q.y
+        rail = fl.Stop(
+            q.y - self.b * q.x, fl.PlasticImpact(), friction=self.friction, relative_velocity=self.v0 - v.x
+        )
+        kinetic, damped = self.m * (v.x**2 + v.y**2) / 2, self.c * v.x**2 / 2
+        return fl.Mechanics(kinetic, springs, damped, contacts=(rail,))
+
+
+def rate_in_minimal_coordinates(model, x, v):
+    """Acceleration along x and normal force: m (x'', b x'') = f + N (-b, 1) + mu N (1, 0), by hand."""
+    law, v_r = model.friction, model.v0 - v
+    mu = law.mu_k + (law.mu_s - law.mu_k) * np.exp(-((v_r / law.v_s) ** 2))
+    pull = model.kc * (x - model.b * x)
+    matrix = [[model.m, model.b - mu], [model.m * model.b, -1.0]]
+    return np.linalg.solve(matrix, [-model.k * x - pull - model.c * v, pull - model.P])
+
+
+def test_rounding_along_a_rail_does_not_end_a_run_that_starts_there():
+    model = SliderOnRail()
+    run = fl.simulate(model, 30.0)
+    places = run(np.linspace(10.0, 30.0, 41))
+    assert np.abs(places[:, 1] - model.b * places[:, 0]).max() > 0.0  # off the rail by rounding
+    for place in places:
+        assert fl.simulate(model, 0.01, x0=place).status.ok
+    slip = run.events.target.tolist().index("slip+", 20)
+    start = run.events.state[slip]
+    span = 0.3 * (run.events.t[slip + 1] - run.events.t[slip])
+    other = solve_ivp(
+        lambda t, y: [y[1], rate_in_minimal_coordinates(model, *y)[0]],
+        (0.0, span),
+        start[[0, 2]] - [0.0, 1e-12],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-13,
+    )
+    assert np.allclose(run(run.events.t[slip] + span)[[0, 2]], other.y[:, -1], rtol=0.0, atol=1e-10)
+
+
+def test_a_run_along_a_rail_is_verified_by_neighbours_on_it():
+    found = fl.verify(SliderOnRail(), 3.0, x0="near", progress=False)
+    assert (found.ok, found.until, found.events_agree) == (True, 3.0, True)
+
+
+def test_an_orbit_along_a_rail_closes_without_a_flight():
+    model = SliderOnRail()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 30.0, progress=False))
+    assert [name for name, _ in orbit.modes] in (["stick", "slip+"], ["slip+", "stick"])
+    assert orbit.stable
+    settled = fl.steady_state(model, transient=30.0, window=10.0, progress=False)
+    assert abs(settled.period - orbit.period) < 1e-6 * orbit.period
