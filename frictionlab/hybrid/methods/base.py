@@ -153,8 +153,8 @@ class ActiveRun:
 
 
 # Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
-# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms than
-# the state has; along a closed contact rounding adds up, so that its state may be off by more.
+# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
+# than the state has; along a closed contact rounding adds up, so that its state may be off by more.
 ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
 
 
