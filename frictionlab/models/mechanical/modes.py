@@ -301,7 +301,7 @@ def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
     ]
     events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
-    outputs = _outputs(system, chosen, solved)
+    outputs = contact_outputs(system, chosen, solved)
     flow = system.flow(solved.accelerations, [rate for regime in chosen for rate in regime.rates])
     return Mode(name, flow, tuple(events), constraints, outputs)
 
@@ -357,17 +357,18 @@ def contact_suffix(system: LagrangeSystem, i: int) -> str:
     return f"_{i + 1}" if len(system.mechanics.contacts) > 1 else ""
 
 
-def _outputs(
+def contact_outputs(
     system: LagrangeSystem, chosen: Sequence[ContactRegime], solved: ContactForces
 ) -> dict[str, Any]:
+    """What a mode shows of its contacts, by name."""
     outputs = {}
     for i, (contact, regime) in enumerate(zip(system.mechanics.contacts, chosen, strict=True)):
-        values = _contact_outputs(contact, regime, solved.forces[i], solved.friction.get(i, sympy.S.Zero))
+        values = _outputs_of_contact(contact, regime, solved.forces[i], solved.friction.get(i, sympy.S.Zero))
         outputs |= {name + contact_suffix(system, i): value for name, value in values}
     return outputs
 
 
-def _contact_outputs(contact: AnyContact, regime: ContactRegime, force: Any, friction: Any) -> Any:
+def _outputs_of_contact(contact: AnyContact, regime: ContactRegime, force: Any, friction: Any) -> Any:
     if isinstance(contact, Stop):
         rigid = ("distance", contact.distance), ("reaction", force)
         rubbing = ("friction_force", friction), ("relative_velocity", contact.relative_velocity)

@@ -4,20 +4,22 @@ y = C x + D u, and its frequency responses.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.problem import output_formulas
+from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import mechanics_at
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.models.symbols import parameter_symbols
 from frictionlab.presentation import (
     Drawable,
     count,
@@ -32,8 +34,8 @@ from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, dampin
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
-from frictionlab.stability.equilibrium_points.steady_rates import is_free
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.tape.formulas import formulas_of
 from frictionlab.validation import (
     abbreviate,
     check_sequence,
@@ -250,17 +252,24 @@ def linearize(
     for name in shown:
         _place("outputs", name, [*states, *automaton.outputs])
     A: Any = jacobian(model, point.state)
-    B = _input_matrix(model, problem, mode, point.state, given)
+    held = any(place < 2 * automaton.coordinates for place in given_by_others)
+    pushed = _pushed_in_contact(model, mode) if held and isinstance(model, MechanicalModel) else None
+    B = _input_matrix(model, problem, pushed, point.state, given)
     C: Any = np.zeros((len(shown), len(states)))
     D: Any = np.zeros((len(shown), len(given)))
     for row, name in enumerate(shown):
         slopes = _slopes_of_output(automaton, mode, name, point.state)
         C[row] = [slopes.get(state, 0.0) for state in states]
-        D[row] = [0.0 if name in coordinates else slopes.get(name, 0.0) for name in given]
+        by_force = np.zeros(len(coordinates))
+        if pushed is not None and name in pushed.outputs:
+            by_force = pushed.slopes(point.state, [pushed.outputs[name]])[0]
+        direct = slopes | dict(zip(coordinates, by_force.tolist(), strict=True))
+        D[row] = [direct.get(one, 0.0) for one in given]
     for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
         place = states.index(name)
         A[place], B[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
     for place in given_by_others:  # its row says z' = (what it is) - z, and no other rate depends on it
+        B[place, [name in coordinates for name in given]] = 0.0
         C, D = (
             C + np.outer(C[:, place], A[place] + np.eye(len(states))[place]),
             D + np.outer(C[:, place], B[place]),
@@ -272,7 +281,11 @@ def linearize(
 
 
 def _input_matrix(
-    model: ModelOrAutomaton, problem: EquilibriumProblem, mode: str, state: Array, inputs: Sequence[str]
+    model: ModelOrAutomaton,
+    problem: EquilibriumProblem,
+    pushed: PushedInContact | None,
+    state: Array,
+    inputs: Sequence[str],
 ) -> Array:
     """B (m, inputs): accelerations by forces along coordinates, and rates by parameters."""
     matrix = np.zeros((len(state), len(inputs)))
@@ -280,7 +293,11 @@ def _input_matrix(
     for k, name in enumerate(inputs):
         if isinstance(model, MechanicalModel) and name in model.coordinates:
             n, place = len(model.coordinates), list(model.coordinates).index(name)
-            matrix[n : 2 * n, k] = _compliance(model, state, mode)[:, place]
+            if pushed is None:
+                moved = _compliance(model, state)
+            else:
+                moved = pushed.slopes(state, pushed.accelerations)
+            matrix[n : 2 * n, k] = moved[:, place]
         else:
             matrix[:, k] = by_parameter[:, problem.parameter_names.index(name)]
     return matrix
@@ -310,16 +327,43 @@ def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
     return mode.name, [place for place in mode.following if place not in cyclic]
 
 
-def _compliance(model: MechanicalModel, state: Array, mode: str) -> Array:
-    """Accelerations (n, n) by forces along the coordinates."""
-    automaton = automaton_of(model).whole
-    if not is_free(automaton, automaton.mode(mode)):
-        raise ValueError(
-            "inputs must be parameters where the equilibrium is in a mode with constraints of velocities, "
-            f"got forces in {mode!r}: name parameters"
-        )
+def _compliance(model: MechanicalModel, state: Array) -> Array:
+    """Accelerations (n, n) by forces along the coordinates, where no contact holds."""
     inverse: Any = np.linalg.inv(mass_matrix(model, state))
     return inverse
+
+
+class PushedInContact(NamedTuple):
+    """Accelerations and outputs of a mode with forces along the coordinates, where contacts hold.
+
+    What these contacts do follows the forces, and friction with it.
+    """
+
+    model: MechanicalModel
+    pushes: list[Any]
+    accelerations: list[Any]
+    outputs: Mapping[str, Any]
+
+    def slopes(self, state: Array, functions: Sequence[Any]) -> Array:
+        """Derivatives (k, n) of functions by the forces at a state."""
+        model, automaton = self.model, automaton_of(self.model).whole
+        inputs = [*automaton.states, *parameter_symbols(model.structure_key), *self.pushes]
+        formulas = formulas_of(inputs, [sympy.diff(one, push) for one in functions for push in self.pushes])
+        values = [model.parameters[name] for name in model.structure_key.parameters]
+        numbers = formulas.numbers(*state, *values, *[0.0] * len(self.pushes))
+        return numbers.reshape(len(functions), len(self.pushes))
+
+
+def _pushed_in_contact(model: MechanicalModel, mode: str) -> PushedInContact:
+    from frictionlab.models.mechanical.equations_of_motion import system_of  # which load sympy
+    from frictionlab.models.mechanical.modes import contact_outputs, solve_contact_forces
+
+    system = system_of(model.structure_key)
+    regimes = system.chosen(system.names.combination_of(mode) or ())
+    pushes = [sympy.Dummy(f"push {name}", real=True) for name in model.coordinates]
+    loads = tuple(load + push for load, push in zip(system.loads, pushes, strict=True))
+    solved = solve_contact_forces(replace(system, loads=loads), regimes)
+    return PushedInContact(model, pushes, solved.accelerations, contact_outputs(system, regimes, solved))
 
 
 def _names(what: str, given: Any, usual: Sequence[str]) -> tuple[str, ...]:

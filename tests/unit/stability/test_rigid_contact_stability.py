@@ -99,6 +99,15 @@ def test_a_contact_that_would_pull_has_no_equilibrium():
         fl.eigenvalues(OnTheBelt(lift=10.1))
 
 
+def test_forces_act_through_the_reaction_and_its_friction():
+    held, flat = fl.linearize(OnTheBelt(), outputs=["x", "reaction"]), fl.linearize(InOneCoordinate())
+    assert held.states == ("x", "x'")
+    np.testing.assert_allclose(held.A, flat.A, rtol=1e-13)
+    mu = 0.2 + 0.2 * math.exp(-((0.5 / 0.3) ** 2))
+    np.testing.assert_allclose(held.B, [[0.0, 0.0], [1.0, -mu]], rtol=1e-13)
+    np.testing.assert_allclose(held.D, [[0.0, 0.0], [0.0, -1.0]], atol=1e-15)
+
+
 @fl.model
 class RodOnBelt(fl.MechanicalModel):
     """A rod on springs, its lower end on a belt: sprung at its centre, where its weight and a load act."""
@@ -172,6 +181,9 @@ def test_a_rod_that_slides_on_its_end_has_the_eigenvalues_of_its_pencil():
     assert modes.vectors[1] == pytest.approx(0.5 * math.cos(point.q[2]) * modes.vectors[2], rel=1e-14)
     shapes = fl.root_locus(rod, "P", [30.0, 40.0]).shapes[-1]
     assert shapes[1] == pytest.approx(0.5 * math.cos(point.q[2]) * shapes[2], rel=1e-13)
+    load = fl.linearize(rod, inputs=["y", "P"], outputs=["y", "reaction"])
+    assert load.B[:, 0] == pytest.approx(-load.B[:, 1], rel=1e-12)
+    assert load.D[:, 0] == pytest.approx(-load.D[:, 1], rel=1e-12)
     run = fl.simulate(rod, 0.5, x0="near", progress=False)
     assert set(run.mode) == {"slip+"}
     assert np.abs(run["distance"]).max() < 1e-14
