@@ -143,6 +143,8 @@ from .models.model import model as model
 from .models.zoo.belt_oscillators import BrakedOscillator as BrakedOscillator
 from .models.zoo.belt_oscillators import DoubleLayerPad as DoubleLayerPad
 from .models.zoo.belt_oscillators import ExcitedBeltOscillator as ExcitedBeltOscillator
+from .models.zoo.belt_oscillators import ModularChain as ModularChain
+from .models.zoo.belt_oscillators import NoisyOscillator as NoisyOscillator
 from .models.zoo.belt_oscillators import OscillatorChain as OscillatorChain
 from .models.zoo.belt_oscillators import PoppStelter as PoppStelter
 from .models.zoo.bristles_and_states import JenkinsOscillator as JenkinsOscillator
@@ -152,7 +154,10 @@ from .models.zoo.impacts import BallOnTable as BallOnTable
 from .models.zoo.impacts import NewtonsCradle as NewtonsCradle
 from .models.zoo.impacts import RattlingGear as RattlingGear
 from .models.zoo.impacts import RockingBlock as RockingBlock
+from .models.zoo.impacts import Woodpecker as Woodpecker
 from .models.zoo.mode_couplings import HultenOscillator as HultenOscillator
+from .models.zoo.mode_couplings import PadOnDisc as PadOnDisc
+from .models.zoo.mode_couplings import StrutPad as StrutPad
 from .models.zoo.rotating_systems import DrillString as DrillString
 from .models.zoo.rotating_systems import FroudePendulum as FroudePendulum
 from .models.zoo.rotating_systems import MotorAndCart as MotorAndCart

@@ -218,10 +218,10 @@ class FormulaBuilder(TapeBuilder):
 
     def _factored(self, expr: Any) -> tuple[Any, Any]:
         """The number in front of a product, and the rest."""
-        fixed = [f for f in expr.args if not f.free_symbols] if expr.is_Mul else []
+        fixed = [f for f in expr.args if self.constant(f)] if expr.is_Mul else []
         if not fixed:
             return sp.S.One, expr
-        return unsorted_product(fixed), unsorted_product([f for f in expr.args if f.free_symbols])
+        return unsorted_product(fixed), unsorted_product([f for f in expr.args if not self.constant(f)])
 
     def _after_rate(self, kind: int, a: int, constant: Any = 0) -> int:
         return self.operation(kind, a, a, self.number(constant))

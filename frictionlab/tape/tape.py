@@ -162,6 +162,7 @@ class TapeBuilder:
         self._states = {state: i for i, state in enumerate(states)}
         self._affine: dict[Expr, AffineTerms] = {}
         self._slots: dict[object, int] = {}
+        self._constants: dict[Expr, bool] = {}
 
     def slot(self, expr: Expr) -> int:
         """Slot that holds `expr`, emitting what is missing."""
@@ -169,7 +170,13 @@ class TapeBuilder:
 
     def constant(self, expr: Expr) -> bool:
         """Whether `expr` depends on the parameters alone."""
-        return self._states.keys().isdisjoint(expr.free_symbols)
+        known = self._constants.get(expr)
+        if (
+            known is None
+        ):  # what free_symbols tells, which searches a deep expression again for each of its parts
+            known = all(map(self.constant, expr.args)) if expr.args else expr not in self._states
+            self._constants[expr] = known
+        return known
 
     def _lower(self, expr: Expr) -> AffineTerms:
         known = self._affine.get(expr)

@@ -1,10 +1,12 @@
-"""Oscillators on a belt: falling friction, a base that moves, rows of masses, a belt that brakes."""
+"""Oscillators on a belt: falling friction, a base that moves, rows of masses, a belt that brakes, noise."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
+from random import Random
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -22,6 +24,7 @@ from frictionlab.models.zoo.zoo_model import (
     of_either_sign,
     positive,
 )
+from frictionlab.validation import check_number
 
 HALT = "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
 
@@ -358,3 +361,161 @@ class BrakedOscillator(BeltOscillator):
         rubbing = Friction(ramp(q.t, self.v, 0, self.t_b) - v.x, self.N, self.friction)
         kinetic, springs, dampers = self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2
         return Mechanics(kinetic, springs, dampers, contacts=(rubbing,))
+
+
+@model
+class ModularChain(OscillatorChain):
+    """A ring of equal modules on a belt: in each a mass that rubs, on a mass that its neighbours hold.
+
+        m u_i'' + c u_i' + k (u_i - w_i) = F_Ti
+        m_w w_i'' + c w_i' + k (w_i - u_i) + k_w w_i + k_c (2 w_i - w_(i-1) - w_(i+1)) = 0
+
+    About steady sliding each of the n waves is a system of two freedoms, whose second mass has the stiffness
+    k_w + 4 k_c sin^2(pi j/n).  The system is of the kind of Brunetti and others; its equations and numbers
+    are this package's.
+
+    Parameters
+    ----------
+    m, m_w : float
+        Masses that rub and that are linked, kg, above 0.
+    c : float
+        Damping of each mass, N s/m.
+    k, k_w, k_c : float
+        Springs between the masses of a module, of the second one and between neighbours, N/m.
+    N : float
+        Normal force on each module, N.
+    v : float
+        Speed of the belt, m/s.
+    friction : FrictionLaw
+    masses : int
+        n.
+
+    References
+    ----------
+    J. Brunetti, F. Massi, W. D'Ambrogio, Y. Berthier, Meccanica 50 (2015) 633-647.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> len(fl.eigenvalues(fl.ModularChain()).values)
+    8
+    """
+
+    m_w: float = positive(2.0, "kg", r"m_{\mathrm{w}}", "mass that is linked")
+    k_w: float = positive(1.0, "N/m", r"k_{\mathrm{w}}", "stiffness of the linked mass")
+    v: float = of_either_sign(0.5, 3.0, "m/s", "v", "speed of the belt")
+    masses: int = 2
+
+    about = "modules of two masses in a ring on a belt: waves of two freedoms"
+    reference = "J. Brunetti, F. Massi, W. D'Ambrogio, Y. Berthier, Meccanica 50 (2015) 633-647"
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """u1, u2, ..., w1, w2, ..."""
+        return tuple(f"{letter}{i + 1}" for letter in "uw" for i in range(self.masses))
+
+    def release(self) -> Mapping[str, float]:
+        """The first mass aside, as from rest all modules would move as one."""
+        return {"u1": 1.0}
+
+    @property
+    def period(self) -> float:
+        """That of both masses of a module together, s."""
+        return natural_period(self.k_w, self.m + self.m_w)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Modules in a row on a belt: the masses that rub below, the linked ones above."""
+        n = self.masses
+        lower = [Point(1.4 * i, 0.2, right=f"u{i + 1}") for i in range(n)]
+        upper = [Point(1.4 * i, 1.0, right=f"w{i + 1}") for i in range(n)]
+        within = [Spring(a.beside(0.0, 0.2), b.beside(0.0, -0.2)) for a, b in zip(lower, upper, strict=True)]
+        between = [Spring(a.beside(0.3), b.beside(-0.3)) for a, b in pairwise(upper)]
+        forces = [Forces(at, f"_{i + 1}" if n > 1 else "") for i, at in enumerate(lower)]
+        bodies = map(Block, (*lower, *upper))
+        return Mechanism(Belt("v", start=-0.8, end=1.4 * n - 0.6), *within, *between, *bodies, *forces)
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """2 n masses, n contacts."""
+        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
+        u, w = x[: self.masses], x[self.masses :]
+        held = sum(self.k_c * (a - b) ** 2 + self.k_w * a**2 for a, b in zip(w, [*w[1:], w[0]], strict=True))
+        within = self.k * sum((a - b) ** 2 for a, b in zip(u, w, strict=True))
+        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in rates[: self.masses])
+        rub, linked = (sum(r**2 for r in some) for some in (rates[: self.masses], rates[self.masses :]))
+        dampers = self.c * (rub + linked) / 2
+        return Mechanics((self.m * rub + self.m_w * linked) / 2, (within + held) / 2, dampers, rubbing)
+
+
+@model
+class NoisyOscillator(PoppStelter):
+    """A mass on a belt under noise: a force of many sines of equal size on the harmonics of one frequency.
+
+        m x'' + c x' + k x = F_T + a sqrt(2/n) sum_(j=1..n) cos(j Omega t + p_j)
+
+    The phases p_j are drawn by `seed`; the force has the root mean square a, and repeats after 2 pi/Omega.
+    While the mass slides on a faster belt, Coulomb's friction is a constant, and the mean square of x about
+    its mean is that of the linear oscillator,
+
+        a^2/n sum_j 1/((k - m (j Omega)^2)^2 + (c j Omega)^2).
+
+    The solver has no stochastic equations: this is one sample of noise with a spectrum of lines.  The system
+    and its numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    a, Omega : float
+        Root mean square of the noise (N), and its lowest angular frequency (rad/s).
+    friction : FrictionLaw
+    sines, seed : int
+        n, and what the phases are drawn by.
+
+    References
+    ----------
+    X. Sui, Q. Ding, Applied Mathematics and Mechanics (2019), for noise on a pad on a disc.
+    S. O. Rice, Bell System Technical Journal 23 (1944) 282-332, for noise as a sum of sines.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.NoisyOscillator(v=20.0)
+    >>> orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
+    >>> round(orbit.period * model.Omega, 9)  # 2 pi
+    6.283185307
+    """
+
+    v: float = of_either_sign(0.3, 5.0, "m/s", "v", "speed of the belt")
+    a: float = not_negative(0.3, 2.0, "N", "a", "root mean square of the noise")
+    Omega: float = positive(0.1, "rad/s", r"\Omega", "lowest angular frequency of the noise")
+    friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.8)
+    sines: int = 20
+    seed: int = 1
+
+    about = "noise as many sines on the harmonics of the phase: how much of it friction takes"
+    reference = "S. O. Rice, Bell System Technical J. 23 (1944) 282-332"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+
+    def check(self) -> None:
+        """`sines` is from 1 to 100, `seed` at least 0."""
+        self.check_count("sines", least=1)
+        check_number("seed", self.seed, integer=True, least=0)
+        super().check()
+
+    def phases(self) -> list[float]:
+        """p_j, rad."""
+        draw = Random(self.seed)
+        return [draw.uniform(0.0, 2 * pi) for _ in range(self.sines)]
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact, n sines."""
+        noise = sum(cos(j * q.phase + p) for j, p in enumerate(self.phases(), 1))
+        loads = {"x": self.a * (2 / self.sines) ** 0.5 * noise}
+        return replace(super().mechanics(q, v), loads=loads, frequency=self.Omega)

@@ -1,4 +1,4 @@
-"""Impacts: a ball on a table that vibrates, a block that rocks, a gear that rattles, a row of balls."""
+"""Impacts: a ball on a table that vibrates, a block that rocks, a gear, a row of balls, a woodpecker."""
 
 from __future__ import annotations
 
@@ -9,13 +9,17 @@ from math import pi
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.functions import cos, sin
-from frictionlab.components.impact import ImpactLaw, RestitutionImpact
+from frictionlab.components.impact import FrictionalImpact, ImpactLaw, RestitutionImpact
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
-from frictionlab.models.mechanism import Block, Mechanism, Point, Wall
+from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, positive
 
+# Lengths of the woodpecker, m: to the spring, from it to the bird, half of the sleeve, its radius, the beak.
+ARM, BIRD, HALF_SLEEVE, RADIUS, BEAK, REACH = 0.01, 0.015, 0.0058, 0.0031, 0.02, 0.0051
+CLEARANCE = 0.0006  # m, of the sleeve's edges at the pole
 SLENDERNESS = 0.2  # rad, of a block five times as high as wide
 
 
@@ -333,3 +337,89 @@ class NewtonsCradle(ZooModel):
         stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(x))
         kinetic = self.m * sum(rate**2 for rate in rates) / 2
         return Mechanics(kinetic, self.m * self.g / self.l * sum(a**2 for a in x) / 2, contacts=stops)
+
+
+@model
+class Woodpecker(ZooModel):
+    """A woodpecker on a spring, on a sleeve that falls, jams and slips free on a pole.
+
+    The sleeve has a clearance: its edges touch the pole where it has turned by 0.103 rad either way, and
+    stick or slip there by friction.  The beak strikes the pole at an angle of 0.12 rad.  In a period the
+    lower edge strikes and jams, the bird swings down and back, the sleeve slips free, falls and turns over,
+    the beak strikes, and the sleeve turns back.
+
+    Parameters
+    ----------
+    m_M, J_M : float
+        Mass (kg) and inertia (kg m^2) of the sleeve.
+    m_S, J_S : float
+        Mass and inertia of the bird.
+    k_t : float
+        Stiffness of the spring between them, N m/rad.
+    g : float
+        Gravity, m/s^2.
+    friction : FrictionLaw
+        Of all contacts.
+    impact, jamming : ImpactLaw
+        Of the beak, and of the sleeve, whose restitution is 0.
+
+    References
+    ----------
+    C. Glocker, F. Pfeiffer, Nonlinear Dynamics 7 (1995) 471-497.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.Woodpecker(), 0.2, progress=False)
+    >>> bool(run["y"][-1] < -0.005), "impact_1" in run.events.guard  # it is lower, and has pecked
+    (True, True)
+    """
+
+    m_M: float = positive(0.0003, "kg", r"m_{\mathrm{M}}", "mass of the sleeve")
+    J_M: float = positive(5e-9, "kg m^2", r"J_{\mathrm{M}}", "inertia of the sleeve")
+    m_S: float = positive(0.0045, "kg", r"m_{\mathrm{S}}", "mass of the bird")
+    J_S: float = positive(7e-7, "kg m^2", r"J_{\mathrm{S}}", "inertia of the bird")
+    k_t: float = positive(0.0056, "N m/rad", r"k_{\mathrm{t}}", "stiffness of the spring between them")
+    g: float = positive(9.81, "m/s^2", "g", "gravity")
+    friction: FrictionLaw = Coulomb(mu_k=0.3, mu_s=0.3)
+    impact: ImpactLaw = FrictionalImpact(e=0.5, mu_i=0.3)
+    jamming: Any = FrictionalImpact(e=0.0, mu_i=0.3)
+    coordinates = ("y", "phi_M", "phi_S")
+    cyclic = ("y",)
+
+    about = "a toy that pecks its way down a pole: impacts, jamming and slip in one period"
+    reference = "C. Glocker, F. Pfeiffer, Nonlinear Dynamics 7 (1995) 471-497"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"eigenvalues": "It has no equilibrium in slip or flight: the toy falls, or hangs in stick."}
+    )
+
+    @property
+    def period(self) -> float:
+        """That of the bird on a sleeve that is jammed, s."""
+        return 2 * pi * ((self.J_S + self.m_S * BIRD**2) / self.k_t) ** 0.5
+
+    def release(self) -> Mapping[str, float]:
+        """As the sleeve jams."""
+        return {"phi_M": -CLEARANCE / HALF_SLEEVE, "phi_S": -0.2788, "y'": -0.3411, "phi_S'": -7.4583}
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """The pole, the sleeve on it and the bird beside it; heights stand for angles."""
+        sleeve, bird = Point(0.0, 0.6, up="y"), Point(0.9, 0.6, up="phi_S")
+        pole = Wall((0.0, -0.6), (0.0, 1.8))
+        return Mechanism(
+            pole, Spring(sleeve, bird), Block(sleeve, 0.3, 0.5), Block(bird, 0.5, 0.4, disc=True)
+        )
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """Sleeve and bird; the beak and both edges of the sleeve are rigid contacts with friction."""
+        bird, height = (at.y + ARM * at.phi_M + BIRD * at.phi_S for at in (v, q))
+        beak = v.y + ARM * v.phi_M - REACH * v.phi_S
+        law = self.friction
+        stops = [Stop(0.0024 - BEAK * q.phi_S, self.impact, friction=law, relative_velocity=-beak)]
+        for side in (1, -1):
+            edge, rate = CLEARANCE + side * HALF_SLEEVE * q.phi_M, v.y + RADIUS * v.phi_M
+            stops.append(Stop(edge, self.jamming, friction=law, relative_velocity=-rate))
+        turning = (self.m_M * v.y**2 + self.m_S * bird**2 + self.J_M * v.phi_M**2 + self.J_S * v.phi_S**2) / 2
+        weight = self.g * (self.m_M * q.y + self.m_S * height)
+        return Mechanics(turning, self.k_t * (q.phi_M - q.phi_S) ** 2 / 2 + weight, contacts=tuple(stops))

@@ -9,12 +9,14 @@ from .belt_oscillators import (
     BrakedOscillator,
     DoubleLayerPad,
     ExcitedBeltOscillator,
+    ModularChain,
+    NoisyOscillator,
     OscillatorChain,
     PoppStelter,
 )
 from .bristles_and_states import JenkinsOscillator, LuGreOscillator, SpringSlider
-from .impacts import BallOnTable, NewtonsCradle, RattlingGear, RockingBlock
-from .mode_couplings import HultenOscillator
+from .impacts import BallOnTable, NewtonsCradle, RattlingGear, RockingBlock, Woodpecker
+from .mode_couplings import HultenOscillator, PadOnDisc, StrutPad
 from .rotating_systems import DrillString, FroudePendulum, MotorAndCart, WobblingDisc
 from .structures_in_modes import BowedString, DiscAndPads, MassOnBeam
 from .zoo_model import ZooModel
@@ -27,11 +29,13 @@ TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
             OscillatorChain,
             DoubleLayerPad,
             BrakedOscillator,
+            ModularChain,
+            NoisyOscillator,
         ),
-        "mode coupling": (HultenOscillator,),
+        "mode coupling": (HultenOscillator, StrutPad, PadOnDisc),
         "rotating systems": (WobblingDisc, DrillString, FroudePendulum, MotorAndCart),
         "dynamic friction": (LuGreOscillator, SpringSlider, JenkinsOscillator),
-        "impacts": (BallOnTable, RockingBlock, RattlingGear, NewtonsCradle),
+        "impacts": (BallOnTable, RockingBlock, RattlingGear, NewtonsCradle, Woodpecker),
         "structures in modes": (BowedString, MassOnBeam, DiscAndPads),
     }
 )

@@ -235,51 +235,6 @@ def test_a_block_rocks_as_housner_says():
     assert fl.energy_audit(run, progress=False).error < 1e-13
 
 
-@fl.model
-class Woodpecker(fl.MechanicalModel):
-    """A woodpecker on a spring, on a sleeve that slides and jams on a pole.
-
-    C. Glocker and F. Pfeiffer, Multiple impacts with friction in rigid multibody systems, 1995.
-    """
-
-    m_M: float = 0.0003
-    J_M: float = 5e-9
-    m_S: float = 0.0045
-    J_S: float = 7e-7
-    c: float = 0.0056
-    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
-    coordinates = ("y", "phi_M", "phi_S")
-    cyclic = ("y",)
-
-    def release(self):
-        return {"phi_M": -0.0006 / 0.0058, "phi_S": -0.2788, "y'": -0.3411, "phi_S'": -7.4583}
-
-    def mechanics(self, q, v):
-        bird = v.y + 0.01 * v.phi_M + 0.015 * v.phi_S
-        height = q.y + 0.01 * q.phi_M + 0.015 * q.phi_S
-        beak = fl.Stop(
-            0.0024 - 0.02 * q.phi_S,
-            fl.FrictionalImpact(e=0.5, mu_i=0.3),
-            friction=self.friction,
-            relative_velocity=-(v.y + 0.01 * v.phi_M - 0.0051 * v.phi_S),
-        )
-        sleeve = (
-            fl.Stop(
-                0.0006 + side * 0.0058 * q.phi_M,
-                fl.FrictionalImpact(e=0.0, mu_i=0.3),
-                friction=self.friction,
-                relative_velocity=-(v.y + 0.0031 * v.phi_M),
-            )
-            for side in (1, -1)
-        )
-        turning = self.J_M * v.phi_M**2 / 2 + self.J_S * v.phi_S**2 / 2
-        return fl.Mechanics(
-            kinetic=self.m_M * v.y**2 / 2 + self.m_S * bird**2 / 2 + turning,
-            potential=self.c * (q.phi_M - q.phi_S) ** 2 / 2 + 9.81 * (self.m_M * q.y + self.m_S * height),
-            contacts=(beak, *sleeve),
-        )
-
-
 def woodpecker_by_moreau(t_end, h):
     m_M, J_M, m_S, J_S, c, g = 0.0003, 5e-9, 0.0045, 7e-7, 0.0056, 9.81
     arm = np.array([1.0, 0.01, 0.015])
@@ -304,14 +259,14 @@ def woodpecker_by_moreau(t_end, h):
 @pytest.mark.slow
 def test_a_woodpecker_pecks_as_moreaus_scheme_says():
     """The sleeve jams, slips free, turns over, the beak hits the pole, the sleeve turns back and jams."""
-    run = fl.simulate(Woodpecker(), 0.3, progress=False)
+    run = fl.simulate(fl.Woodpecker(), 0.3, progress=False)
     impacts = [guard for guard in run.events.guard[run.events.t > 0.01] if guard.startswith("impact")]
     assert impacts[:5] == ["impact_3", "impact_1", "impact_3", "impact_2", "impact_2"]
     steps = woodpecker_by_moreau(0.14, 2e-5)
     errors = np.abs(run(steps[:, 0])[:, :3] - steps[:, 1:4]).max(axis=0)
     assert (errors < [3e-5, 1e-3, 2e-3]).all()  # of motions of 0.017 m, 0.2 and 0.6
-    settled = fl.steady_state(Woodpecker(), transient=3.0, window=1.5, progress=False)
-    orbit = fl.periodic_orbit(Woodpecker(), settled)
+    settled = fl.steady_state(fl.Woodpecker(), transient=3.0, window=1.5, progress=False)
+    orbit = fl.periodic_orbit(fl.Woodpecker(), settled)
     assert orbit.period == pytest.approx(settled.period, rel=1e-5)
     assert np.abs(orbit.multipliers[1:]).max() < 1
 

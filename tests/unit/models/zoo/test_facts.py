@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
 import frictionlab as fl
 
@@ -56,6 +57,29 @@ def test_both_layers_of_a_pad_have_the_eigenvalues_of_their_matrices():
     assert sorted_values(found) == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-12)
 
 
+@pytest.mark.parametrize("modules", [1, 3])
+def test_waves_of_modules_have_two_freedoms(modules):
+    model = fl.ModularChain(masses=modules, v=0.7)
+    slope = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-model.v / model.v_s) * model.N
+    exact = []
+    for j in range(modules):
+        linked = model.k_w + 4 * model.k_c * math.sin(math.pi * j / modules) ** 2
+        rub, other = [model.m, model.c + slope, model.k], [model.m_w, model.c, model.k + linked]
+        exact += list(np.roots(np.polysub(np.polymul(rub, other), [model.k**2])))
+    assert sorted_values(fl.eigenvalues(model).values) == pytest.approx(sorted_values(exact), abs=1e-7)
+
+
+@pytest.mark.parametrize("seed", [1, 7])
+def test_noise_shakes_a_mass_that_slides_as_a_linear_oscillator(seed):
+    """Parseval's sum of the lines of the spectrum."""
+    model = fl.NoisyOscillator(v=20.0, seed=seed)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
+    t = np.linspace(0.0, orbit.period, 4000, endpoint=False)
+    w = 0.1 * np.arange(1, 21)
+    exact = 0.3**2 / 20 * (1 / ((1 - w**2) ** 2 + (0.1 * w) ** 2)).sum()
+    assert orbit.trajectory(t)[:, 0].var() == pytest.approx(exact, rel=1e-9)
+
+
 # --- mode coupling
 
 
@@ -76,6 +100,121 @@ def test_one_sided_damping_lowers_the_critical_friction():
         exact = math.sqrt(e / (k1 * k2) - 1)
         assert fl.critical_value(model, "mu", bounds=(0.0, 1.0)) == pytest.approx(exact, rel=1e-9)
     assert exact < model.critical_friction
+
+
+STRUT = {"theta": -0.7, "mu_k": 0.8, "mu_s": 1.0}  # it pulls away from the belt
+
+
+@pytest.mark.parametrize("theta", [0.3, -0.7, 0.9])
+def test_a_strut_presses_as_spurr_says(theta):
+    model = fl.StrutPad(theta=theta)
+    exact = model.F / (1 - model.mu_k * math.tan(theta))
+    assert fl.equilibrium(model).normal_force == pytest.approx(exact, rel=1e-12)
+
+
+def test_a_strut_jams_where_mu_tan_theta_is_one():
+    jams = math.atan(1 / 0.6)
+    assert len(fl.equilibria(fl.StrutPad(theta=0.999 * jams))) == 1
+    with pytest.raises(ValueError, match="equilibrium"):
+        fl.equilibrium(fl.StrutPad(theta=1.001 * jams))
+
+
+@pytest.mark.parametrize("theta", [0.3, -0.7])
+def test_a_pad_on_a_strut_has_the_eigenvalues_of_its_matrices(theta):
+    model = fl.StrutPad(theta=theta, k_n=20.0, m=0.7)
+    c, s = math.cos(theta), math.sin(theta)
+    K = np.array([[model.k * c * c, -model.k * c * s, 0], [-model.k * c * s, model.k * s * s, 0], [0, 0, 0]])
+    K[1:, 1:] += model.k_b * np.array([[1, -1], [-1, 1]])
+    K[0, 1] -= model.mu_k * model.k_n
+    K[1, 1] += model.k_n
+    M = np.diag([model.m, model.m, model.m_b])
+    A = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.linalg.solve(M, K), -model.c * np.linalg.inv(M)]])
+    found = fl.eigenvalues(model).values
+    assert sorted_values(found) == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-9)
+
+
+def test_a_pad_that_sticks_slips_and_flies_is_that_of_another_integrator():
+    model = fl.StrutPad(**STRUT)
+    c, s = math.cos(model.theta), math.sin(model.theta)
+
+    def free(z):
+        x, y, w = z[:3]
+        bar = model.k * (c * x - s * y)
+        forces = -c * bar, s * bar + model.k_b * (w - y), model.k_b * (y - w) + model.F
+        return np.array(forces) - model.c * z[3:]
+
+    def rates(tangential, pressed):
+        def of(t, z):
+            a = free(z)
+            if tangential is not None:
+                a = a + np.array([tangential * model.k_n * z[1], 0.0, 0.0])
+            else:
+                a[0] = 0.0
+            a[1] -= model.k_n * z[1] if pressed else 0.0
+            return np.concatenate([z[3:], a])
+
+        return of
+
+    def event(function, direction=-1):
+        def of(t, z):
+            return function(z)
+
+        of.terminal, of.direction = True, direction
+        return of
+
+    stops, opens, lands = event(lambda z: model.v - z[3]), event(lambda z: z[1]), event(lambda z: -z[1])
+    breaks = event(lambda z: model.mu_s * model.k_n * z[1] - abs(free(z)[0]))
+    flow = {"slip": (rates(model.mu_k, True), (stops, opens)), "stick": (rates(None, True), (breaks, opens))}
+    flow["flight"] = rates(0.0, False), (lands,)
+    t, z, now, seen = 0.0, np.array([0.0, 0.5, 3.0, 0.0, 0.0, 0.0]), "slip", []
+    while t < 12.0:
+        flown, events = flow[now]
+        found = solve_ivp(flown, (t, 12.0), z, "DOP853", events=events, rtol=1e-12, atol=1e-13)
+        t, z = found.t[-1], found.y[:, -1]
+        first = len(found.t_events[0]) > 0
+        seen.append(now)
+        now = {"slip": ("flight", "stick"), "stick": ("flight", "slip"), "flight": ("slip", "slip")}[now][
+            first
+        ]
+    run = fl.simulate(model, 12.0, x0=[0.0, 0.5, 3.0, 0.0, 0.0, 0.0], progress=False)
+    assert {*seen} == {"slip", "stick", "flight"}
+    assert run.events.target.tolist() == [
+        {"slip": "slip+", "flight": "separation"}.get(name, name) for name in [*seen[1:]]
+    ]
+    assert run.final_state == pytest.approx(z, abs=1e-8)
+
+
+def test_a_pad_and_a_disc_have_the_eigenvalues_of_their_matrices():
+    model = fl.PadOnDisc(mu_k=0.7)
+    mu = model.mu_k
+
+    def forces(z):
+        x1, y1, x2, y2 = z
+        force = 1.0 * (y1 - y2) + 5.0 * (y1 - y2) ** 3
+        inclined = 0.5 * (x1 + y1)
+        pad = -2.0 * x1 - inclined + mu * force, -y1 - inclined - force + 1.0
+        return np.array([*pad, -2.0 * x2 - mu * force, -2.0 * y2 + force])
+
+    at = fsolve(forces, np.zeros(4), xtol=1e-12)
+    assert fl.equilibrium(model).q == pytest.approx(at, abs=1e-12)
+    k = 1.0 + 15.0 * (at[1] - at[3]) ** 2
+    K = np.diag([2.5, 1.5, 2.0, 2.0]) + 0.5 * np.array(np.eye(4)[[1, 0, 2, 3]] * [[1], [1], [0], [0]])
+    K += k * np.array([[0, -mu, 0, mu], [0, 1, 0, -1], [0, mu, 0, -mu], [0, -1, 0, 1]])
+    M = np.diag([1.0, 1.0, 2.0, 2.0])
+    A = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(M, K), -0.05 * np.linalg.inv(M)]])
+    found = fl.eigenvalues(model).values
+    assert sorted_values(found) == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-9)
+
+
+def test_eigenvalues_do_not_tell_of_the_vibration_beside_steady_sliding():
+    model = fl.PadOnDisc()
+    assert fl.eigenvalues(model).stable
+    point = fl.hopf(model, "mu_k", bounds=(0.5, 1.5))
+    assert point.criticality == "subcritical"
+    assert point.value > model.mu_k
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 600.0, progress=False))
+    assert orbit.stable
+    assert "separation" in dict(orbit.modes)
 
 
 # --- rotating systems
