@@ -235,7 +235,9 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     return Explorer(default_settings(model), select_panels(panels))
 
 
-def explore_stability(model: Model | None = None, parameter: str = "mu_k", over: str = "F") -> Explorer:
+def explore_stability(
+    model: Model | None = None, parameter: str | None = None, over: str | None = None
+) -> Explorer:
     """Move a model through a plane of two parameters and watch its eigenvalues.
 
     Sliders move it, or a click into the plane.
@@ -244,8 +246,9 @@ def explore_stability(model: Model | None = None, parameter: str = "mu_k", over:
     ----------
     model : Model or None
         Where to start; None takes the paper's.
-    parameter, over : str
-        The parameter whose critical value is drawn, and the one against which it is drawn.
+    parameter, over : str or None
+        The parameter whose critical value is drawn, and the one against which it is drawn.  None takes mu_k
+        and F, or the model's first parameters where it has no such ones.
 
     Returns
     -------
@@ -267,6 +270,8 @@ def explore_stability(model: Model | None = None, parameter: str = "mu_k", over:
     False
     """
     model = starting_model(model)
+    parameter = _usual_parameter(model, "mu_k", over) if parameter is None else parameter
+    over = _usual_parameter(model, "F", parameter) if over is None else over
     for name in (parameter, over):
         check_parameter_name(model, name)
     if parameter == over:
@@ -274,6 +279,12 @@ def explore_stability(model: Model | None = None, parameter: str = "mu_k", over:
     return Explorer(
         default_settings(model), {"eigenvalues": None, "critical": CriticalValuePanel(model, parameter, over)}
     )
+
+
+def _usual_parameter(model: Model, name: str, other: str | None = None) -> str:
+    """The parameter of this name, or the model's first one that is not the `other`."""
+    known = [one for one in model.parameters if one != other]
+    return name if name in known else next(iter(known), name)
 
 
 def explore_bifurcation(model: Model | None = None, parameter: str | None = None) -> Explorer:
@@ -308,8 +319,7 @@ def explore_bifurcation(model: Model | None = None, parameter: str | None = None
     (1.2, 1.5)
     """
     model = starting_model(model)
-    if parameter is None:
-        parameter = "mu_k" if "mu_k" in model.parameters else next(iter(model.parameters), "mu_k")
+    parameter = _usual_parameter(model, "mu_k") if parameter is None else parameter
     check_parameter_name(model, parameter)
     panels = {"bifurcation": BifurcationPanel(model, parameter), "response": None, "phase": None}
     return Explorer(default_settings(model), panels | {"spectrum": None}, settles=parameter)

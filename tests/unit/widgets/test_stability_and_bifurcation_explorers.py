@@ -352,3 +352,6 @@ def test_a_model_without_the_usual_parameter_has_a_bifurcation_explorer():
     explorer = fl.explore_bifurcation(model)
     assert explorer.widget.scene["settles"] == next(iter(model.parameters))
     explorer.close()
+    plane = fl.explore_stability(fl.PoppStelter())
+    assert plane.error is None
+    plane.close()
