@@ -440,3 +440,15 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
         page.evaluate("explorer.state = readLink('#rate=3.5', SCENE).state")
     assert not page.problems
     page.context.close()
+
+
+def test_a_click_into_the_phase_plane_starts_the_motion_there(browser, tmp_path):
+    page = opened(browser, exported(fl.MassOnBelt(mu_k=0.5), tmp_path / "mass.html", t_end=20.0))
+    box = page.locator(".fl-panel-phase .fl-over").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    page.wait_for_function("explorer.state.start === 'own'")
+    own = [float(one) for one in page.evaluate("explorer.state.own").split(",")]
+    state = page.evaluate("explorer.engine.run.state")
+    run = fl.simulate(fl.MassOnBelt(mu_k=0.5), 20.0, x0=own, progress=False)
+    assert state == run.final_state.tolist()
+    assert page.problems == []

@@ -103,7 +103,7 @@ class Explorer {
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]), panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
     if (name === "mechanism") figure.append(...this.player());
-    over.onclick = (event) => { if (panel.drawing?.pick) this.pick(panel, event); };
+    over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.pickState) this.pick(panel, event); };
     return figure;
   }
 
@@ -235,7 +235,7 @@ class Explorer {
     if (!panel.drawing) return;
     if (panel.drawing.title) panel.caption.textContent = panel.drawing.title;
     panel.canvas.ariaLabel = [panel.caption.textContent, panel.drawing.note].filter(Boolean).join(": ");
-    panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick));
+    panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick || panel.drawing.pickState));
     if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img", { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
     if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory, this.kept?.drawings[panel.name]);
@@ -366,6 +366,7 @@ class Explorer {
   pick(panel, event) { // a click into a diagram
     const box = panel.over.getBoundingClientRect(), { X, Y } = panel.axes, x = X.value(event.clientX - box.left), y = Y.value(event.clientY - box.top);
     if (x < X.low || x > X.high || y < Y.low || y > Y.high) return;
+    if (panel.drawing.pickState) return this.set({ ...this.state, ...panel.drawing.pickState(x, y) });
     const picked = Object.fromEntries(panel.drawing.pick.map((name, i) => [name, [x, y][i]]).filter(([name]) => name));
     for (const [name, value] of Object.entries(picked)) {
       const { about } = this.controls.find((control) => control.name === name), step = sliderStep(about.low, about.high);
