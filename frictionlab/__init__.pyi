@@ -169,6 +169,7 @@ from .pages.export import export_page as export_page
 from .plotting import animate as animate
 from .plotting import label_modes as label_modes
 from .plotting import plot_run as plot_run
+from .plotting import plot_spectrogram as plot_spectrogram
 from .plotting.appearance import style as style
 from .plotting.figure import Curve as Curve
 from .plotting.figure import Drawing as Drawing

@@ -12,6 +12,7 @@ from .overview import plot_amplitudes as plot_amplitudes
 from .overview import plot_energies as plot_energies
 from .overview import plot_phase_plane as plot_phase_plane
 from .overview import plot_run as plot_run
+from .overview import plot_spectrogram as plot_spectrogram
 from .overview import plot_spectrum as plot_spectrum
 from .overview import plot_verification as plot_verification
 from .overview import plot_works as plot_works

@@ -12,13 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.text import Annotation
 
-from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, highest_frequency
+from frictionlab.analysis.motion_scales import (
+    MAX_SAMPLES,
+    MIN_LINES,
+    OVERSAMPLING,
+    Spectrum,
+    amplitude_spectrum,
+    highest_frequency,
+)
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.accuracy import largest_sound_defect
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
@@ -71,8 +79,8 @@ from frictionlab.plotting.time_histories import (
     window_limits,
     window_text,
 )
-from frictionlab.presentation import state_unit
-from frictionlab.validation import abbreviate, check_choice, explains_keywords
+from frictionlab.presentation import output_unit, state_unit
+from frictionlab.validation import abbreviate, check_choice, check_number, explains_keywords
 
 if TYPE_CHECKING:
     from frictionlab.analysis.energy_audit import EnergyAudit
@@ -81,6 +89,7 @@ if TYPE_CHECKING:
 
 PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
 DECADES = 5
+SPECTROGRAM_DECADES = 4  # 80 dB
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 MOST_IN_LEGEND = 6  # modes on sides of the borders of laws in pieces
 SHORTEST_LABELLED = 0.02  # of the size of a panel
@@ -273,6 +282,91 @@ def plot_spectrum(
     lines = plot_amplitudes(spectrum, ax)
     ax.set_xlim(0, f_max)
     return restyle(lines, line)
+
+
+def plot_spectrogram(
+    run: Trajectory,
+    name: str | None = None,
+    ax: Axes | None = None,
+    *,
+    f_max: float | None = None,
+    window: float | None = None,
+) -> QuadMesh:
+    """Draw how the spectrum of a state or an output changes in time, as along a ramp.
+
+    The dense output is sampled evenly and goes through a short-time Fourier transform with a Hann window,
+    each slice without its mean.  A sine of amplitude a has a line of 20 log10(a) dB, where the window holds a
+    whole number of its periods.
+
+    Parameters
+    ----------
+    run : Trajectory
+    name : str or None
+        The state, e.g. "x1" or "x1'", or the output, e.g. "friction_force"; None takes the first state.
+    ax : Axes or None
+        None draws into a new figure.
+    f_max : float or None
+        Highest frequency, Hz; None takes about six times the model's own.
+    window : float or None
+        Length of the window (s), one over which is the resolution in Hz; None takes a tenth of the run.
+
+    Returns
+    -------
+    QuadMesh
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, a window that resolves fewer than five lines or is longer than half the run, or
+        one of more samples than fit.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.BrakedOscillator(), 100.0)
+    >>> mesh = fl.plot_spectrogram(run, "x'", window=20.0)
+    >>> mesh.axes.get_ylabel()
+    'frequency (Hz)'
+    """
+    from scipy.signal import ShortTimeFFT
+    from scipy.signal.windows import hann
+
+    check_run(run)
+    shown: str = run.names[0] if name is None else name
+    check_choice("name", shown, (*run.names, *run.automaton.outputs))
+    stop, f_max = float(run.raw.t), highest_frequency(run.source) if f_max is None else f_max
+    highest = float(
+        check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
+    )
+    length = float(
+        check_number(
+            "window",
+            stop / 10 if window is None else window,
+            least=MIN_LINES / highest,
+            most=stop / 2,
+            cure="it holds five periods of f_max, and is half the run at most; run longer, or raise f_max",
+        )
+    )
+    samples = stop * highest * OVERSAMPLING
+    check_number("the number of samples", samples, most=MAX_SAMPLES, cure="lower f_max")
+    t = np.linspace(0.0, stop, int(samples) + 1)
+    x = run.output(shown, t) if shown in run.automaton.outputs else run(t)[:, run.names.index(shown)]
+    rate, size = int(samples) / stop, max(int(length * int(samples) / stop), 2)
+    transform = ShortTimeFFT(
+        hann(size, sym=False), max(size // 8, 1), rate, fft_mode="onesided2X", scale_to="magnitude"
+    )
+    inside = transform.lower_border_end[1], transform.upper_border_begin(len(x))[1]  # with whole windows
+    amplitudes = np.abs(transform.stft_detrend(x, "constant", p0=inside[0], p1=inside[1]))
+    times, chosen = transform.t(len(x), p0=inside[0], p1=inside[1]), transform.f <= highest
+    top = float(amplitudes[chosen].max()) or 1.0
+    decibels = 20.0 * np.log10(np.maximum(amplitudes[chosen], top * 10.0**-SPECTROGRAM_DECADES))
+    ax = axes_or_new(ax)
+    mesh = ax.pcolormesh(times, transform.f[chosen], decibels, shading="nearest", rasterized=True)
+    unit = output_unit(shown) if shown in run.automaton.outputs else state_unit(shown)
+    label = f"amplitude of {state_label(shown)} (dB re {f'1 {unit}'.strip()})"
+    ax.figure.colorbar(mesh, ax=ax, label=label)
+    ax.set(xlabel="time (s)", ylabel="frequency (Hz)")
+    return mesh
 
 
 def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None, **line: Any) -> list[Line2D]:

@@ -127,3 +127,32 @@ def test_a_window_outside_the_run_is_refused(run, window):
 def test_a_panel_is_of_a_run(name):
     with pytest.raises(TypeError, match=r"run must be a Trajectory, got SliderOnBelt\(\): give what"):
         getattr(plotting, f"plot_{name}")(fl.SliderOnBelt())
+
+
+def test_a_spectrogram_has_the_amplitude_of_a_sine_in_decibels():
+    """Of a mass that slides without stick, which is linear."""
+    model = fl.ExcitedBeltOscillator(v=30.0, Omega=np.pi)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
+    run = fl.simulate(model, 100.0, x0=orbit.state, progress=False)
+    mesh = fl.plot_spectrogram(run, "x", f_max=2.0, window=10.0)
+    levels = np.asarray(mesh.get_array())
+    amplitude = model.u / np.hypot(1 - np.pi**2, model.c * np.pi)
+    assert levels.max(axis=0) == pytest.approx(20 * np.log10(amplitude), abs=0.05)
+    frequencies = np.linspace(0.0, 2.0, 21)
+    assert np.all(frequencies[levels.argmax(axis=0)] == 0.5)
+    assert mesh.axes.get_xlabel() == "time (s)"
+
+
+@pytest.mark.parametrize(
+    ("keywords", "said"),
+    [
+        ({"name": "z"}, "name must be one of"),
+        ({"window": 0.01}, "window must be .* at least"),
+        ({"window": 1.5}, "window must be .* at most 1"),
+        ({"f_max": -1.0}, "f_max must be .* above 0"),
+        ({"f_max": 1e9}, "number of samples must be .* lower f_max"),
+    ],
+)
+def test_what_has_no_spectrogram_is_refused(run, keywords, said):
+    with pytest.raises(ValueError, match=said):
+        fl.plot_spectrogram(run, **keywords)
