@@ -17,6 +17,7 @@ from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
     Rounding,
     apply_event_reset,
+    count_negative_as_zero,
     is_impact,
     keep_held_at_zero,
     select_combination,
@@ -134,9 +135,14 @@ def reset_and_select_mode(system, queue, truncation, event, run, record, scratch
     rounding = Rounding(run.sizes if is_closed(count, impacts) else z, COEFFICIENT_ROUNDING)
     selection = select_target(system, queue, guard, z, rounding, order, scratch)
     # Another event at this instant? Its guard is zero up to the step's rounding, or up to its remainder.
-    for share in (COEFFICIENT_ROUNDING, max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)):
+    remainder = max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)
+    for share in (COEFFICIENT_ROUNDING, remainder):
         if selection.mode == NO_MODE and selection.missing == NO_MODE:
             selection = select_target(system, queue, guard, z, Rounding(run.sizes, share), order, scratch)
+    if selection.mode == NO_MODE and selection.missing == NO_MODE:
+        before = record.event_states[run.counts[EVENTS], 0]
+        count_negative_as_zero(system, run.counts[MODE], before, scratch)
+        selection = select_target(system, queue, guard, z, Rounding(run.sizes, remainder), order, scratch)
     return selection, count
 
 

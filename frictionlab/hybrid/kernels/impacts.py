@@ -19,6 +19,11 @@ The sequence may be infinite, as for a body between two others with e < 1.  Its 
 rates are rounding errors of the velocities.  Then the resets that close an accumulation end it.  They also
 end an accumulation in time, in which a contact's own acceleration brings it back in flights shorter than a
 limit.  Other impacts within that time, across small gaps, stay as they are.
+
+Impacts of several contacts accumulate together: gaps, rates and time scale as L^2, L and L, so that all end
+at one instant.  Then all contacts of this group are closed: those that the mode holds, and those in flight
+whose gap and rate are explained by their accelerations in such short flights.  Which of them stay closed, the
+next order decides.
 """
 
 from __future__ import annotations
@@ -27,8 +32,10 @@ from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (
+    add_zeros_by_construction,
     apply_event_reset,
     apply_reset,
+    forget_zeros,
     is_impact,
     set_zeros_by_construction,
 )
@@ -45,7 +52,7 @@ from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR
 EQUAL_SHARE = 1e-9  # share within which two impacts are equally great
 COUPLED_SHARE = 1e-20  # squared cosine of the angle between two guards above which they are coupled
 PIVOT_SHARE = 1e-9  # of impulses with the same effect, which have smaller pivots, one is enough
-MAX_SWEEPS = 100  # times that all contacts are closed in turn
+MAX_SWEEPS = 1000  # times that all contacts are closed in turn
 SHORT_STAY = 64.0  # times what the clock resolves; rates after such stays are nearly rounding errors
 FLIGHTS = 4.0  # a flight of one contact may consist of several stays, between events of others
 
@@ -272,35 +279,69 @@ def apply_impacts(system, count, run, record, scratch):
 
 
 @kernel
-def close_accumulation(system, tol, run, scratch):
-    """Apply the reset that closes an accumulation, in turn with those of other contacts that close then.
+def write_group(system, tol, run, scratch):
+    """Write the contacts whose accumulation ends with that of the first guard; returns how many.
 
-    Each changes the state by less than the one before.  In the end only rounding errors are left.
+    Writes a guard of each, whose reset closes it, and in ``places`` the function that is its distance in the
+    mode.  A contact that is held belongs to the group, and so does one in flight that may come back within
+    the time in which this accumulation ends.
+    """
+    code, mode, impacts, count = system.code, run.counts[MODE], scratch.impacts, 1
+    impacts.places[0] = impacts.guards[0]
+    copy_vector(run.state, scratch.states)
+    apply_reset(system, code.resets[impacts.guards[0], 1], scratch.states, scratch.values)
+    mode_jets(code, system.numbers, mode, 1, scratch.states, scratch.values)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if g != impacts.guards[0] and is_impact(code, g) and comes_back(code, g, tol, run, scratch):
+            impacts.guards[count] = impacts.places[count] = g
+            count += 1
+    for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
+        for g in range(code.resets.shape[0]):  # its impact is in other modes
+            if code.function_classes[g] == code.function_classes[f] and is_impact(code, g):
+                impacts.guards[count], impacts.places[count] = g, f
+                count += 1
+                break
+    return count
+
+
+@inlined
+def comes_back(code, g, tol, run, scratch):
+    """Whether a contact at rest, or in a flight that may be no longer than the limit, is at an accumulation.
+
+    Its acceleration may be its own, or come from the impacts of the first guard: if they hold this at zero,
+    they accelerate the other by the ratio of the rate changes, which are in ``scratch.values``.
+    """
+    J, values, first = scratch.jets, scratch.values, code.function_slots[scratch.impacts.guards[0]]
+    slot, time = code.function_slots[g], FLIGHTS * stay_limit(run)
+    acceleration = abs(J[slot, 2])
+    if J[first, 1] != 0.0:
+        acceleration += abs((values[slot, 1] - J[slot, 1]) / J[first, 1] * J[first, 2])
+    rate = max(COEFFICIENT_ROUNDING * scratch.bounds[slot, 1], time * acceleration)
+    near = J[slot, 0] <= time * time * acceleration or is_zero(code, g, tol, scratch)
+    return near and abs(J[slot, 1]) <= rate
+
+
+@kernel
+def close_accumulation(system, tol, run, scratch):
+    """Apply the reset that closes an accumulation, in turn with those of all contacts of its group.
+
+    The rates of all of them are zero then.  Each reset changes the state by no more than the one before.
     """
     code, mode, J, impacts = system.code, run.counts[MODE], scratch.jets, scratch.impacts
-    guards, count = impacts.guards, 1
-    apply_reset(system, code.resets[guards[0], 1], run.state, J)
-    linearise_guards(system, run, scratch)
-    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-        if g != guards[0] and is_impact(code, g) and is_zero(code, g, tol, scratch):
-            guards[count], impacts.closing[count] = g, 0
-            count += 1
-    for _ in range(MAX_SWEEPS):
+    count = write_group(system, tol, run, scratch)
+    for sweep in range(MAX_SWEEPS if count > 1 else 1):
         closed = False
         for i in range(count):
-            mode_jets(code, system.numbers, mode, 1, run.state, J)
-            if J[code.function_slots[guards[i]], 1] < 0.0:
-                apply_reset(system, code.resets[guards[i], 1], run.state, J)
-                impacts.closing[i], closed = 1, True
+            if sweep > 0 or i > 0:
+                mode_jets(code, system.numbers, mode, 1, run.state, J)
+            if sweep == i == 0 or J[code.function_slots[impacts.places[i]], 1] != 0.0:
+                apply_reset(system, code.resets[impacts.guards[i], 1], run.state, J)
+                closed = True
         if not closed:
             break
-    left = 0
+    forget_zeros(scratch)
     for i in range(count):
-        if impacts.closing[i]:
-            guards[left] = guards[i]
-            impacts.closing[left] = 1
-            left += 1
-    set_common_zeros(code, left, scratch)
+        add_zeros_by_construction(code, impacts.guards[i], 1, scratch)
 
 
 @inlined
@@ -374,12 +415,12 @@ def impacts_at_instant(system, truncation, guard, run, record, scratch):
         count = choose_greatest(count, impacts)
     if count > 1 and solve_impulses(count, impacts):
         apply_impacts(system, count, run, record, scratch)
-    elif several and impacts.closing[0]:
+    elif impacts.closing[0]:
         count = 1
         close_accumulation(system, truncation.tol, run, scratch)
     else:
         count = 1
-        apply_event_reset(system, impacts.guards[0], impacts.closing[0], run.state, scratch)
+        apply_event_reset(system, impacts.guards[0], 0, run.state, scratch)
     keep_touching(code, run, scratch)
     for i in range(count):
         spread_rounding(code, code.resets[impacts.guards[i], impacts.closing[i]], run)

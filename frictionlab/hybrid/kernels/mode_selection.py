@@ -78,9 +78,15 @@ def apply_reset(system, reset, z, J):
 def set_zeros_by_construction(code, guard, closing, scratch):
     """Note which functions vanish after an event's own reset, or after the `closing` one."""
     forget_zeros(scratch)
-    row = 2 * guard + closing
+    add_zeros_by_construction(code, guard, closing, scratch)
+
+
+@inlined
+def add_zeros_by_construction(code, guard, closing, scratch):
+    """As :func:`set_zeros_by_construction`, besides what vanishes after other resets."""
+    row, zeros = 2 * guard + closing, scratch.structural_zeros
     for k in range(code.zeros[row], code.zeros[row + 1]):
-        scratch.structural_zeros[code.zero_classes[k]] = code.zero_counts[k]
+        zeros[code.zero_classes[k]] = max(zeros[code.zero_classes[k]], code.zero_counts[k])
 
 
 @inlined
@@ -110,6 +116,20 @@ def keep_held_at_zero(system, mode, reset, before, z, sizes, scratch):
     for f in range(first, last):
         slot, function = code.function_slots[f], code.function_classes[f]
         if abs(J[slot, 0] - earlier[slot, 0]) <= COEFFICIENT_ROUNDING * bounds[slot, 0]:
+            scratch.structural_zeros[function] = max(1, scratch.structural_zeros[function])
+
+
+@kernel
+def count_negative_as_zero(system, mode, before, scratch):
+    """Count the guards of the mode that ends as zero if they were negative before the event: by rounding.
+
+    Bodies that touch may do so for long, at distances that grow by the rounding errors of their velocities.
+    """
+    code, J = system.code, scratch.values
+    mode_jets(code, system.numbers, mode, 0, before, J)
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        if J[code.function_slots[g], 0] < 0.0:
+            function = code.function_classes[g]
             scratch.structural_zeros[function] = max(1, scratch.structural_zeros[function])
 
 

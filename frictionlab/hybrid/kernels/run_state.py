@@ -176,9 +176,11 @@ def advance_clock(times, h, left):
 
 
 def most_impacts(code: Code) -> int:
-    """How many impacts a mode has at most, and so how many events may be recorded at once; 1 at least."""
-    impacts = np.concatenate([[0], np.cumsum(code.resets[:, 0] != code.resets[:, 1])])
-    return max(1, int(np.diff(impacts[code.mode_guards]).max(initial=0)))
+    """How many contacts have impacts, so how many events may be recorded at once; 1 at least."""
+    impacts = code.resets[:, 0] != code.resets[:, 1]
+    contacts = len(np.unique(code.function_classes[: len(impacts)][impacts]))
+    each = np.diff(np.concatenate([[0], np.cumsum(impacts)])[code.mode_guards])
+    return max(1, contacts, int(each.max(initial=0)))
 
 
 def new_impact_scratch(code: Code) -> ImpactScratch:
