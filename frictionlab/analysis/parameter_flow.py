@@ -34,6 +34,7 @@ from frictionlab.hybrid.variational.tangent_flow import (
     event_saltation,
 )
 from frictionlab.hybrid.variational.tangent_jets import (
+    Saltation,
     SaltationError,
     TangentScratch,
     carry_steps,
@@ -150,7 +151,7 @@ def _carry(
         if is_event:
             saltation = _saltation(varied, i)  # raises where an event has no derivative
             moved[i] = _event_time_slopes(varied, i, rows)
-            rows[...] = rows @ saltation.T
+            rows[...] = saltation.carried(rows)
         else:
             samples[i] = rows.T
     carry(slice(first, len(starts)))
@@ -243,15 +244,15 @@ def _carrier(run: Trajectory, rows: Array) -> Callable[[slice], None]:
     return carry
 
 
-def _saltation(varied: _VariedRun, i: int) -> Array:
-    """Saltation matrix of an event."""
+def _saltation(varied: _VariedRun, i: int) -> Saltation:
+    """Saltation of an event."""
     if varied.plain is None:
         return event_saltation(varied.run, i)
     try:
         saltation = event_saltation(varied.run, i)
     except SaltationError:
         return event_saltation(varied.plain, i)
-    return saltation if np.isfinite(saltation).all() else event_saltation(varied.plain, i)
+    return saltation if np.isfinite(saltation.matrix).all() else event_saltation(varied.plain, i)
 
 
 def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, ...]) -> _VariedRun:

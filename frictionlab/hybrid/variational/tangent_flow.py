@@ -23,6 +23,7 @@ from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.hybrid.variational.tangent_jets import (
     MIN_TANGENT_STEP_SHARE,
     EventCrossing,
+    Saltation,
     SaltationError,
     TangentScratch,
     admissible_tangents,
@@ -30,9 +31,8 @@ from frictionlab.hybrid.variational.tangent_jets import (
     carry_steps,
     changes_nothing,
     constraint_gradients,
-    is_plastic,
     linearise_mode,
-    saltation_matrix,
+    saltation,
 )
 from frictionlab.interruption import progress_bar
 from frictionlab.presentation import Drawable, count
@@ -95,9 +95,9 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     Raises
     ------
     ValueError
-        Where the derivative does not exist or is not known: at a Zeno accumulation of impacts or chatter that
-        was closed, a grazing event, two events at one instant, an end without admissible mode, or a run of
-        another method.  The message says when and why.
+        Where the derivative does not exist or is not known: at a grazing event, two events at one instant, an
+        accumulation of chatter or of impacts with friction that was closed, an end without admissible mode,
+        or a run of another method.  The message says when and why.
 
     Examples
     --------
@@ -129,8 +129,9 @@ def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.
     for part, event in progress_bar(list(smooth_segments(run)), desc="tangent flow", shown=progress):
         carry_rows(carry_steps, run, part, rows)
         if event is not None:
-            matrices.append(event_saltation(run, event))
-            rows = np.ascontiguousarray(rows @ matrices[-1].T)
+            found = event_saltation(run, event)
+            matrices.append(found.matrix)
+            rows = np.ascontiguousarray(found.carried(rows))
     return rows.T.copy(), matrices
 
 
@@ -193,23 +194,22 @@ def entry_time(run: Trajectory, i: int) -> float:
     return 0.0
 
 
-def event_saltation(run: Trajectory, i: int) -> np.ndarray:
-    """Saltation matrix (n, n) of an event of a run, by its number."""
+def event_saltation(run: Trajectory, i: int) -> Saltation:
+    """Saltation of an event of a run, by its number."""
     raw, problem = run.raw, run.problem
     t, (guard, target, closed) = raw.event_times[i], raw.event_codes[i]
     where = f"at t = {t:g} s ({run.events.source[i]} to {run.events.target[i] or 'no mode'})"
-    if closed and not is_plastic(problem.program, int(guard)):
-        raise SaltationError(
-            f"an accumulation of events was closed {where}; its derivative is not known: end the run before"
-        )
     if target < 0:
         raise SaltationError(f"no mode was admissible {where}: end the run before")
     before, after = raw.event_states[i]
-    event = EventCrossing(int(guard), int(target), before, after, float(t - entry_time(run, i)))
+    dwell = float(t - entry_time(run, i))
+    event = EventCrossing(int(guard), int(target), before, after, dwell)
     try:
-        return saltation_matrix(problem.program, problem.numbers, event)
+        return saltation(problem.program, problem.numbers, event, bool(closed))
     except SaltationError as error:
-        raise SaltationError(f"no tangent flow {where}: {error}; change the initial state") from None
+        raise SaltationError(
+            f"no tangent flow {where}: {error}; change the initial state, or end the run before"
+        ) from None
 
 
 class Growth(NamedTuple):
@@ -267,7 +267,7 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
     for part, event in smooth_segments(run):
         carry_rows(carry_orthonormal_steps, run, part, rows, Growth(size, growth))
         if event is not None:
-            rows = _orthonormalise_after_event(rows @ event_saltation(run, event).T, size, growth)
+            rows = _orthonormalise_after_event(event_saltation(run, event).carried(rows), size, growth)
     return rows, growth
 
 

@@ -265,6 +265,17 @@ def test_what_is_no_orbit_says_what_was_reached():
         fl.periodic_orbit(fl.SliderOnBelt(mu_k=1.4), fl.simulate(fl.SliderOnBelt(mu_k=1.4), 30.0))
 
 
+def test_a_ball_that_comes_to_rest_on_its_table_in_each_period():
+    """It leaves where A Omega^2 sin(phase) = g, and its bounces come to an end: it forgets where it was."""
+    model = fl.BallOnTable(e=0.2)
+    orbit = fl.periodic_orbit(model, [1.192, -0.2365, 1.885], period=model.period)
+    events = orbit.trajectory.events
+    left = events.state[events.guard == "off", 2]
+    assert left == pytest.approx([np.arcsin(1 / 1.2)], abs=1e-12)
+    assert orbit.period == pytest.approx(2 * np.pi, rel=1e-12)
+    assert orbit.multipliers == pytest.approx([1.0, 0.0, 0.0], abs=1e-9)
+
+
 def test_an_oscillator_is_a_family_of_orbits():
     orbit = fl.periodic_orbit(oscillator(), [0.3, 0.4])
     assert orbit.period == pytest.approx(2 * np.pi, abs=1e-12)
