@@ -23,7 +23,7 @@ from frictionlab.interruption import progress_bar
 from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
 from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
-from frictionlab.stability.state_matrices import eigenvalues_of_matrices, unstable_pairs
+from frictionlab.stability.state_matrices import eigenvalues_of_matrices
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import (
     DAMPED_SHARE,
@@ -51,7 +51,6 @@ MOST_SCANNED = 50  # freedoms up to which full spectra are scanned
 SAME_MODE = 0.6  # product of unit vectors from which two are one mode
 HALVINGS = 8  # of a step, at most
 MOST_ENTRIES = 4_000_000  # of state matrices that are made at once
-EDGE_WIDTH = 0.05  # of the window's upper end: beyond it no mode grows
 OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
 REFINEMENTS = 6
 SETTLED_RTOL = 1e-11  # of the range of the parameter: changes that move by less are settled
@@ -156,7 +155,7 @@ def _changes(
         return changes
     low, high = structure.window
     inside = [one for one in changes if one.frequency <= high and (one.frequency >= low or not low)]
-    growing = int(unstable_pairs(problem.spectra({parameter: np.array(bounds[:1])}))[0])
+    growing = structure.count_growing(parameter, bounds[0])
     return _with_counts(inside, growing)
 
 
@@ -244,9 +243,10 @@ class SmallSpectra:
             return values
         low, high = (2 * np.pi * end for end in self.structure.window)
         frequencies = np.abs(values.imag)
-        beyond = np.maximum(np.maximum(frequencies - high, low - frequencies), 0.0) / (EDGE_WIDTH * high)
-        rates = np.clip(values.real, -high, high) - 2.0 * high * np.minimum(beyond, 1.0)
-        return rates + 1j * np.clip(values.imag, -(1 + EDGE_WIDTH) * high, (1 + EDGE_WIDTH) * high)
+        beyond = np.clip(np.maximum(frequencies - high, low - frequencies), 0.0, high)
+        # Not steeper than frequencies change: what moves fast is looked at in short steps.
+        rates = np.clip(values.real, -high, high) - beyond
+        return rates + 1j * np.clip(values.imag, -2.0 * high, 2.0 * high)
 
     @cached_property
     def _count(self) -> int:

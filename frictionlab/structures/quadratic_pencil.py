@@ -20,11 +20,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
+from scipy import linalg, sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.structures.parametric_matrix import Matrix
@@ -44,6 +46,7 @@ ACCURATE = 1e-10  # share of what is solved that a solution may leave
 REST_RTOL = 16.0 * float(np.finfo(float).eps)  # of the energies of all springs: that of a rigid motion
 RIGID_RTOL = 1e-6  # of the forces of all springs: those of a rigid motion, whose vector is less exact
 SLOW_RTOL = 1e3 * REST_RTOL  # of the energies of all springs: that of a motion which rounding lets begin
+DISSECTED = 20_000  # freedoms from which an order by nested dissection is worth its time
 SHIFT_FACTORS = (1.0, 1.17, 0.83)  # where a shift is an eigenvalue, the next is taken
 
 
@@ -215,15 +218,15 @@ def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _Sh
 def factorised(matrix: Matrix) -> Callable[[Array], Array] | None:
     """What solves matrix x = b; None where the matrix is singular to rounding."""
     sample = np.random.default_rng(0).standard_normal(matrix.shape[0]).astype(matrix.dtype)
-    symmetric = {
-        "permc_spec": "MMD_AT_PLUS_A",
-        "diag_pivot_thresh": PIVOT_SHARE,
-        "options": {"SymmetricMode": True},
-    }
+    symmetric = {"diag_pivot_thresh": PIVOT_SHARE, "options": {"SymmetricMode": True}}
     # An order for symmetric patterns makes half the entries; pivots by size are needed where it is not exact.
-    for options in (symmetric, {}):
+    for options in (symmetric | {"permc_spec": "MMD_AT_PLUS_A"}, {}):
+        order = _nested_dissection(matrix) if options else None
         try:
-            solve = sparse_linalg.splu(matrix, **options).solve
+            if order is None:
+                solve = sparse_linalg.splu(matrix, **options).solve
+            else:
+                solve = _in_order(order, matrix, symmetric | {"permc_spec": "NATURAL"})
         except RuntimeError:  # exactly singular
             continue
         x = solve(sample)
@@ -231,6 +234,44 @@ def factorised(matrix: Matrix) -> Callable[[Array], Array] | None:
         if np.isfinite(x).all() and np.abs(matrix @ x - sample).max() <= ACCURATE * size:
             return solve
     return None
+
+
+def _in_order(order: NDArray[np.intp], matrix: Matrix, options: Any) -> Callable[[Array], Array]:
+    """What solves matrix x = b by factors of the matrix in an order (n,) of its rows and columns."""
+    factors = sparse_linalg.splu(matrix[order][:, order].tocsc(), **options)
+
+    def solve(b: Array) -> Array:
+        x = np.empty_like(b)
+        x[order] = factors.solve(b[order])
+        return x
+
+    return solve
+
+
+def _nested_dissection(matrix: Matrix) -> NDArray[np.intp] | None:
+    """An order of a large matrix in which its factors have few entries, by METIS; None without pymetis.
+
+    Freedoms of one node have the same neighbours, and stay together.  G. Karypis, V. Kumar, "A fast and high
+    quality multilevel scheme for partitioning irregular graphs", SIAM J. Sci. Comput. 20 (1998) 359-392.
+    """
+    n = matrix.shape[0]
+    if n < DISSECTED or find_spec("pymetis") is None:
+        return None
+    metis: Any = import_module("pymetis")
+    pattern = sparse.csr_array((np.ones(matrix.nnz, dtype=np.int64), matrix.indices, matrix.indptr), (n, n))
+    pattern = (pattern + pattern.T).tocsr()
+    pattern.data[:] = 1
+    names = pattern @ np.random.default_rng(0).integers(1, 2**40, n)  # the same for the same neighbours
+    _, node = np.unique(names, return_inverse=True)
+    nodes = int(node.max()) + 1
+    gather = sparse.csr_array((np.ones(n, dtype=np.int64), (node, np.arange(n))), (nodes, n))
+    graph = sparse.coo_array(gather @ pattern @ gather.T)
+    beside = graph.row != graph.col
+    graph = sparse.csr_array((graph.data[beside], (graph.row[beside], graph.col[beside])), graph.shape)
+    order, _ = metis.nested_dissection(metis.CSRAdjacency(graph.indptr, graph.indices))
+    rank = np.empty(nodes, dtype=np.intp)
+    rank[np.asarray(order)] = np.arange(nodes)
+    return np.argsort(rank[node], kind="stable")
 
 
 def _extend(operator: _ShiftInvert, known: _Invariant) -> _Invariant | None:

@@ -116,8 +116,8 @@ class Statics:
             return self.linear()
         found = None if start is None else self.newton(start, 1.0)
         if found is None:
-            first = self.secant_start()
-            found = self.newton(first, 1.0)
+            first, solve = self.secant_start()
+            found = self.newton(first, 1.0, solve)
             if found is None:
                 found = self._by_load_steps(first)
         if not any((one.normal > 0.0).any() for one in self.contact_forces(found)):
@@ -159,8 +159,8 @@ class Statics:
             )
         return solve(self.load)
 
-    def secant_start(self) -> Array:
-        """The displacements with linear contacts that are all closed and carry the load."""
+    def secant_start(self) -> tuple[Array, Solve]:
+        """The displacements with linear contacts, all closed, that carry the load; what solves for them."""
         pressed = float(np.abs(self.load).sum())
         K, right = self.K, self.load
         for one in self.contacts:
@@ -171,12 +171,16 @@ class Statics:
             weighted = one.normal.T * secants[None, :]
             K = K + weighted @ one.normal
             right = right - weighted @ one.penetration
-        return self._solver(K)(right)
+        solve = self._solver(K)
+        return solve(right), solve
 
-    def newton(self, q: Array, share: float) -> Array | None:
-        """The equilibrium from a start (n,); None where the method does not settle."""
+    def newton(self, q: Array, share: float, solve: Solve | None = None) -> Array | None:
+        """The equilibrium from a start (n,); None where the method does not settle.
+
+        `solve` solves nearly the equations of the first step, where it is given.
+        """
         forces = self.contact_forces(q)
-        left_over, solve = self._left_over(q, forces, share), None
+        left_over = self._left_over(q, forces, share)
         for _ in range(NEWTON_STEPS):
             size = np.linalg.norm(left_over)
             if self._is_rounding(left_over, q, forces):

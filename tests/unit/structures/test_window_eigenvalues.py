@@ -5,7 +5,7 @@ import pytest
 from scipy import linalg, sparse
 
 import frictionlab as fl
-from frictionlab.structures.quadratic_pencil import Spectrum
+from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum, factorised
 from tests.helpers.finite_elements import beam, beam_frequencies, unsymmetric_chain
 
 
@@ -203,3 +203,24 @@ def test_rigid_motions_are_exact_zeros(n):
     assert found.residuals.max() < 1e-8
     exact = 2 * np.sin(np.arange(1, 3) * np.pi / (2 * n))
     assert np.allclose(np.abs(found.values[2:6:2]), exact, rtol=1e-9)
+
+
+def test_factors_in_an_order_solve_the_same(monkeypatch):
+    M, C, K, G, N = unsymmetric_chain(40)
+    matrix = QuadraticPencil(M, C + G, K + N).at(0.3)
+    right = np.random.default_rng(0).standard_normal(40)
+    expected = np.linalg.solve(matrix.toarray(), right)
+    order = np.random.default_rng(1).permutation(40)
+    monkeypatch.setattr("frictionlab.structures.quadratic_pencil._nested_dissection", lambda _: order)
+    solve = factorised(matrix)
+    assert solve is not None
+    assert np.allclose(solve(right), expected, rtol=1e-10)
+
+
+def test_nested_dissection_by_metis(monkeypatch):
+    pytest.importorskip("pymetis")
+    monkeypatch.setattr("frictionlab.structures.quadratic_pencil.DISSECTED", 10)
+    _, K = beam(60)
+    solve = factorised(K)
+    assert solve is not None
+    assert np.allclose(K @ solve(np.ones(120)), 1.0, rtol=1e-6)
