@@ -286,9 +286,9 @@ def plot_spectrum(
 
 def plot_spectrogram(
     run: Trajectory,
-    name: str | None = None,
     ax: Axes | None = None,
     *,
+    name: str | None = None,
     f_max: float | None = None,
     window: float | None = None,
 ) -> QuadMesh:
@@ -301,10 +301,10 @@ def plot_spectrogram(
     Parameters
     ----------
     run : Trajectory
-    name : str or None
-        The state, e.g. "x1" or "x1'", or the output, e.g. "friction_force"; None takes the first state.
     ax : Axes or None
         None draws into a new figure.
+    name : str or None
+        The state, e.g. "x1" or "x1'", or the output, e.g. "friction_force"; None takes the first state.
     f_max : float or None
         Highest frequency, Hz; None takes about six times the model's own.
     window : float or None
@@ -324,7 +324,7 @@ def plot_spectrogram(
     --------
     >>> import frictionlab as fl
     >>> run = fl.simulate(fl.BrakedOscillator(), 100.0)
-    >>> mesh = fl.plot_spectrogram(run, "x'", window=20.0)
+    >>> mesh = fl.plot_spectrogram(run, name="x'", window=20.0)
     >>> mesh.axes.get_ylabel()
     'frequency (Hz)'
     """

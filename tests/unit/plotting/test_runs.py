@@ -134,7 +134,7 @@ def test_a_spectrogram_has_the_amplitude_of_a_sine_in_decibels():
     model = fl.ExcitedBeltOscillator(v=30.0, Omega=np.pi)
     orbit = fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
     run = fl.simulate(model, 100.0, x0=orbit.state, progress=False)
-    mesh = fl.plot_spectrogram(run, "x", f_max=2.0, window=10.0)
+    mesh = fl.plot_spectrogram(run, name="x", f_max=2.0, window=10.0)
     levels = np.asarray(mesh.get_array())
     amplitude = model.u / np.hypot(1 - np.pi**2, model.c * np.pi)
     assert levels.max(axis=0) == pytest.approx(20 * np.log10(amplitude), abs=0.05)
