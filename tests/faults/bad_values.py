@@ -253,6 +253,11 @@ def doors() -> dict[str, Door]:
             {"run": _run()},
             names=("run", "figure", "window"),
         ),
+        "plot_spectrogram": Door(
+            fl.plot_spectrogram,
+            {"run": _run(), "f_max": 20.0, "window": 0.25},
+            names=("run", "name", "f_max", "window"),
+        ),
         "impulses": Door(fl.impulses, {"run": _run()}),
         "label_modes": Door(fl.label_modes, {"ax": fl.plot_run(_run()).axes[1]}),
         "animate": Door(fl.animate, {"run": _run()}),
@@ -277,6 +282,19 @@ def doors() -> dict[str, Door]:
             lambda **k: fl.eigenvalues(fl.Structure(**k)),
             {"M": np.eye(2), "K": np.diag([1.0, 2.0])},
             names=("M", "K", "C", "gyroscopic", "circulatory", "load", "parameters", "window"),
+        ),
+        "relative_rows": Door(fl.relative_rows, {"pairs": [(0, 2), (1, -1)], "size": 3}),
+        "SlidingContacts": Door(
+            lambda **k: fl.equilibrium(
+                fl.Structure(np.eye(2), np.eye(2), load=[0.0, 1.0], contacts=(fl.SlidingContacts(**k),))
+            ),
+            {
+                "tangential": [[1.0, 0.0]],
+                "normal": [[0.0, 1.0]],
+                "contact": fl.LinearContact(),
+                "friction": fl.Coulomb(),
+                "v": 1.0,
+            },
         ),
         "ramp": Door(fl.ramp, {"t": 1.0, "start": 0.0, "end": 1.0, "duration": 2.0}),
         "table": Door(fl.table, {"t": 1.0, "values": {0.0: 1.0, 2.0: 0.5}}),

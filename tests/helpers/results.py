@@ -94,6 +94,21 @@ STRUCTURE = fl.Structure(
 )
 
 
+PRESSED = fl.Structure(
+    [[1.0, 0.0], [0.0, 1.0]],
+    [[100.0, 0.0], [0.0, 200.0]],
+    load=[0.0, 1.0],
+    contacts=(
+        fl.SlidingContacts(
+            tangential=[[1.0, 0.0]],
+            normal=[[0.0, 1.0]],
+            contact=fl.LinearContact(k2=500.0),
+            friction=fl.Coulomb(mu_k=0.3, mu_s=0.5),
+            v=1.0,
+        ),
+    ),
+)
+
 BUILDERS = {
     "run": run,
     "run of two contacts": run_of_two_contacts,
@@ -136,6 +151,7 @@ BUILDERS = {
     "exponents": lambda: fl.lyapunov(COUPLED, transient=1.0, t_end=2.0, blocks=2, **QUIET),
     "energies": lambda: fl.energy_audit(result("run"), **QUIET),
     "equilibrium": lambda: fl.equilibrium(SLIDER),
+    "equilibrium of a structure": lambda: fl.equilibrium(PRESSED),
     "equilibrium of an automaton": lambda: fl.equilibrium(SLIDER.without("cubic", "geometry").automaton()),
     "Hopf point": lambda: fl.hopf(SLIDER, "mu_k", (0, 4)),
     "tangent flow": lambda: fl.tangent_flow(fl.simulate(COUPLED, 0.5, x0="near", **QUIET), **QUIET),

@@ -52,6 +52,7 @@ print("numba" in sys.modules)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(machine_code.LOADED is None, reason="no kernels compiled ahead of time")
 def test_numba_is_not_imported():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)

@@ -55,6 +55,7 @@ fl.explore()
 """
 
 
+@pytest.mark.slow
 def test_a_view_of_notebooks_says_what_to_install(tmp_path):
     answer = run_hidden(VIEWING, tmp_path)
     assert answer.returncode == 1

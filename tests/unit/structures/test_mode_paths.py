@@ -64,6 +64,7 @@ def chain():
     )
 
 
+@pytest.mark.slow
 def test_large_structures_change_where_small_ones_do(chain, monkeypatch):
     expected = [c for c in fl.stability_changes(chain, "mu", (0.0, 0.5)) if c.frequency < 0.7]
     monkeypatch.setattr("frictionlab.structures.mode_paths.MOST_SCANNED", 10)

@@ -13,7 +13,6 @@ from frictionlab.stability.boundaries.stability_changes import (
     critical_points,
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from tests.helpers.cases import slow_but
 
 CASES = {
     "near": (fl.ModeCoupling(c=0.1), (0.0, 4.0), {"k1": (0.9, 1.1), "k3": (0.9, 1.1), "c": (0.5, 1.5)}),
@@ -62,7 +61,8 @@ def random_oscillators(seed):
     return fl.HybridAutomaton((*x, *v), (fl.Mode("flow", (*v, *forces)),), {p: 0.0, a: 0.0, b: 0.0}, n)
 
 
-@pytest.mark.parametrize("seed", slow_but([0], range(8)))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
 def test_random_oscillators_lose_stability_where_scans_say(seed):
     """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
     problem, count = equilibrium_problem(random_oscillators(seed)), 256

@@ -100,6 +100,7 @@ def test_friction_that_falls_with_speed():
     assert point.valid_until == pytest.approx(point.value + point.value**2 / 4)
 
 
+@pytest.mark.slow
 def test_lorenz():
     point = hopf(lorenz(), "r", (20, 30))
     assert point.value == pytest.approx(470 / 19, rel=1e-12)
