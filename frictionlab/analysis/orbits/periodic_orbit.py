@@ -496,7 +496,11 @@ def _damped_step(
 ) -> tuple[OrbitGuess, ShootingResult] | None:
     """After Newton's step, or the largest of its half, quarter, ... that reduces the residual; None where
     none does."""
+    if not (np.isfinite(shot.matrix).all() and np.isfinite(shot.missed).all()):  # beyond all floats
+        return None
     step, period = _newton_step(shot, guess.period, guess.size), guess.period
+    if not np.isfinite(step).all():
+        return None
     for share in 0.5 ** np.arange(MAX_HALVINGS):
         moved, longer = guess.state + share * step[:-1] * guess.size, period * (1.0 + share * step[-1])
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:

@@ -361,7 +361,8 @@ def root_locus(model: ModelOrAutomaton | LargeSystem[Any], parameter: str, value
     """
     if isinstance(model, LargeSystem):
         return model.follow_modes(parameter, values)
-    if parameter == TIME and isinstance(model, Model) and depends_on_time(model):
+    in_time = isinstance(parameter, str) and parameter == TIME
+    if in_time and isinstance(model, Model) and depends_on_time(model):
         model = frozen_in_time(model)
     problem = equilibrium_problem(model)
     at = check_path(problem, parameter, values)
