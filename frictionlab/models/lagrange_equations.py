@@ -171,7 +171,7 @@ def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
 def _on_all_sides(model: MechanicalModel, system: LagrangeSystem, mode: Any) -> Any:
     """The name of a mode on all sides of borders of laws in pieces, of which one on some sides is part."""
     automaton = model.automaton()
-    if mode in system.names or mode not in automaton.names:
+    if not isinstance(mode, str) or mode in system.names or mode not in automaton.names:
         return mode
     whole = automaton.mode(mode).whole
     return mode if whole is None else whole.name

@@ -367,7 +367,7 @@ def relative_rows(pairs: Any, size: int) -> sparse.csr_array:
     >>> fl.relative_rows([(0, 2), (1, -1)], 3).toarray().tolist()
     [[1.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
     """
-    n = check_number("size", size, integer=True, least=1)
+    n = check_number("size", size, integer=True, least=1, most=np.iinfo(np.int32).max)
     cure = "give rows of two freedoms, such as [(0, 2), (1, -1)]"
     given = float_array("pairs", pairs, cure, finite=True)
     if given.ndim != 2 or given.shape[1] != 2 or not len(given) or (given != given.astype(int)).any():

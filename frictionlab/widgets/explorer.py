@@ -270,10 +270,11 @@ def explore_stability(
     False
     """
     model = starting_model(model)
+    for name in (parameter, over):
+        if name is not None:
+            check_parameter_name(model, name)
     parameter = _usual_parameter(model, "mu_k", over) if parameter is None else parameter
     over = _usual_parameter(model, "F", parameter) if over is None else over
-    for name in (parameter, over):
-        check_parameter_name(model, name)
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
     return Explorer(

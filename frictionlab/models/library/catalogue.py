@@ -191,7 +191,7 @@ def list_models(topic: str | None = None) -> ModelTable:
     >>> next(iter(fl.list_models("classics"))).call
     'SliderOnBelt()'
     """
-    if topic == CLASSICS:
+    if isinstance(topic, str) and topic == CLASSICS:
         return ModelTable(MODEL_ROWS)
     rows = (*MODEL_ROWS, *rows_of_the_zoo())
     if topic is None:
