@@ -143,6 +143,7 @@ def changes_both_ways(structure, bounds, monkeypatch):
     return found
 
 
+@pytest.mark.slow
 def test_growing_and_decaying_modes_of_like_shapes_are_no_changes(monkeypatch):
     M, C, K, _, N = unsymmetric_chain(12, coupling=1.0, damping=1e-3)
     structure = fl.Structure(M, K, C, circulatory=[("mu", N)], parameters={"mu": 0.3}, window=(0.0, 0.4))

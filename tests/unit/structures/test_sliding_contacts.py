@@ -141,6 +141,7 @@ def test_random_structures_against_dense_matrices(seed):
     assert np.abs(values[:, None] - expected).min(axis=1).max() < 1e-12 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_a_contact_that_opens_may_change_stability():
     structure, _ = random_structure(2)
     change = fl.stability_changes(structure, "mu_k", (0.76, 0.8))[0]
