@@ -104,24 +104,20 @@ class PrintedMode(NamedTuple):
     hatch: str = ""
 
 
+# By the colours that modes have elsewhere: stick is orange, slip grey and purple, separation sky, chatter
+# yellow.
 PRINTED_MODES = MappingProxyType(
     {
-        "stick": PrintedMode("-", 2.0, BLACK, "#C8C8C8"),
-        "slip+": PrintedMode("-", 0.8, "#6E6E6E", WHITE),
-        "slip": PrintedMode("-", 0.8, "#6E6E6E", WHITE),
-        "slip-": PrintedMode((0, (4, 1.5)), 1.2, "#3C3C3C", WHITE, "////"),
-        "separation": PrintedMode((0, (1, 1)), 1.2, "#3C3C3C", WHITE, "...."),
-        "chatter": PrintedMode((0, (4, 1, 1, 1)), 1.2, "#969696", "#DCDCDC", "xxxx"),
+        ORANGE: PrintedMode("-", 2.0, BLACK, "#C8C8C8"),
+        GREY: PrintedMode("-", 0.8, "#6E6E6E", WHITE),
+        PURPLE: PrintedMode((0, (4, 1.5)), 1.2, "#3C3C3C", WHITE, "////"),
+        SKY: PrintedMode((0, (1, 1)), 1.2, "#3C3C3C", WHITE, "...."),
+        YELLOW: PrintedMode((0, (4, 1, 1, 1)), 1.2, "#969696", "#DCDCDC", "xxxx"),
+        GREEN: PrintedMode("-", 2.0, "#969696", "#DCDCDC"),
+        BLUE: PrintedMode((0, (4, 1.5)), 2.0, "#6E6E6E", WHITE, "\\\\\\\\"),
+        VERMILLION: PrintedMode((0, (1, 1)), 2.0, "#6E6E6E", WHITE, "||||"),
+        BLACK: PrintedMode((0, (4, 1, 1, 1)), 2.0, BLACK, "#C8C8C8", "----"),
     },
-)
-PRINTED_SPARE = (
-    PrintedMode("-", 1.2, "#6E6E6E", WHITE),
-    PrintedMode("-", 2.0, BLACK, "#C8C8C8"),
-    PrintedMode((0, (4, 1.5)), 1.2, "#3C3C3C", WHITE, "////"),
-    PrintedMode((0, (1, 1)), 1.2, "#3C3C3C", WHITE, "...."),
-    PrintedMode((0, (4, 1, 1, 1)), 1.2, "#969696", "#DCDCDC", "xxxx"),
-    PrintedMode("-", 2.0, "#969696", "#DCDCDC"),
-    PrintedMode((0, (4, 1.5)), 2.0, "#6E6E6E", WHITE, "\\\\\\\\"),
 )
 PRINTED_DASHES = "-", "-", (0, (5, 1, 1, 1)), (0, (1, 1))  # of lines with the first four colours
 
@@ -430,11 +426,7 @@ def mode_fills(run: Trajectory, ax: Axes | None = None, shade: float | None = No
 
 
 def _printed_modes(run: Trajectory) -> dict[str, PrintedMode]:
-    """How print tells modes apart; those of one colour on a screen are drawn alike."""
-    colours = mode_colours(run)
-    known = {colours[name]: mode for name, mode in PRINTED_MODES.items() if name in colours}
-    spare = iter(mode for mode in PRINTED_SPARE * len(colours) if mode not in known.values())
-    return {name: PRINTED_MODES.get(name) or known.setdefault(c, next(spare)) for name, c in colours.items()}
+    return {name: PRINTED_MODES[colour] for name, colour in mode_colours(run).items()}
 
 
 def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:

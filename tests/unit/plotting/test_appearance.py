@@ -184,6 +184,16 @@ def test_a_grey_copy_tells_modes_apart_by_dashes_and_hatching(name):
     assert len({*lines}) == len({*fills}) == len(run.mode_names) == 5
 
 
+def test_any_number_of_modes_is_drawn_in_print():
+    numbered = appearance.colours_of_modes((i, f"mode {i}") for i in range(12))
+    assert {*numbered.values(), *appearance.MODE_COLOURS.values()} <= {*appearance.PRINTED_MODES}
+    looks = [(one.dashes, one.width, one.fill, one.hatch) for one in appearance.PRINTED_MODES.values()]
+    assert len({*looks}) == len(looks)
+    with fl.style("paper"):
+        figure = fl.plot_run(result("run of two contacts"))
+    assert len(figure.legends[0].get_texts()) > 1
+
+
 @pytest.mark.parametrize("name", ["overview", "run"])
 def test_pictures_in_print_have_no_titles_and_one_font(name):
     with fl.style("book"):
