@@ -219,7 +219,7 @@ def test_factors_in_an_order_solve_the_same(monkeypatch):
 
 
 def test_nested_dissection_by_metis(monkeypatch):
-    pytest.importorskip("pymetis")
+    pytest.importorskip("pymetis", reason="the extra structures is not installed")
     monkeypatch.setattr("frictionlab.structures.quadratic_pencil.DISSECTED", 10)
     _, K = beam(60)
     solve = factorised(K)
