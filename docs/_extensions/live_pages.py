@@ -70,7 +70,8 @@ class LivePage(SphinxDirective):
         return (
             f'<figure class="live-page"><iframe src="{link}" title="{text.split("(")[0]}: {SAYS}" '
             f'loading="lazy" height="{height}" allow="fullscreen; clipboard-write"></iframe>'
-            f'<figcaption>{SAYS} · <a href="{link}" target="_blank">in a window of its own</a> · '
+            f"<figcaption>{SAYS}: take a body, and let it go elsewhere · "
+            f'<a href="{link}" target="_blank">in a window of its own</a> · '
             f'<a href="{place}" download="{name}">download</a>: one file, no network</figcaption></figure>'
         )
 

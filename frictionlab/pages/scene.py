@@ -30,6 +30,7 @@ MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
 WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
+BEGINNING = "beginning"  # shows as many periods from the start
 STARTS = {"rest": "at rest", "near": "near the equilibrium", "own": "own numbers"}
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
@@ -151,7 +152,8 @@ def run_controls(model: Model, t_end: float) -> list[Data]:
 def windows(model: Model) -> dict[str, float | str | None]:
     """The parts of a run that may be shown, by their names: seconds at its end, or all of it."""
     lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
-    return {"what moves": WHAT_MOVES, **{f"last {s:g} s": s for s in lengths}, "whole run": None}
+    last = {f"last {s:g} s": s for s in lengths}
+    return {"what moves": WHAT_MOVES, "how it begins": BEGINNING, **last, "whole run": None}
 
 
 def main_parameters(model: Model) -> list[str]:

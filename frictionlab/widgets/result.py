@@ -21,7 +21,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import require_model
 from frictionlab.models.serialisation import is_public
-from frictionlab.pages.scene import WHAT_MOVES
+from frictionlab.pages.scene import BEGINNING, WHAT_MOVES
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 if TYPE_CHECKING:
@@ -64,9 +64,10 @@ class Settings:
     x0 : str or tuple of float
         As :func:`frictionlab.simulate` takes it.
     method : Method
-    window : float, "moving" or None
-        Seconds at the end that are shown.  None shows the whole run; "moving" the last ten periods, or, if
-        nothing moves in them, the run from its start until shortly after it came to rest.
+    window : float, "moving", "beginning" or None
+        Seconds at the end that are shown.  None shows the whole run; "beginning" the first ten periods;
+        "moving" the last ten or, if nothing moves in them, the run from its start until shortly after it came
+        to rest.
     coordinate : str
         The coordinate of phase plane and spectrum.
     """
@@ -229,7 +230,10 @@ class Result:
         if window is None:
             return 0.0, end
         moving = window == WHAT_MOVES
-        seconds = SHOWN_PERIODS * rounded_period(self.model) if moving else float(window)
+        shown = SHOWN_PERIODS * rounded_period(self.model)
+        if window == BEGINNING:
+            return 0.0, min(end, shown)
+        seconds = shown if moving else float(window)
         span = max(0.0, end - seconds), end
         if not moving or span[0] == 0.0 or not is_at_rest(self.run, span):
             return span

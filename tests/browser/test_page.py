@@ -442,13 +442,61 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
     page.context.close()
 
 
-def test_a_click_into_the_phase_plane_starts_the_motion_there(browser, tmp_path):
+@pytest.fixture
+def mass(browser, tmp_path):
     page = opened(browser, exported(fl.MassOnBelt(mu_k=0.5), tmp_path / "mass.html", t_end=20.0))
-    box = page.locator(".fl-panel-phase .fl-over").bounding_box()
-    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
-    page.wait_for_function("explorer.state.start === 'own'")
+    yield page
+    assert page.problems == []
+    page.context.close()
+
+
+def started(page):
+    """The state in which the run begins, once it has the bits of `simulate` from there; it is shown."""
+    wait_until(page, "explorer.state.start === 'own' && explorer.request === null")
+    assert page.evaluate("[explorer.result.start, explorer.result.from]") == [0.0, "own"]
     own = [float(one) for one in page.evaluate("explorer.state.own").split(",")]
     state = page.evaluate("explorer.engine.run.state")
-    run = fl.simulate(fl.MassOnBelt(mu_k=0.5), 20.0, x0=own, progress=False)
-    assert state == run.final_state.tolist()
-    assert page.problems == []
+    assert state == fl.simulate(fl.MassOnBelt(mu_k=0.5), 20.0, x0=own, progress=False).final_state.tolist()
+    return own
+
+
+def test_a_click_into_the_phase_plane_starts_the_motion_there(mass):
+    box = mass.locator(".fl-panel-phase .fl-over").bounding_box()
+    mass.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    assert all(started(mass))
+
+
+WHERE_THE_MASS_IS = """() => {
+  const { drag } = explorer, { k, x, y } = drag.scale, [{ box }] = drag.bodies;
+  const { left, top } = drag.over.getBoundingClientRect();
+  return [left + x + k * box[0], top + y - k * box[1]];
+}"""
+
+
+def test_the_mass_is_taken_by_mouse_finger_and_keys_and_the_motion_starts_where_it_is_let_go(mass):
+    x, y = mass.evaluate(WHERE_THE_MASS_IS)
+    before = picture(mass, "mechanism")
+    mass.mouse.move(x, y)
+    mass.mouse.down()
+    mass.mouse.move(x + 40, y, steps=3)
+    assert picture(mass, "mechanism") != before
+    assert "x = " in mass.inner_text(".fl-now")
+    mass.mouse.up()
+    (first, rate) = started(mass)
+    assert first > 0.0 == rate
+    assert mass.inner_text("button.fl-play") == "pause"
+    mass.click("button.fl-play")
+
+    x, y = mass.evaluate(WHERE_THE_MASS_IS)
+    touch = mass.context.new_cdp_session(mass)
+    for kind, at in (("Start", x), ("Move", x - 30), ("Move", x - 60), ("End", None)):
+        points = [] if at is None else [{"x": at, "y": y}]
+        touch.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+    wait_until(mass, "(first) => Number(explorer.state.own.split(',')[0]) < first", first)
+    second = started(mass)
+    mass.click("button.fl-play")
+
+    mass.locator(".fl-panel-mechanism .fl-over").focus()
+    for key in ("ArrowRight", "ArrowRight", "Enter"):
+        mass.keyboard.press(key)
+    assert started(mass) != second

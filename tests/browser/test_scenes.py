@@ -166,6 +166,17 @@ def test_the_mechanism_moves_pauses_and_is_heard(page):
     press_button(page, "play")
 
 
+def test_the_slider_is_taken_and_the_motion_starts_where_it_is_let_go(page):
+    over = page.locator(".fl-panel-mechanism .fl-over")
+    over.focus()
+    for key in ("ArrowRight", "ArrowUp"):
+        page.keyboard.press(key)
+    page.wait_for_function(SAYS, arg=[".fl-now", "y1 = "])
+    page.keyboard.press("Enter")
+    page.wait_for_function(SAYS, arg=[".fl-words", "from your own state"])
+    assert page.locator(".fl-window select").input_value() == "how it begins"
+
+
 def test_two_scenes_at_once(page):
     press_button(page, "compare")
     page.wait_for_function(SAYS, arg=[".fl-comparison", "move a control"])

@@ -85,6 +85,7 @@ class BrowserEngine {
 
   span(run, window) { // the part that is shown
     if (window === null) return [0, run.end];
+    if (window === "beginning") return [0, Math.min(run.end, PERIODS_SHOWN * SCENE.period)];
     const seconds = window === "moving" ? PERIODS_SHOWN * SCENE.period : window, start = Math.max(0, run.end - seconds);
     if (window !== "moving" || !start || !this.isAtRest(run, start, run.end)) return [start, run.end];
     return [0, Math.min(run.end, AFTER_REST * this.timeOfRest(run))];

@@ -10,7 +10,7 @@ const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber
 
 class Explorer {
   constructor(root, scene, engine, options = {}) { // options: {address: whether the page's address holds the state}
-    Object.assign(this, { root, engine, options, turn: 0, playing: null, last: null, share: 0, settled: null, request: null, kept: null });
+    Object.assign(this, { root, engine, options, turn: 0, playing: null, last: null, share: 0, settled: null, request: null, kept: null, held: null });
     root.classList.add("fl-explorer");
     root.addEventListener("keydown", (event) => this.key(event));
     this.observer = new ResizeObserver(() => { if (this.result) this.redraw(); });
@@ -103,7 +103,8 @@ class Explorer {
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]), panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
     if (name === "mechanism") figure.append(...this.player());
-    over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.pickState) this.pick(panel, event); };
+    over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
+    if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
     return figure;
   }
 
@@ -172,6 +173,7 @@ class Explorer {
 
   show(result) { // what an engine has computed
     this.result = result;
+    this.held = null;
     this.rest();
     this.error = "";
     if (result.complete) this.tell();
@@ -191,6 +193,8 @@ class Explorer {
   fail(text) { // the pictures stay those of the last values that worked
     clearTimeout(this.waiting);
     this.busy.hidden = true;
+    this.held = null;
+    this.frame();
     this.error = text;
     this.undoButton.disabled = false; // it leads to the last values that worked
     this.say(text, true);
@@ -235,7 +239,7 @@ class Explorer {
     if (!panel.drawing) return;
     if (panel.drawing.title) panel.caption.textContent = panel.drawing.title;
     panel.canvas.ariaLabel = [panel.caption.textContent, panel.drawing.note].filter(Boolean).join(": ");
-    panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick || panel.drawing.pickState));
+    panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick || panel.drawing.touch));
     if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img", { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
     if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory, this.kept?.drawings[panel.name]);
@@ -244,22 +248,25 @@ class Explorer {
   showModes() {
     const { structure, samples } = this.result, seen = [...new Set(samples.modes)].sort((a, b) => a - b);
     const key = seen.map((mode) => { const node = html("span", { className: "fl-mode", textContent: structure.modes[mode] }); node.style.setProperty("--colour", structure.colours[mode]); return node; });
-    this.modes.replaceChildren(...key, ...(this.picture ? [html("span", { textContent: this.picture.note })] : []));
+    this.modes.replaceChildren(...key, ...(this.picture ? [html("span", { textContent: this.picture.note }), html("span", { textContent: this.drag ? TOUCH_HINT : "" })] : []));
   }
 
   // --- the instant -------------------------------------------------------------------------------------------------------
 
   get time() { return this.result.start + this.share * (this.result.stop - this.result.start); }
 
+  shownSample() { return this.held ? [this.held, 0] : this.engine.instant(this.time, this.result); } // samples, and the place in them
+
   frame() {
     if (!this.result?.samples) return;
-    const look = this.look(), t = this.time, { structure, coordinate } = this.result, [samples, i] = this.engine.instant(t, this.result);
+    const look = this.look(), t = this.held ? 0 : this.time, { structure, coordinate } = this.result, [samples, i] = this.shownSample();
     if (this.now) {
       this.scrub.value = Math.round(1000 * this.share);
       this.scrub.ariaValueText = `${t.toFixed(4)} s`;
-      this.now.textContent = `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
+      this.now.textContent = this.held ? this.drag.text() : `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
     }
     if (this.picture) this.paintMechanism(look, samples, i);
+    if (this.picture) this.drag?.paint(look);
     for (const name of ["response", "forces", "phase"]) {
       const { axes, over, figure } = this.panels[name] ?? {};
       if (!axes || figure.hidden) continue;
@@ -363,10 +370,17 @@ class Explorer {
     this.set({ ...this.scene.initial, ...changed });
   }
 
+  startAt(touched, coordinate) { // a run from these values of states; all others as in steady sliding
+    const own = startState(this.result, touched).map((value) => roundNumber(value, 5)).join(", ");
+    this.set({ ...this.state, start: "own", own, coordinate, window: "how it begins" });
+    this.share = 0;
+    if (!this.playing && this.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.toggle();
+  }
+
   pick(panel, event) { // a click into a diagram
     const box = panel.over.getBoundingClientRect(), { X, Y } = panel.axes, x = X.value(event.clientX - box.left), y = Y.value(event.clientY - box.top);
     if (x < X.low || x > X.high || y < Y.low || y > Y.high) return;
-    if (panel.drawing.pickState) return this.set({ ...this.state, ...panel.drawing.pickState(x, y) });
+    if (panel.drawing.touch) return this.startAt(panel.drawing.touch(x, y), this.result.coordinate);
     const picked = Object.fromEntries(panel.drawing.pick.map((name, i) => [name, [x, y][i]]).filter(([name]) => name));
     for (const [name, value] of Object.entries(picked)) {
       const { about } = this.controls.find((control) => control.name === name), step = sliderStep(about.low, about.high);

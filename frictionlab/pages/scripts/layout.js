@@ -37,6 +37,16 @@ function tiltingBelt(about, result, look) {
   const scene = { ...colouredScene(result, look), size, wheels, radius, block, spring, walls, anchor, limits, reach, scale, preload: p.F, names: about.names };
   return {
     scene, draw: mechanism, note: `displacements × ${s}, tilt as it is`,
+    bodies(data, i) { // the slider, the middle of the belt, and both of its ends, which tilt it
+      const { slider_x: x, slider_y: y, belt_x, belt_y, slope } = this.row(data, i), [w, h] = block;
+      const end = (side) => ({ box: [belt_x + side, belt_y + side * slope - radius, 2 * radius, 2 * radius], along: [["phi", 0, -1 / side]] });
+      const all = [
+        { box: [x, y + h / 2, w, h], along: [["x1", 1 / s, 0], ["y1", 0, 1 / s]] },
+        { box: [belt_x, belt_y - radius, Math.min(...wheels), 2 * radius], along: [["x2", 1 / s, 0], ["y2", 0, 1 / s]] },
+        end(-wheels[0]), end(wheels[1]),
+      ];
+      return all.filter(({ along }) => along.every(([name]) => structure.states.includes(name)));
+    },
     row(data, i) {
       const [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map((name) => s * get(data, name, i)), phi = get(data, "phi", i), mode = data.modes[i];
       const foot = structure.modes[mode] === "separation" ? y1 : y2 - (x1 - x2) * phi;
@@ -94,6 +104,11 @@ function partsPicture(about, result, look) {
   const limits = [xs, ys].map(([low, high]) => [low - MARGIN, high + MARGIN]);
   return {
     scene: { ...base, shapes, limits, width, marks }, draw: (c, w, h, scene, row) => shapesOf(c, w, h, scene, row), note: `displacements × ${s}`,
+    bodies: (data, i) => parts.filter(({ part }) => part === "Block").map(({ at: place, width: w, height: h }) => {
+      const along = [[place.right, 1, 0], [place.up, 0, 1]].filter(([name]) => structure.states.includes(name?.replace("-", "")));
+      const moves = along.map(([name, right, up]) => [name.replace("-", ""), (name[0] === "-" ? -1 : 1) * right / s, (name[0] === "-" ? -1 : 1) * up / s]);
+      return { box: [...at(place, data, i), w, h], along: moves };
+    }).filter(({ along }) => along.length),
     row: (data, i) => ({ all: numbers(data, i), mode: data.modes[i] }),
   };
 }

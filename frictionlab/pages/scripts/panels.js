@@ -63,13 +63,7 @@ function phase(result) {
   const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
   const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
   if (equilibrium) curves.push({ label: "equilibrium", x: [equilibrium.q[place]], y: [0], marker: "+", size: 11, line: false });
-  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves, pickState: (x, v) => startFrom(result, name, x, v) };
-}
-
-function startFrom({ structure: { states, coordinates }, equilibrium }, name, x, v) { // a run from a place in the phase plane
-  const touched = { [name]: x, [`${name}'`]: v };
-  const start = states.map((each, i) => touched[each] ?? (equilibrium && i < coordinates ? equilibrium.q[i] : 0)); // the rest as in steady sliding
-  return { start: "own", own: start.map((value) => roundNumber(value, 5)).join(", ") };
+  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves, touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
 }
 
 function spectrum(result) {
