@@ -195,6 +195,8 @@ from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
 from .structures.damping import RayleighDamping as RayleighDamping
 from .structures.matrix_files import read_matrix as read_matrix
+from .structures.reduction import ReducedStructure as ReducedStructure
+from .structures.reduction import reduce as reduce
 from .structures.sliding_contacts import SlidingContacts as SlidingContacts
 from .structures.sliding_contacts import relative_rows as relative_rows
 from .structures.sliding_equilibrium import SlidingEquilibrium as SlidingEquilibrium

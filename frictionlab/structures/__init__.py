@@ -14,7 +14,7 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
 ``quadratic_pencil``
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
 ``reduction``
-    `Reduction`: a structure of few freedoms with the modes of a large one at some values of parameters.
+    `reduce` and `ReducedStructure`: few freedoms with the modes of a large structure.
 ``mode_paths``
     Root loci, changes of stability and maps of structures.
 ``window_eigenvalues``

@@ -30,9 +30,9 @@ from frictionlab.structures.reduction import (
     EDGE_SHARE,
     EXACT,
     Point,
-    Reduction,
     Sample,
     over_box,
+    reduced,
 )
 from frictionlab.structures.window_eigenvalues import (
     EQUAL_RTOL,
@@ -69,9 +69,8 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
     if _is_small(structure) and SmallSpectra(structure).has_matrices:
         return _full_locus(structure, parameter, at)
     samples = [Sample.of(structure, {parameter: float(p)}) for p in progress_bar(at, "root locus")]
-    reduction = Reduction.of(structure, samples)
-    small = reduction.structure
-    places = [_place(small, one, reduction.basis) for one in samples]
+    small = reduced(structure, samples)
+    places = [_place(small, one, small.basis) for one in samples]
     steps = [_match(small, a, b, HALVINGS) for a, b in pairwise(places)]
     columns = _columns([len(one.values) for one in samples], steps)
     tracked: Any = np.full((len(at), len(columns)), complex(np.nan, np.nan))
@@ -92,8 +91,8 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
     _check_masses(structure, parameter, (low, high))
     if _is_small(structure):
         return _changes(structure, parameter, (low, high))
-    samples = over_box(structure, {parameter: (low, high)})
-    changes = _changes(Reduction.of(structure, samples).structure, parameter, (low, high))
+    samples, _ = over_box(structure, {parameter: (low, high)})
+    changes = _changes(reduced(structure, samples), parameter, (low, high))
     settled = [
         _settled(structure, parameter, one, (low, high)) for one in progress_bar(changes, "stability changes")
     ]
@@ -109,7 +108,7 @@ def _settled(
     for _ in range(REFINEMENTS):
         sample = Sample.of(structure, {parameter: change.value})
         low, high = change.value - NEAR_SHARE * width, change.value + NEAR_SHARE * width
-        local = Reduction.of(structure, [sample], EXACT).structure
+        local = reduced(structure, [sample], EXACT)
         near = _changes(local, parameter, (max(low, bounds[0]), min(high, bounds[1])))
         alike = [one for one in near if one.direction == change.direction]
         if not alike:
@@ -130,7 +129,7 @@ def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -
     """The spectra of a structure within ranges of parameters."""
     small = structure
     if not _is_small(structure):
-        small = Reduction.of(structure, over_box(structure, box)).structure
+        small = reduced(structure, over_box(structure, box)[0])
     return SmallSpectra(small)
 
 

@@ -88,8 +88,9 @@ class ParametricMatrix:
         return ParametricMatrix(texts, self.matrices)
 
     def projected(self, basis: Any) -> ParametricMatrix:
-        """V^T A V of each matrix A, for a real basis V (n, r)."""
-        small = tuple(sparse.csc_array(basis.T @ (matrix @ basis)) for matrix in self.matrices)
+        """V^T A V of each matrix A, or V^T A of each column (n, 1), for a real basis V (n, r)."""
+        small = (matrix @ basis if matrix.shape[1] == self.size else matrix for matrix in self.matrices)
+        small = tuple(sparse.csc_array(basis.T @ one) for one in small)
         return ParametricMatrix(self.coefficients, small)
 
     def __add__(self, other: ParametricMatrix) -> ParametricMatrix:

@@ -75,6 +75,11 @@ class QuadraticPencil:
         """The number n of freedoms."""
         return int(self.M.shape[0])
 
+    @property
+    def parts(self) -> tuple[Matrix, Matrix, Matrix]:
+        """M, C and K."""
+        return self.M, self.C, self.K
+
     def transposed(self) -> QuadraticPencil:
         """The pencil whose right vectors are the left vectors of this one."""
         return QuadraticPencil(self.M.T.tocsc(), self.C.T.tocsc(), self.K.T.tocsc())
@@ -123,7 +128,7 @@ class QuadraticPencil:
 
     @cached_property
     def _norms(self) -> tuple[float, ...]:
-        return tuple(float(sparse_linalg.norm(part, 1)) for part in (self.M, self.C, self.K))
+        return tuple(float(sparse_linalg.norm(part, 1)) for part in self.parts)
 
     def products_of_modes(self, left: Spectrum, right: Spectrum) -> ComplexArray:
         """y ((s + t) M + C) x (k, m) for left vectors y at s and right vectors x at t.

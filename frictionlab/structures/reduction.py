@@ -10,23 +10,30 @@ of disk brake squeal", ZAMM 96 (2016) 1388-1405.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
+from scipy import linalg, sparse
 
-from frictionlab.structures.window_eigenvalues import WindowEigenvalues
-
-if TYPE_CHECKING:
-    from frictionlab.structures.structure import Structure
+from frictionlab.structures.parametric_matrix import ParametricMatrix
+from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
+from frictionlab.structures.structure import Structure
+from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum
+from frictionlab.validation import abbreviate, check_limits, check_mapping, check_number, explains_keywords
 
 Array = NDArray[np.float64]
 Point = Mapping[str, float]  # values of some parameters
-EXACT, CLOSE = 1e-9, 1e-6  # lengths that may be left of unit vectors beside a basis which has them
+EXACT = 1e-9  # length that may be left of unit vectors beside a basis which has them
+CLOSE = 1e-7  # share of the largest singular value: directions of which modes have less are left out
+LEFT_OUT = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)  # the same, tried until a tolerance is reached
+LEAST_TOL, MOST_TOL = 1e-10, 0.1  # of eigenvalues
+STIFF_SHARE = 1e-6  # of the largest compliance of contacts: responses of less are left out
+RESPONSE_SHARE = 0.1  # of the largest eigenvalue: the real shift at which responses are taken
 KNOWN_RTOL = 1e-6  # share of an eigenvalue by which a reduced structure may miss it at the last sample
 EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
 DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and need not be known well
@@ -69,70 +76,235 @@ class Sample:
         return int((self.values.real > 0.0).sum())
 
 
-@dataclass(frozen=True, eq=False)
-class Reduction:
-    """A large structure and a basis of displacements.
+@dataclass(frozen=True, eq=False, repr=False)
+class ReducedStructure(Structure):
+    """A structure of r freedoms, whose displacements are those of a large one in the span of a basis.
+
+    It is made by :func:`reduce`.  Parameters, contacts and load are those of the large structure.
 
     Parameters
     ----------
     full : Structure
+        The large one, with n freedoms.
     basis : array (n, r)
-        Orthonormal.
+        Orthonormal: ``basis @ q`` are the displacements of the large structure.
+    error : float
+        Largest error of its eigenvalues, as a share, where those of the large structure are known; NaN where
+        it was not measured.
     """
 
-    full: Structure
-    basis: Array
+    full: Structure = field(kw_only=True)
+    basis: Array = field(kw_only=True)
+    error: float = field(kw_only=True, default=np.nan)
 
     @classmethod
-    def of(cls, structure: Structure, samples: Sequence[Sample], tol: float = CLOSE) -> Reduction:
-        """The reduction that has the modes of samples."""
-        reduction = cls(structure, np.zeros((structure.size, 0)))
-        for sample in samples:
-            reduction = reduction.with_modes(sample, tol)
-        return reduction
+    def of(cls, full: Structure, basis: Array, error: float = np.nan) -> Self:
+        """The projection on a basis (n, r), real and orthonormal."""
+        small = object.__new__(cls)  # what is right of the large structure is right of its projection
+        for each in fields(Structure):
+            part = getattr(full, each.name)
+            if isinstance(part, ParametricMatrix):
+                part = part.projected(basis)
+            elif each.name == "contacts":
+                part = tuple(one.projected(basis) for one in part)
+            object.__setattr__(small, each.name, part)
+        for name, value in (("full", full), ("basis", basis), ("error", error)):
+            object.__setattr__(small, name, value)
+        return small
 
-    def with_modes(self, sample: Sample, tol: float = CLOSE) -> Reduction:
-        """The reduction that has further modes, and static displacements where there are contacts."""
+    def replace(self, /, **changes: Any) -> Self:
+        """The structure with other values of parameters, or another window."""
+        for name in changes:
+            if name not in self.parameters and name not in ("parameters", "window"):
+                raise ValueError(
+                    f"only parameters and window of a reduced structure can be replaced, got {name!r}: "
+                    "change the large structure, and reduce it again"
+                )
+        return super().replace(**changes)
+
+    def error_estimates(self) -> Array:
+        """Estimated distances (m,) of ``eigenvalues(self).values`` from those of the large structure, 1/s.
+
+        By so much they move where responses of the large structure to what the modes leave in its equations
+        join the basis.
+        """
+        found = self.find_eigenvalues()
+        pencil = self._full_pencil()
+        upper = found.values.imag >= 0.0
+        left_over = pencil.products(found.values[upper], self.basis @ found.vectors[: self.size, upper])
+        solve = factorised(pencil.at(RESPONSE_SHARE * np.abs(found.values).max()).real.tocsc())
+        if solve is None:
+            return np.full(len(found.values), np.nan)
+        responses = solve(np.hstack([left_over.real, left_over.imag]))
+        responses /= np.maximum(np.linalg.norm(responses, axis=0), np.finfo(float).tiny)
+        wider = extended(self.basis, responses, EXACT)
+        parts = (sparse.csc_array(wider.T @ (part @ wider)) for part in pencil.parts)
+        moved = dense_spectrum(QuadraticPencil(*parts)).values
+        return np.abs(found.values[:, None] - moved).min(axis=1)
+
+    def _full_pencil(self) -> QuadraticPencil:
+        """That of the large structure, with contact forces as here."""
+        there = self.full.at_values(self.parameters)
+        return there.with_contacts(there.structural_pencil, self.contact_forces)
+
+    def __repr__(self) -> str:
+        return super().__repr__().replace("Structure(", f"ReducedStructure({self.full.size} freedoms to ", 1)
+
+
+@explains_keywords
+def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> ReducedStructure:
+    """A structure of few freedoms that has the modes of a large one in its window of frequencies.
+
+    The displacements are those in the span of modes at samples of the parameters, of static displacements,
+    and of static responses to the contact forces.  Samples are added until the eigenvalues at two further
+    ones are known already.  Then as many directions are left out as the tolerance allows: it is a proper
+    orthogonal basis (Graebner et al. 2016).
+
+    Parameters
+    ----------
+    structure : Structure
+        With a window.
+    over : mapping of str to (float, float), optional
+        Ranges of parameters, over which it has these modes.  Without it at the values at hand.
+    tol : float
+        Share by which eigenvalues may err, of modes that are damped by less than 5 % of critical damping.
+
+    Returns
+    -------
+    ReducedStructure
+
+    Raises
+    ------
+    TypeError
+        For an unknown parameter, or what is no structure.
+    ValueError
+        For a structure without a window, ranges that are not two ascending numbers, or a tolerance that is
+        not between 1e-10 and 0.1.
+
+    Warns
+    -----
+    RuntimeWarning
+        Where the tolerance is not reached with 17 samples for each range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import frictionlab as fl
+    >>> springs = 2 * np.eye(60) - np.eye(60, k=1) - np.eye(60, k=-1)
+    >>> chain = fl.Structure(np.eye(60), springs, window=(0, 0.05))
+    >>> small = fl.reduce(chain)
+    >>> small
+    ReducedStructure(60 freedoms to 6 freedoms, 0 to 0.05 Hz)
+    >>> bool(np.allclose(fl.eigenvalues(small).values, fl.eigenvalues(chain).values))
+    True
+    """
+    if not isinstance(structure, Structure):
+        raise TypeError(f"structure must be a fl.Structure, got {abbreviate(structure)}: give one")
+    tol = check_number("tol", tol, least=LEAST_TOL, most=MOST_TOL)
+    if structure.window is None:
+        raise ValueError(
+            "structure must have a window of frequencies to be reduced, got None: give it one, such as "
+            "structure.replace(window=(0, 8000))"
+        )
+    cure = 'give ranges such as {"mu": (0, 1)}'
+    check_mapping("over", {} if over is None else over, cure)
+    box = {name: check_limits(f"over[{name!r}]", ends, cure) for name, ends in (over or {}).items()}
+    for name in box:
+        structure.check_parameter(name)
+    samples, error = over_box(structure, box, tol)
+    if error > tol:
+        warnings.warn(
+            f"eigenvalues of the reduced structure may err by {error:.1e}, more than tol = {tol:.1e}: take "
+            "shorter ranges",
+            RuntimeWarning,
+            2,
+        )
+    return _smallest(structure, samples, max(tol, error))
+
+
+def _smallest(structure: Structure, samples: Sequence[Sample], tol: float) -> ReducedStructure:
+    """The reduced structure with the fewest freedoms whose eigenvalues at samples err by less than `tol`."""
+    vectors, sizes = proper_orthogonal(structure, samples)
+    fixed = contact_responses(structure)
+    for share in LEFT_OUT:
+        small = ReducedStructure.of(structure, extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
+        error = max(error_at(small, one) for one in samples)
+        if error <= tol:
+            break
+    return ReducedStructure.of(structure, small.basis, error)
+
+
+def reduced(structure: Structure, samples: Sequence[Sample], left_out: float = CLOSE) -> ReducedStructure:
+    """The structure in the span of the modes at samples, but for what they have little of."""
+    vectors, sizes = proper_orthogonal(structure, samples)
+    return ReducedStructure.of(structure, vectors[:, sizes > left_out * sizes[0]])
+
+
+def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[Array, Array]:
+    """Directions (n, k) of modes and static displacements at samples, with what these have of each (k,)."""
+    columns = []
+    for sample in samples:
         # In this phase modes are as real as they can be, and of their small imaginary parts few matter.
-        phases = np.exp(-0.5j * np.angle((sample.shapes**2).sum(axis=0)))
-        shapes = np.hstack([(phases * sample.shapes).real, (phases * sample.shapes).imag])
-        if self.full.contacts:
+        shapes = np.exp(-0.5j * np.angle((sample.shapes**2).sum(axis=0))) * sample.shapes
+        columns += [shapes.real, shapes.imag]
+        if structure.contacts:
             size = np.linalg.norm(sample.displacements) or 1.0
-            shapes = np.column_stack([shapes, sample.displacements / size])
-        left = shapes - self.basis @ (self.basis.T @ shapes)
-        left -= self.basis @ (self.basis.T @ left)
-        parts: Any = linalg.qr(left, mode="economic", pivoting=True)
-        directions, sizes = parts[0], np.abs(np.diagonal(parts[1]))
-        new = directions[:, : int((sizes > tol).sum())]
-        # A direction of which little was left is not orthogonal to the basis, to rounding.
-        new, _ = np.linalg.qr(new - self.basis @ (self.basis.T @ new))
-        return Reduction(self.full, np.hstack([self.basis, new]))
-
-    @property
-    def structure(self) -> Structure:
-        """The structure of r freedoms."""
-        return self.full.projected(self.basis)
+            columns.append(sample.displacements[:, None] / size)
+    parts: Any = linalg.svd(np.hstack(columns), full_matrices=False)
+    return parts[0], parts[1]
 
 
-def along_path(structure: Structure, parameter: str, bounds: tuple[float, float]) -> list[Sample]:
-    """Samples between two values of a parameter, by which a reduction knows the modes between them."""
-    return over_box(structure, {parameter: bounds})
+def contact_responses(structure: Structure) -> Array:
+    """Static displacements (n, k) under unit forces at the contacts, orthonormal; few of many contacts."""
+    rows = [part for one in structure.contacts for part in (one.normal, one.tangential) if part is not None]
+    if not rows:
+        return np.zeros((structure.size, 0))
+    forces = sparse.vstack(rows).T.toarray()
+    stiffness = structure.pencil.K.real.tocsc()
+    solve = factorised(stiffness)
+    if solve is None:
+        raise ValueError(
+            "K and the contacts must hold all freedoms, got a singular stiffness: add supports or contacts"
+        )
+    responses = solve(forces)
+    compliance = forces.T @ responses
+    values, mixes = np.linalg.eigh(0.5 * (compliance + compliance.T))
+    chosen = values > STIFF_SHARE * values[-1]
+    responses = responses @ (mixes[:, chosen] / np.sqrt(values[chosen]))
+    return extended(np.zeros((structure.size, 0)), responses, EXACT)
 
 
-def over_box(structure: Structure, box: Mapping[str, tuple[float, float]]) -> list[Sample]:
-    """Samples over ranges of parameters, by which a reduction knows the modes there."""
+def extended(basis: Array, vectors: Array, tol: float) -> Array:
+    """An orthonormal basis (n, r) and what vectors (n, k) add to it, but for less than `tol`."""
+    sizes = np.linalg.norm(vectors, axis=0)
+    vectors = vectors[:, sizes > 0.0] / sizes[sizes > 0.0]
+    left = vectors - basis @ (basis.T @ vectors)
+    left -= basis @ (basis.T @ left)
+    parts: Any = linalg.qr(left, mode="economic", pivoting=True)
+    new = parts[0][:, np.abs(np.diagonal(parts[1])) > tol]
+    # A direction of which little was left is not orthogonal to the basis, to rounding.
+    new, _ = np.linalg.qr(new - basis @ (basis.T @ new))
+    return np.hstack([basis, new])
+
+
+def over_box(
+    structure: Structure, box: Mapping[str, tuple[float, float]], tol: float = KNOWN_RTOL
+) -> tuple[list[Sample], float]:
+    """Samples over ranges of parameters, by which modes there are known, and by what share they may err."""
     points = _points(box)
     samples = [Sample.of(structure, next(points)) for _ in range(2 ** len(box))]
-    reduction = Reduction.of(structure, samples)
-    known = 0
+    known, errors = 0, [0.0, 0.0]
     for _ in range(MOST_SAMPLES * len(box) - len(samples)):
-        sample = Sample.of(structure, next(points))
-        known = known + 1 if _is_known(reduction.structure, sample) else 0
-        samples.append(sample)
-        if known == 2 or reduction.basis.shape[1] == structure.size:
+        small = reduced(structure, samples)
+        if small.size == structure.size:
+            errors = [0.0, 0.0]
             break
-        reduction = reduction.with_modes(sample)
-    return samples
+        samples.append(Sample.of(structure, next(points)))
+        errors.append(error_at(small, samples[-1]))
+        known = known + 1 if errors[-1] <= tol else 0
+        if known == 2:
+            break
+    return samples, max(errors[-2:])
 
 
 def _points(box: Mapping[str, tuple[float, float]]) -> Iterator[Point]:
@@ -155,8 +327,11 @@ def _radical_inverse(i: int, base: int) -> float:
     return share
 
 
-def _is_known(small: Structure, sample: Sample) -> bool:
-    """Whether a reduced structure has the eigenvalues of a sample, away from the window's ends."""
+def error_at(small: Structure, sample: Sample) -> float:
+    """Largest share by which a reduced structure misses an eigenvalue of a sample.
+
+    Neither those near the window's ends count, nor those of strongly damped modes.
+    """
     found = small.at_values(sample.point).find_eigenvalues().values
     frequencies = sample.values.imag / (2 * np.pi)
     low, high = small.window or (-np.inf, np.inf)
@@ -165,5 +340,5 @@ def _is_known(small: Structure, sample: Sample) -> bool:
     matters &= (frequencies >= low + edge * (low > 0.0)) & (frequencies <= high - edge)
     values = sample.values[matters]
     if not len(values) or not len(found):
-        return not len(values)
-    return bool((np.abs(values[:, None] - found).min(axis=1) <= KNOWN_RTOL * np.abs(values)).all())
+        return np.inf if len(values) else 0.0
+    return float((np.abs(values[:, None] - found).min(axis=1) / np.abs(values)).max())

@@ -173,7 +173,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
     @cached_property
     def pencil(self) -> QuadraticPencil:
         """M, C + G and K + N at the values of the parameters, with what contacts add at the equilibrium."""
-        return self._with_contacts(self.structural_pencil, self.contact_forces)
+        return self.with_contacts(self.structural_pencil, self.contact_forces)
 
     @cached_property
     def structural_pencil(self) -> QuadraticPencil:
@@ -226,7 +226,7 @@ class Structure(LargeSystem[WindowEigenvalues]):
             ContactForces(*(np.imag(part) / COMPLEX_STEP for part in one.forces(moved, values)))
             for one in self.contacts
         ]
-        return self._with_contacts(given, slopes)
+        return self.with_contacts(given, slopes)
 
     def replace(self, /, **changes: Any) -> Self:
         """The structure with other values of parameters, or other fields; no matrix is read again.
@@ -289,20 +289,6 @@ class Structure(LargeSystem[WindowEigenvalues]):
         """
         return self._copied(parameters=MappingProxyType({**self.parameters, **values}))
 
-    def projected(self, basis: Array) -> Self:
-        """The structure whose displacements are in the span of a basis (n, r), real and orthonormal."""
-        matrices = {
-            name: matrix.projected(basis)
-            for name in MATRICES
-            if isinstance(matrix := getattr(self, name), ParametricMatrix)
-        }
-        load = None
-        if self.load is not None:
-            columns = tuple(sparse.csc_array(basis.T @ each) for each in self.load.matrices)
-            load = ParametricMatrix(self.load.coefficients, columns)
-        contacts = tuple(one.projected(basis) for one in self.contacts)
-        return self._copied(**matrices, load=load, contacts=contacts)
-
     def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
         count = max(np.size(values) for values in changes.values())
@@ -361,7 +347,8 @@ class Structure(LargeSystem[WindowEigenvalues]):
         zero: Any = sparse.csc_array((self.size, self.size))
         return QuadraticPencil(*(sum(map(value, terms), zero) for terms in self.terms))
 
-    def _with_contacts(self, pencil: QuadraticPencil, forces: list[ContactForces]) -> QuadraticPencil:
+    def with_contacts(self, pencil: QuadraticPencil, forces: list[ContactForces]) -> QuadraticPencil:
+        """The pencil with what forces of contacts add to C and K."""
         C, K = pencil.C, pencil.K
         for one, each in zip(self.contacts, forces, strict=True):
             C, K = C + one.damping(each), K + one.stiffness(each)

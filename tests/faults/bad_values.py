@@ -283,6 +283,16 @@ def doors() -> dict[str, Door]:
             {"M": np.eye(2), "K": np.diag([1.0, 2.0])},
             names=("M", "K", "C", "gyroscopic", "circulatory", "load", "parameters", "window"),
         ),
+        "reduce": Door(
+            fl.reduce,
+            {
+                "structure": fl.Structure(
+                    np.eye(2), [("k", np.eye(2))], parameters={"k": 1.0}, window=(0, 1)
+                ),
+                "over": {"k": (1.0, 2.0)},
+                "tol": 1e-3,
+            },
+        ),
         "relative_rows": Door(fl.relative_rows, {"pairs": [(0, 2), (1, -1)], "size": 3}),
         "SlidingContacts": Door(
             lambda **k: fl.equilibrium(

@@ -130,6 +130,7 @@ BUILDERS = {
     "locus": lambda: fl.root_locus(SLIDER, "mu_k", [0.5, 1.0, 1.5, 2.0]),
     "eigenvalues": lambda: fl.eigenvalues(SLIDER.replace(mu_k=2.0)),
     "eigenvalues of a structure": lambda: fl.eigenvalues(STRUCTURE),
+    "reduced structure": lambda: fl.reduce(STRUCTURE.replace(window=(0.0, 1.0))),
     "linear system": lambda: fl.linearize(SLIDER),
     "frequency response": lambda: result("linear system").frequency_response([5.0, 10.0, 15.0, 20.0]),
     "stability change": lambda: fl.stability_changes(SLIDER, "mu_k", (0, 3))[0],

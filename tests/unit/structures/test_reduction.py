@@ -1,0 +1,67 @@
+"""`fl.reduce`: the eigenvalues of a reduced structure against those of the large one."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import frictionlab as fl
+from tests.helpers.finite_elements import unsymmetric_chain
+from tests.unit.structures.test_sliding_contacts import beam_under_pads
+
+
+def errors(small, large):
+    """Shares by which the eigenvalues of a reduced structure miss those of the large one."""
+    found, exact = fl.eigenvalues(small).values, fl.eigenvalues(large).values
+    return np.abs(exact[:, None] - found).min(axis=1) / np.abs(exact)
+
+
+def chain(n=80, window=(0.0, 0.6)):
+    M, C, K, G, N = unsymmetric_chain(n, coupling=1.0, damping=0.02)
+    return fl.Structure(M, K, C, gyroscopic=G, circulatory=[("mu", N)], parameters={"mu": 0.3}, window=window)
+
+
+def test_modes_over_a_range():
+    large = chain()
+    small = fl.reduce(large, {"mu": (0.0, 0.5)}, tol=1e-7)
+    assert small.size < 40
+    assert small.error < 1e-7
+    for mu in (0.05, 0.31, 0.44):  # none is a sample
+        there = small.replace(mu=mu)
+        missed = errors(there, large.replace(mu=mu))[:-4]  # but those next to the window's end
+        assert missed.max() < 1e-7
+    rougher = fl.reduce(large, {"mu": (0.0, 0.5)}, tol=1e-2)
+    assert rougher.size < small.size
+    assert fl.reduce(large).size <= rougher.size
+    assert repr(pickle.loads(pickle.dumps(small))) == repr(small)
+
+
+def test_estimates_are_the_errors():
+    """Of a basis that is too small, by a half, in the sum over all modes."""
+    large = chain()
+    small = fl.reduce(large, tol=1e-2).replace(mu=0.5)
+    estimates = small.error_estimates()
+    found, exact = fl.eigenvalues(small).values, fl.eigenvalues(large.replace(mu=0.5)).values
+    distances = np.abs(found[:, None] - exact).min(axis=1)
+    inside = np.abs(found.imag) < 0.9 * 2 * np.pi * 0.6
+    assert 0.5 < estimates[inside].sum() / distances[inside].sum() < 2.0
+
+
+def test_static_displacements_under_contacts():
+    """Responses to the contact forces make the equilibrium right at other loads too."""
+    large = beam_under_pads(30)
+    small = fl.reduce(large, {"F": (1.0, 3.0)})
+    assert small.size < 60 < large.size
+    for F in (1.0, 1.7, 3.0):
+        q = small.basis @ fl.equilibrium(small.replace(F=F)).q
+        assert np.allclose(q, fl.equilibrium(large.replace(F=F)).q, rtol=1e-7, atol=1e-9)
+
+
+def test_refused():
+    large = chain()
+    with pytest.raises(ValueError, match="must have a window of frequencies to be reduced"):
+        fl.reduce(large.replace(window=None))
+    with pytest.raises(TypeError, match="has no parameter 'r'"):
+        fl.reduce(large, {"r": (0.0, 1.0)})
+    with pytest.raises(ValueError, match="only parameters and window of a reduced structure"):
+        fl.reduce(large).replace(K=np.eye(3))
