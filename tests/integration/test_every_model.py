@@ -14,11 +14,12 @@ from tests.helpers.cases import slow_but
 NAMES = {name: getattr(fl, name) for name in fl.__all__ if name[0].isupper()}
 CALLS = [row.call for row in fl.list_models("classics") if row.call != "SliderOnBelt()"]
 OTHER_LAWS = [call for call in CALLS if "friction=" in call]  # of models that are there without them too
+SLOWER = [f"{name}()" for name in ("SliderOnRigidBelt", "ModeCoupling", "TwoBlocks")]
 VARIED = ("v", "Omega", "h", "x_0")
 FORCED = ("DenHartog", "ImpactOscillator", "FreeCoulomb")
 
 
-@pytest.fixture(params=slow_but({*CALLS} - {*OTHER_LAWS}, CALLS))
+@pytest.fixture(params=slow_but({*CALLS} - {*OTHER_LAWS, *SLOWER}, CALLS))
 def model(request):
     return eval(request.param, {"fl": fl, **NAMES})
 

@@ -41,6 +41,7 @@ def test_import_loads_nothing_heavy():
     assert heavy_modules_after("import frictionlab as fl; dir(fl)") == []
 
 
+@pytest.mark.slow
 def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
     """Neither scipy nor a compiler, no window, of the plots those of a run: each costs part of a second.
 

@@ -24,6 +24,7 @@ def intensity(run):
     return ((states[:, :5] - fl.equilibrium(MODEL).q) ** 2).mean(axis=0).sum()
 
 
+@pytest.mark.slow
 def test_the_lines_are_multiples_of_1_58_hertz(run):
     spectrum = amplitude_spectrum(run)
     assert spectrum.strongest == pytest.approx(11.07, abs=0.02)

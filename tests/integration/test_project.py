@@ -88,6 +88,7 @@ def test_the_projects_address_is_in_one_file_and_one_everywhere():
     assert [path.name for path in texts if address in path.read_bytes()] == ["pyproject.toml"]
 
 
+@pytest.mark.slow
 def test_python_of_the_readme_leaves_a_picture(tmp_path, monkeypatch):
     (lines,) = readme_blocks("python")
     monkeypatch.chdir(tmp_path)

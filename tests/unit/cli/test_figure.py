@@ -8,6 +8,7 @@ import frictionlab as fl
 from frictionlab.cli import command
 
 
+@pytest.mark.slow
 def test_a_figure_is_described_and_written(tmp_path, capsys):
     path = tmp_path / "six.png"
     assert command.main(["figure", "6", "-o", str(path)]) == 0

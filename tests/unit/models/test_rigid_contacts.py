@@ -324,6 +324,7 @@ def test_rounding_along_a_rail_does_not_end_a_run_that_starts_there():
     assert np.allclose(run(run.events.t[slip] + span)[[0, 2]], other.y[:, -1], rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_run_along_a_rail_is_verified_by_neighbours_on_it():
     found = fl.verify(SliderOnRail(), 3.0, x0="near", progress=False)
     assert (found.ok, found.until, found.events_agree) == (True, 3.0, True)

@@ -150,6 +150,7 @@ def test_the_animation_follows_mode_time_and_state(run):
     assert len(shown) == len(set(run.mode)) + 3
 
 
+@pytest.mark.slow
 def test_a_run_that_does_not_move_is_drawn():
     model = MODEL.without("nonsmooth").replace(F=0.0)
     run = fl.simulate(model, 0.02, progress=False)

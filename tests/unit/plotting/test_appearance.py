@@ -79,11 +79,10 @@ def contrasts(figure):
     return found
 
 
-QUICK = ("run",)
-DARK = [pytest.param("dark_background", n, marks=[] if n in QUICK else pytest.mark.slow) for n in FIGURES]
-DARK += [pytest.param("dark", n, marks=pytest.mark.slow) for n in ("overview", "map", "basins")]
+DARK = [*(("dark_background", n) for n in FIGURES), *(("dark", n) for n in ("overview", "map", "basins"))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("way", "name"), DARK)
 def test_every_line_and_text_is_seen_on_a_dark_background(way, name):
     with context("dark_background") if way == "dark_background" else fl.style("dark"):

@@ -28,6 +28,7 @@ def test_four_panels_with_units_everywhere():
     assert "SliderOnBelt(mu_k=1.4), 0.2 s" in figure.get_suptitle()
 
 
+@pytest.mark.slow
 @pytest.mark.plain_python
 def test_a_very_short_run_is_drawn():
     assert len(drawn(fl.simulate(MODEL, 1e-9, progress=False)).axes) == 5

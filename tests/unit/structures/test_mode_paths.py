@@ -114,6 +114,7 @@ def test_coalescence_without_damping_in_many_freedoms():
     assert np.isclose(change.frequency, np.sqrt(1.5) / (2 * np.pi), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_critical_friction_with_hysteretic_damping():
     """A root lambda = -s^2 that is real puts s on the imaginary axis."""
     eta = 0.02
@@ -154,6 +155,7 @@ def test_growing_and_decaying_modes_of_like_shapes_are_no_changes(monkeypatch):
         assert np.allclose(one[:2], other[:2], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_doublets_at_the_lower_bound(monkeypatch):
     """All frequencies are double at mu = 0, where any shapes of a doublet are modes."""
     rng = np.random.default_rng(1)
@@ -197,6 +199,7 @@ def test_only_the_window_counts():
     assert locus.unstable.tolist() == [0, 0, 1]
 
 
+@pytest.mark.slow
 def test_maps_of_structures(monkeypatch):
     """Two modes with damping: stable where mu < sqrt(1/4 + 3 c^2/2), by Hurwitz's determinants."""
     structure = fl.Structure(

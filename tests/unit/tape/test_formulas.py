@@ -72,7 +72,7 @@ def test_steps_have_no_slope():
 
 
 def test_derivatives_along_complex_directions():
-    smooth = [EXPRESSIONS[i] for i in (0, 1, 5, 6, 8, 9, 12)]
+    smooth = [EXPRESSIONS[i] for i in (0, 5, 8, 12)]
     at, u, v, w = POINTS[0], np.array([0.3 + 1j, -0.2]), np.array([0.5, 2.0 - 1j]), np.array([1.0, 0.1j])
     third = formulas_of(SYMBOLS, smooth).along(range(2)).along(range(2)).along(range(2))
     found = third.arrays(*at, *u, *v, *w)

@@ -47,6 +47,7 @@ def test_the_point_moves_and_changes_where_it_passes_the_curve(stability):
     assert grows == pytest.approx([rates.max()])
 
 
+@pytest.mark.slow
 def test_moving_the_point_computes_no_curve_anew(stability, monkeypatch):
     computed = []
 

@@ -132,6 +132,7 @@ def test_a_growth_on_which_the_motion_depends_is_named():
     assert "clock drifts by 1/s" in repr(found)
 
 
+@pytest.mark.slow
 def test_drifts_that_differ_in_place_alone_are_one_attractor():
     """x'' = 1/2 - g sin x - x'/10 turns with x' = 5 where g = 0; with g = 1 it may rest at arcsin 1/2."""
     grid = {"x": ("x", np.linspace(-1.0, 1.0, 3)), "y": ("v", np.linspace(-1.0, 6.0, 3))}

@@ -134,6 +134,7 @@ def test_values_side_by_side_give_what_each_gives_alone():
         assert alone.results[0] == together.results[i]
 
 
+@pytest.mark.slow
 def test_values_that_have_not_settled_go_on_as_in_steady_state(tmp_path):
     smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
     path, values = tmp_path / "sweep.jsonl", [0.3, 1.5]

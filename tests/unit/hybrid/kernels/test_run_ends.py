@@ -13,7 +13,6 @@ import frictionlab as fl
 from frictionlab.hybrid import free_memory, problem
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
-from tests.helpers.cases import slow_but
 
 ROOT = Path(__file__).parents[4]
 
@@ -64,9 +63,10 @@ print(json.dumps([run.status.name, run.stats["steps"], run.final_state.tolist()]
 """
 
 
+@pytest.mark.slow  # processes of their own, with a limit
 @ONCE
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the size of a process is read from /proc")
-@pytest.mark.parametrize("room", slow_but([8_000_000], [8_000_000, 40_000_000]))
+@pytest.mark.parametrize("room", [8_000_000, 40_000_000])
 def test_under_a_limit_of_memory_a_run_keeps_what_it_has(room):
     """The steps are those of a run without a limit that ends after as many."""
     command = [sys.executable, "-c", LIMITED.format(room=room)]

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import frictionlab as fl
+from tests.helpers.cases import slow_but
 
 
 def sorted_values(values):
@@ -57,7 +58,7 @@ def test_both_layers_of_a_pad_have_the_eigenvalues_of_their_matrices():
     assert sorted_values(found) == pytest.approx(sorted_values(np.linalg.eigvals(A)), abs=1e-12)
 
 
-@pytest.mark.parametrize("modules", [1, 3])
+@pytest.mark.parametrize("modules", slow_but([1], [1, 3]))
 def test_waves_of_modules_have_two_freedoms(modules):
     model = fl.ModularChain(masses=modules, v=0.7)
     slope = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-model.v / model.v_s) * model.N
@@ -69,7 +70,7 @@ def test_waves_of_modules_have_two_freedoms(modules):
     assert sorted_values(fl.eigenvalues(model).values) == pytest.approx(sorted_values(exact), abs=1e-7)
 
 
-@pytest.mark.parametrize("seed", [1, 7])
+@pytest.mark.parametrize("seed", slow_but([1], [1, 7]))
 def test_noise_shakes_a_mass_that_slides_as_a_linear_oscillator(seed):
     """Parseval's sum of the lines of the spectrum."""
     model = fl.NoisyOscillator(v=20.0, seed=seed)

@@ -64,7 +64,7 @@ EXTREME = [
 ]
 
 
-@pytest.mark.parametrize("values", slow_but([EXTREME[i] for i in (0, 5, 9)], EXTREME))
+@pytest.mark.parametrize("values", slow_but([EXTREME[i] for i in (5,)], EXTREME))
 def test_extreme_scenes_are_quick(values, problems):
     model = S(**values)
     changes = fl.stability_changes(model, "mu_k", (0, 4))

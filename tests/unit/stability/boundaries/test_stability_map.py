@@ -42,6 +42,7 @@ def test_a_circle_is_one_closed_curve_to_rounding():
     assert np.diff(angles).max() < 0.05
 
 
+@pytest.mark.slow
 def test_two_discs_that_overlap():
     discs = [((P - s) ** 2 + Q**2 - 1, k) for s, k in ((-0.5, 4.0), (0.5, 9.0))]
     found = plane(oscillators(*discs))
@@ -64,6 +65,7 @@ def test_divergence_on_a_straight_line_from_edge_to_edge():
     np.testing.assert_allclose(np.abs(ends).max(axis=1), 2.0, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_curve_along_the_edge_of_the_map_is_one_curve():
     found = plane(oscillators((Q + 2 - 1e-4 * (P + 2.5), 4.0)))
     (curve,) = found.boundary

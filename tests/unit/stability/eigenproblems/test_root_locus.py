@@ -62,7 +62,7 @@ def test_a_driven_mode_crosses_those_that_drive_it():
         np.testing.assert_allclose(others, np.tile(others[:1], (number, 1)), rtol=1e-8)
 
 
-@pytest.mark.parametrize("coupling", slow_but([1e-1, 1e-8], [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8]))
+@pytest.mark.parametrize("coupling", slow_but([1e-8], [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8]))
 @pytest.mark.parametrize("bounds", slow_but([(0.013, 0.971)], [(0.0, 1.0), (0.013, 0.971), (1.0, 0.0)]))
 def test_a_veering_is_no_crossing(coupling, bounds):
     """However weak the coupling and coarse the values: the lower frequency stays the lower one."""
@@ -132,7 +132,7 @@ def test_a_damper_in_the_slider_that_overdamps_it():
 def test_without_damping_growth_is_exactly_zero_until_modes_meet():
     model = S(c1=0, c2=0, c4=0, c5=0, c6=0)
     critical = fl.critical_value(model, "mu_k", (0, 3))
-    at = np.linspace(3, 0, 301)
+    at = np.linspace(3, 0, 61)
     locus = fl.root_locus(model, "mu_k", at)
     assert_all(locus.growth_rates[at < critical] == 0)
     assert (locus.unstable == (at > critical)).all()

@@ -164,6 +164,7 @@ def digest_of_values():
     return digest.hexdigest()
 
 
+@pytest.mark.slow
 @pytest.mark.plain_python
 def test_plain_python_gives_the_same_bits():
     program = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
