@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
+from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import mode_intervals
+from frictionlab.presentation import state_unit
 
 SCENES = {
     "all": fl.SliderOnBelt(mu_k=1.4),
@@ -156,3 +158,8 @@ def test_a_spectrogram_has_the_amplitude_of_a_sine_in_decibels():
 def test_what_has_no_spectrogram_is_refused(run, keywords, said):
     with pytest.raises(ValueError, match=said):
         fl.plot_spectrogram(run, **keywords)
+
+
+def test_coordinates_with_greek_names_are_angles():
+    assert [state_label(name) for name in ("alpha", "theta2", "a")] == [r"$\alpha$", r"$\theta_{2}$", "$a$"]
+    assert [state_unit(name) for name in ("alpha", "beta1'", "a")] == ["rad", "rad/s", "m"]
