@@ -21,9 +21,8 @@ MAX_ROWS = 10  # rows of a table in text
 MAX_COLUMNS = 12  # columns of a table in a notebook
 MAX_ROW_LENGTH = 110  # characters of such a row
 # in LaTeX; all other coordinates are lengths
-ANGLE_LETTERS = {"phi": r"\varphi"} | {
-    name: rf"\{name}" for name in ("theta", "psi", "alpha", "beta", "gamma")
-}
+ANGLE_LETTERS = {name: rf"\{name}" for name in ("theta", "psi", "alpha", "beta", "gamma")}
+ANGLE_LETTERS["phi"] = r"\varphi"
 OUTPUT_UNITS = {
     "penetration": "m",
     "gap": "m",
@@ -69,7 +68,7 @@ class Kind(StrEnum):
 
 
 def is_angle(name: str) -> bool:
-    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, alpha, beta, gamma, phi1."""
+    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, alpha ..., phi1."""
     return name.rstrip("'").rstrip("0123456789") in ANGLE_LETTERS
 
 

@@ -34,8 +34,8 @@ class MechanicalModel(Model):
     `states` names further states, such as a current or a temperature, if it has any, and `cyclic` the
     coordinates that may turn for ever, such as a shaft's angle.
 
-    Pictures and texts take a coordinate for an angle in rad if its name is phi, theta, psi, alpha, beta or gamma, also
-    with a number behind it, and otherwise for a length in m.
+    Pictures and texts take a coordinate for an angle in rad if its name is phi, theta, psi, alpha, beta or
+    gamma, also with a number behind it, and otherwise for a length in m.
 
     Examples
     --------
