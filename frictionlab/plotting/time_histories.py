@@ -200,8 +200,8 @@ def plot_displacements(
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
-    Lengths belong to the axis on the left.  An angle (phi, theta, alpha ...) is dashed, as it has another unit
-    and size; where there are lengths it belongs to an axis on the right.
+    Lengths belong to the axis on the left.  An angle (phi, theta, alpha ...) is dashed, as it has another
+    unit and size; where there are lengths it belongs to an axis on the right.
 
     Parameters
     ----------
