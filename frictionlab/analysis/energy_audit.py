@@ -18,7 +18,7 @@ from frictionlab.analysis.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import JOINT
+from frictionlab.automaton.mode import JOINT, Mode
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory, check_run
@@ -78,6 +78,8 @@ class ContactTerms:
         The penetrations (m) at which a law in pieces changes, as functions of the parameters.
     normal : str
         The output that is its normal force.
+    bristles : tuple of Expr, or None
+        The energy (J) in the states of its friction law, pressed and apart; None where the law stores none.
     """
 
     number: str
@@ -90,6 +92,7 @@ class ContactTerms:
     law: Callable[..., Any] | None = None
     borders: tuple[Callable[..., Any], ...] = ()
     normal: str = "normal_force"
+    bristles: tuple[Any, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +141,8 @@ class Balance:
         energies |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
         if any(contact.law is not None for contact in self._terms.contacts):
             energies["contact"] = self._stored(states, modes)
+        if any(contact.bristles is not None for contact in self._terms.contacts):
+            energies["bristles"] = self._in_bristles(states, modes)
         return energies
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
@@ -172,6 +177,10 @@ class Balance:
             stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
             moved = work + np.where(ends, stored, 0.0)
             jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": moved}
+        if any(contact.bristles is not None for contact in self._terms.contacts):  # lost with the contact
+            targets = [run.mode_names.index(name) if name else i for i, name in zip(modes, run.events.target)]
+            held = self._in_bristles(after, np.array(targets)) - self._in_bristles(before, np.array(modes))
+            jumps["friction"] = held
         return jumps
 
     def _gain(self, energy: Any, before: Array, after: Array) -> Array:
@@ -182,6 +191,27 @@ class Balance:
         springs = [c for c in self._terms.contacts if c.law is not None]
         parts = [self._contact_energy(contact, states, modes) for contact in springs]
         return np.sum(parts, axis=0) if parts else np.zeros(len(states))
+
+    def _in_bristles(self, states: Array, modes: Any) -> Array:
+        """Energy (J) in the states of friction laws, each (N,)."""
+        each = [
+            self._of_bristles(contact, states, modes, lambda energy, _mode: energy)
+            for contact in self._terms.contacts
+            if contact.bristles is not None
+        ]
+        return np.sum(each, axis=0)
+
+    def _of_bristles(
+        self, contact: ContactTerms, states: Array, modes: Any, of: Callable[[Any, Mode], Any]
+    ) -> Array:
+        """What `of` makes of the energy in the states of a contact's friction law and a mode, (N,)."""
+        values, pressed = np.zeros(len(states)), self._modes_in_contact(contact)
+        arguments = [*self.automaton.states, *self.automaton.parameters]
+        for i in np.unique(modes):
+            energy, chosen = (contact.bristles or ())[not pressed[i]], modes == i
+            formula = function_along_run(arguments, of(energy, self.automaton.mode(self.mode_names[int(i)])))
+            values[chosen] = formula(*states[chosen].T, *self.automaton.values.values())
+        return values
 
     def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
@@ -206,6 +236,8 @@ class Balance:
             friction = self._output("friction_force" + contact.number, states, modes)
             yield "belt drive", friction * self._at(contact.speed, states)
             yield "friction", -friction * self._output("relative_velocity" + contact.number, states, modes)
+        if contact.bristles is not None:
+            yield "friction", self._of_bristles(contact, states, modes, self._rate_in_mode)
         if contact.approach is None:
             return
         normal = self._output("normal_force" + contact.number, states, modes)
@@ -217,6 +249,10 @@ class Balance:
             yield "contact", np.where(pressed, -normal * approaching, 0.0)
         elif contact.travel is not None:
             yield "moving load", np.where(pressed, normal * self._at(contact.travel, states), 0.0)
+
+    def _rate_in_mode(self, energy: Any, mode: Mode) -> Any:
+        """The rate of an energy by the flow of a mode, W."""
+        return _dot([sp.diff(energy, state) for state in self.automaton.states], mode.flow)
 
     def _contact_energy(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
@@ -311,7 +347,7 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         return ContactTerms(numbered, i, belt, moved=_moved(system, contact, compiled), normal="reaction")
     rubs = isinstance(contact, Friction)
     belt = compiled(system.at_rest(contact.relative_velocity)) if rubs else None
-    terms = ContactTerms(numbered, i, belt)
+    terms = ContactTerms(numbered, i, belt, bristles=_bristles(system, contact) if rubs else None)
     if contact.penetration is None:
         return terms
     approach = material_rate(system, contact)
@@ -327,6 +363,14 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         law=function_along_run([GAP, *parameter_symbols(key)], force),
         borders=tuple(function_along_run(parameter_symbols(key), one) for one in _borders_of_law(force)),
     )
+
+
+def _bristles(system: LagrangeSystem, contact: Friction) -> tuple[Any, Any] | None:
+    """The energy in the states of a friction law, pressed and apart; None where it stores none."""
+    stored = [
+        contact.law.stored_energy(f, *system.law_states(contact)) for f in (contact.pressing, sp.S.Zero)
+    ]
+    return None if stored[0] is None else (stored[0], stored[1])
 
 
 def _borders_of_law(force: Any) -> set[Any]:
@@ -355,14 +399,16 @@ class EnergyAudit(Drawable):
     t : array (N,)
         Times (s), those of the run.
     energies : mapping of str to array (N,)
-        J: "kinetic"; those that the model names, such as "springs" and "preload", else "potential"; and
-        "contact", the integral of F_N over the penetration, zero in flight.
+        J: "kinetic"; those that the model names, such as "springs" and "preload", else "potential";
+        "contact", the integral of F_N over the penetration, zero in flight; and "bristles", what friction
+        laws store in their states (`FrictionLaw.stored_energy`).
     powers : mapping of str to array (N,)
         W: "dampers"; "loads"; "moving springs", of a potential that depends on time; "moving masses", of what
         moves a base or a hoop, or changes a mass, -dT/dt by time alone + d/dt (T_1 + 2 T_0) with the parts
         of T that have one velocity and none; "moving contacts", of grounds and stops that move with time;
         "impacts", zero but in the limit mode of chatter.  At contacts with friction "belt drive" F_T v, with
-        the belt's speed v; "friction" -F_T v_r; "moving load" F_N (penetration rate + W_N . q') where W_N is
+        the belt's speed v; "friction" -F_T v_r, plus what bristles store, so that it is what
+        is dissipated; "moving load" F_N (penetration rate + W_N . q') where W_N is
         not the gradient of the gap, which for the paper's model is -F_N phi (x1' - x2'); "contact", the power
         of an F_N that is not given as a function of the penetration.
     works : mapping of str to array (N,)

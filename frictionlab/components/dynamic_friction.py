@@ -67,6 +67,10 @@ class Dahl(FrictionLaw):
         rate = relative_velocity - self.sigma_0 * abs(relative_velocity) / self.mu_k * z
         return {self.states[0]: rate}
 
+    def stored_energy(self, normal_force: Any, z: Any) -> Any:
+        """Energy (J) of the bristles as springs, sigma_0 z^2 F_N/2."""
+        return self.sigma_0 * z**2 / 2 * normal_force
+
 
 @dataclass(frozen=True, repr=False)
 class LuGre(FrictionLaw):
@@ -139,6 +143,10 @@ class LuGre(FrictionLaw):
         """The rate of the deflection, m/s."""
         return {self.states[0]: self._deflection_rate(relative_velocity, z)}
 
+    def stored_energy(self, normal_force: Any, z: Any) -> Any:
+        """Energy (J) of the bristles as springs, sigma_0 z^2 F_N/2."""
+        return self.sigma_0 * z**2 / 2 * normal_force
+
     def _deflection_rate(self, relative_velocity: Any, z: Any) -> Any:
         decay = (self.mu_s - self.mu_k) * exp(-((relative_velocity / self.v_s) ** 2))
         return relative_velocity - self.sigma_0 * abs(relative_velocity) / (self.mu_k + decay) * z
@@ -183,6 +191,10 @@ class Jenkins(FrictionLaw):
     def rates(self, normal_force: Any, relative_velocity: Any, z: Any) -> dict[str, Any]:
         """The rate of the deflection while the slider sticks, m/s."""
         return {self.states[0]: relative_velocity}
+
+    def stored_energy(self, normal_force: Any, z: Any) -> Any:
+        """Energy (J) of the spring, k_t z^2/2."""
+        return self.k_t * z**2 / 2
 
     def state_limit(self, normal_force: Any) -> Any:
         """The deflection (m) at which the slider slips."""

@@ -67,7 +67,8 @@ class FrictionLaw(Component):
         raise NotImplementedError(f"{type(self).__name__} must define static_limit(normal_force)")
 
     # A law with the state z has force(normal_force, relative_velocity, z) and rates of the same arguments;
-    # its rates_in_separation has z alone.  Type checkers let it narrow down what takes any arguments.
+    # its stored_energy has normal_force and z, its rates_in_separation z alone.  Type checkers let it narrow
+    # down what takes any arguments.
 
     def force(self, *arguments: Any, **named: Any) -> Any:
         """Friction force (N) of a dynamic law, positive along v_r (m/s), which has either sign."""
@@ -82,6 +83,13 @@ class FrictionLaw(Component):
 
         None, as by default, where all states return to zero at once when the contact is lost, as
         bristles without mass do.
+        """
+        return None
+
+    def stored_energy(self, *arguments: Any) -> Any:
+        """Energy (J) that a dynamic law stores in its states, as bristles do, at a normal force (N).
+
+        None, as by default, where it stores none: then all work of friction is dissipated.
         """
         return None
 

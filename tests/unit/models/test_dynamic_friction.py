@@ -99,7 +99,10 @@ def test_a_run_agrees_with_an_independent_integrator_split_where_v_r_is_zero():
     assert np.allclose(run.final_state, state, atol=1e-8)
     assert {*run.mode} == {"slip+", "slip-"}
     assert np.array_equal(run["z"], run.states[:, 2])
-    assert fl.energy_audit(run, progress=False).error < 1e-13
+    audit = fl.energy_audit(run, progress=False)
+    assert audit.error < 1e-13
+    assert np.allclose(audit.energies["bristles"], 200.0 * run["z"] ** 2 / 2 * 2.0, rtol=1e-15, atol=0.0)
+    assert np.diff(audit.works["friction"]).max() < 0.0  # what is dissipated never comes back
 
 
 def test_dahls_loops_are_exponentials_of_the_displacement():

@@ -38,6 +38,10 @@ def test_within_its_limit_it_is_a_spring():
     mean, w = 0.01 * K_T / (4.0 + K_T), math.sqrt(4.0 + K_T)
     expected = mean + (0.01 - mean) * math.cos(w * 5.0)
     assert run["x"][-1] == pytest.approx(expected, rel=1e-12)
+    audit = fl.energy_audit(run, progress=False)
+    assert np.array_equal(audit.energies["bristles"], K_T * run["z"] ** 2 / 2)
+    assert not audit.works["friction"].any()
+    assert audit.error < 1e-14
 
 
 def test_its_state_is_that_of_the_stop_operator():
@@ -50,7 +54,10 @@ def test_its_state_is_that_of_the_stop_operator():
     assert np.allclose(run(t)[:, 3], expected, atol=1e-13)
     assert {"stick", "slip+", "slip-"} == {*run.mode}
     assert np.allclose(run.output("friction_force", t), K_T * run(t)[:, 3], atol=1e-12)
-    assert fl.energy_audit(run, progress=False).error < 1e-13
+    audit = fl.energy_audit(run, progress=False)
+    assert audit.error < 1e-13
+    slid = np.abs(np.diff(-x) - np.diff(expected)).sum()  # where the slider slips
+    assert -audit.works["friction"][-1] == pytest.approx(MU * N * slid, rel=1e-12)
 
 
 def test_a_cycle_takes_the_energy_of_its_loop():
