@@ -68,8 +68,8 @@ class Kind(StrEnum):
 
 
 def is_angle(name: str) -> bool:
-    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, alpha ..., phi1."""
-    return name.rstrip("'").rstrip("0123456789") in ANGLE_LETTERS
+    """Whether a coordinate, or its rate, is an angle by its name: phi, theta, psi, alpha, phi1, phi_M ..."""
+    return name.rstrip("'").partition("_")[0].rstrip("0123456789") in ANGLE_LETTERS
 
 
 def state_unit(name: str) -> str:

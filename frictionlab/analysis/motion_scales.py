@@ -162,7 +162,7 @@ def amplitude_spectrum(
         None where the part is too short to resolve five lines up to `f_max`.
     """
     check_run(run)
-    shown: str = run.names[0] if name is None else name
+    shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, run.names)
     stop = float(run.raw.t)
     if f_max is None:

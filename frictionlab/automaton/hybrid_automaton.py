@@ -105,6 +105,11 @@ class HybridAutomaton:
             return self
         return WholeAutomaton(self.states, modes, self.parameters, self.coordinates, self.cyclic)
 
+    @property
+    def shown_state(self) -> str:
+        """What pictures show where no state is named: the first that does not turn for ever."""
+        return next((name for name in self.state_names if name not in self.cyclic), self.state_names[0])
+
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
         return self

@@ -140,12 +140,13 @@ def run_controls(model: Model, t_end: float) -> list[Data]:
         "when": ["start", "own"],
         "hint": f"coordinates {', '.join(names)}, then their rates, with commas between",
     }
+    shown = model.automaton().shown_state
     return [
         choice("start", STARTS, "rest", "run", STARTS.values(), "initial state"),
         own,
         number("duration", duration, t_end, "run", ends),
         choice("window", windows(model), "what moves", "run", hint="part of the run that the panels show"),
-        choice("coordinate", names, names[0], "run", hint="coordinate of the phase plane and the spectrum"),
+        choice("coordinate", names, shown, "run", hint="coordinate of the phase plane and the spectrum"),
     ]
 
 

@@ -35,16 +35,15 @@ def coordinate_axis_label(names: Sequence[str]) -> str:
 def state_label(name: str) -> str:
     """The name as a reader expects it in a legend or on an axis: subscripts, dots, Greek letters.
 
-    A name that is more than letters and an index, such as "x_left" or "a$b", is shown as it is.
+    A name that is more than letters and an index, such as "a$b" or "gap_left", is shown as it is.
     """
-    base = name.rstrip("'")
-    stem = base.rstrip("0123456789")
-    index = base[len(stem) :]
-    stem = stem.removesuffix("_")
-    if not stem.isalpha():
+    parts = re.fullmatch(r"([^\W\d_]+)(?:_?(\d+)|_([^\W_]+))?('*)", name)
+    if parts is None or (parts[3] and parts[1] not in ANGLE_LETTERS and len(parts[1]) > 1):
         return name.replace("$", r"\$")
-    letter = ANGLE_LETTERS.get(stem, stem)
-    letter = rf"\dot{{{letter}}}" if name.endswith("'") else letter
+    letter = ANGLE_LETTERS.get(parts[1], parts[1])
+    letter = rf"\dot{{{letter}}}" if parts[4] else letter
+    word = parts[3] and (parts[3] if len(parts[3]) == 1 else rf"\mathrm{{{parts[3]}}}")
+    index = parts[2] or word
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
 
 

@@ -132,7 +132,7 @@ def plot_phase_plane(
         For a name that is not a coordinate, or a window outside the run.
     """
     check_run_with_coordinates(run)
-    shown: str = run.names[0] if name is None else name
+    shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
     start, stop = window_limits(run, window)
     ax = axes_or_new(ax, (5.0, 4.5))
@@ -268,7 +268,7 @@ def plot_spectrum(
         The spectrum; empty where the run is too short for one, as the panel then says.
     """
     check_run(run)
-    shown: str = run.names[0] if name is None else name
+    shown: str = run.automaton.shown_state if name is None else name
     f_max = f_max or highest_frequency(run.source)
     spectrum = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
@@ -332,7 +332,7 @@ def plot_spectrogram(
     from scipy.signal.windows import hann
 
     check_run(run)
-    shown: str = run.names[0] if name is None else name
+    shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, (*run.names, *run.automaton.outputs))
     stop, f_max = float(run.raw.t), highest_frequency(run.source) if f_max is None else f_max
     highest = float(

@@ -103,8 +103,8 @@ class _EquilibriumFrames:
 
     @property
     def automaton(self) -> Any:
-        """A stand-in with the parameter values, all that a picture reads of an automaton."""
-        return SimpleNamespace(values=self.equilibrium.model.parameters)
+        """A stand-in with all that a picture reads of an automaton."""
+        return SimpleNamespace(values=self.equilibrium.model.parameters, shown_state=self.names[0])
 
     @property
     def names(self) -> tuple[str, ...]:

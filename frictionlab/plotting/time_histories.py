@@ -18,9 +18,13 @@ from numpy.typing import NDArray
 from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.hybrid.trajectory import check_run
 from frictionlab.plotting.appearance import (
+    BLACK,
     BLUE,
     GREEN,
+    GREY,
     ORANGE,
+    PURPLE,
+    SKY,
     VERMILLION,
     line_style,
     mode_fills,
@@ -39,9 +43,9 @@ Array = NDArray[np.float64]
 WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 SAMPLES = 4001
 SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
-FORCE_SYMBOLS = {"normal_force": "F_N", "friction_force": "F_T"}
-FORCES = {"normal_force": ("$F_N$ (N)", BLUE), "friction_force": ("$F_T$ (N)", VERMILLION)}
-SECOND_CONTACT_COLOURS = {"normal_force": GREEN, "friction_force": ORANGE}  # of a second contact
+FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
+# of the first contact, the second ...
+FORCE_COLOURS = {"F_N": (BLUE, GREEN, SKY, BLACK), "F_T": (VERMILLION, ORANGE, PURPLE, GREY)}
 
 
 class Periods(NamedTuple):
@@ -285,19 +289,21 @@ def plot_rates(
 
 
 def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
-    """Label and colour of every contact force among an automaton's outputs; none where it has none."""
-    outputs = {name: drawn for name, drawn in FORCES.items() if name in automaton.outputs}
+    """Label and colour of every contact force among an automaton's outputs; none where it has none.
+
+    The reaction of a stop without friction is not among them: it is zero but for rest.
+    """
+    drawn = {}
     for name in automaton.outputs:
         base, _, number = name.rpartition("_")
-        kind = base if number.isdigit() else name
-        if name in FORCES or kind not in FORCE_SYMBOLS:
-            continue
-        text = FORCE_SYMBOLS[kind].replace("_", "_{") + (f",{number}" if number.isdigit() else "") + "}"
-        colours = (
-            SECOND_CONTACT_COLOURS if number == "2" else {kind: drawn[1] for kind, drawn in FORCES.items()}
-        )
-        outputs[name] = f"${text}$ (N)", colours.get(kind, BLUE)
-    return outputs
+        kind, number = (base, number) if number.isdigit() else (name, "")
+        if kind in FORCE_SYMBOLS and name.replace(kind, "friction_force") in automaton.outputs:
+            symbol = FORCE_SYMBOLS[kind]
+            letter, index = symbol.split("_")
+            colours = FORCE_COLOURS[symbol]
+            text = f"{letter}_{{{index},{number}}}" if number else symbol
+            drawn[name] = f"${text}$ (N)", colours[(int(number or 1) - 1) % len(colours)]
+    return drawn
 
 
 def plot_contact_forces(

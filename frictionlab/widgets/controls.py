@@ -235,7 +235,7 @@ def chosen_settings(model: Model, controls: Mapping[str, Control]) -> Settings:
     start = parse_state(value["own"]) if value["start"] == OWN_STATE else value["start"]
     method: Method = RK4(step=value["step"]) if value["method"] == FIXED_STEP else value["method"]
     chosen = value["coordinate"]
-    coordinate = chosen if chosen in model.coordinates else model.coordinates[0]
+    coordinate = chosen if chosen in model.coordinates else model.automaton().shown_state
     return Settings(model, value["duration"], start, method, value["window"], coordinate)
 
 

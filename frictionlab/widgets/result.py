@@ -83,7 +83,9 @@ class Settings:
 def default_settings(model: Model, method: Method = QUICK_METHOD) -> Settings:
     """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
     period = rounded_period(model)
-    return Settings(model, SIMULATED_PERIODS * period, "rest", method, WHAT_MOVES, model.coordinates[0])
+    return Settings(
+        model, SIMULATED_PERIODS * period, "rest", method, WHAT_MOVES, model.automaton().shown_state
+    )
 
 
 def starting_model(model: Model | None) -> Model:

@@ -81,7 +81,7 @@ def watch(
     widget.scene = scene_data(model, (), ("mechanism", "phase")) | {"speed": speed}
     widget.picture = {
         "parameters": dict(model.parameters),
-        "coordinate": model.coordinates[0],
+        "coordinate": model.automaton().shown_state,
         "magnify": magnify,
         "drawings": {},
         "complete": False,

@@ -35,7 +35,7 @@ class MechanicalModel(Model):
     coordinates that may turn for ever, such as a shaft's angle.
 
     Pictures and texts take a coordinate for an angle in rad if its name is phi, theta, psi, alpha, beta or
-    gamma, also with a number behind it, and otherwise for a length in m.
+    gamma, also with an index such as phi1 or phi_M, and otherwise for a length in m.
 
     Examples
     --------

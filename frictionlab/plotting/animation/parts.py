@@ -223,7 +223,7 @@ def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None
     for (_, name), force in forces.items():
         letter = FORCES[name][1]
         sizes[letter] = max(sizes.get(letter, 0.0), float(np.abs(force).max()))
-    first = run.names[0]
+    first = run.automaton.shown_state
     return Parts(t, values[first], values[first + "'"], samples.mode, first, tuple(shapes), s, sizes)
 
 

@@ -84,7 +84,7 @@ def plot_steady_state(
         One for every mode that occurs, or one cross.
     """
     run = steady.trajectory
-    shown: str = run.names[0] if name is None else name
+    shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
     alone, ax = ax is None, axes_or_new(ax)
     if steady.kind == MotionKind.EQUILIBRIUM:

@@ -98,7 +98,7 @@ def plot_bifurcation(
     ValueError
         For an unknown state.
     """
-    state: str = name or result.names[0]
+    state: str = name or result.model.automaton().shown_state
     groups = {kind: result.section(state, kind) for kind in MOTION_STYLES}
     ax = axes_or_new(ax)
     lines = []

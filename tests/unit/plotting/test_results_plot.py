@@ -18,9 +18,10 @@ SLIDER = fl.SliderOnBelt()
 LINEAR = SLIDER.without("cubic", "nonsmooth", "geometry")
 QUIET = {"progress": False}
 PARTS_OF_RESULTS = {"stability change", "boundary", "special orbit", "attractor", "events", "section points"}
+MODELS = {"reduced structure"}
 
 
-WHOLE = [name for name in BUILDERS if name not in PARTS_OF_RESULTS]
+WHOLE = [name for name in BUILDERS if name not in PARTS_OF_RESULTS | MODELS]
 
 
 @pytest.mark.parametrize("name", slow_but(WHOLE[::3], WHOLE))  # most have tests of what is drawn
@@ -45,7 +46,7 @@ def test_a_sweep_that_is_no_picture_is_refused():
 
 
 def test_no_class_that_a_public_function_returns_is_without_a_picture():
-    shown_otherwise = {"Explorer", "FrontEnd", "Sound", "ModelTable"}
+    shown_otherwise = {"Explorer", "FrontEnd", "Sound", "ModelTable", "ReducedStructure"}
     functions = filter(inspect.isfunction, (getattr(fl, name) for name in fl.__all__))
     returned = {inspect.signature(function).return_annotation for function in functions}
     results = returned & set(fl.__all__) - shown_otherwise

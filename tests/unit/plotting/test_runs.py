@@ -161,5 +161,14 @@ def test_what_has_no_spectrogram_is_refused(run, keywords, said):
 
 
 def test_coordinates_with_greek_names_are_angles():
-    assert [state_label(name) for name in ("alpha", "theta2", "a")] == [r"$\alpha$", r"$\theta_{2}$", "$a$"]
-    assert [state_unit(name) for name in ("alpha", "beta1'", "a")] == ["rad", "rad/s", "m"]
+    labels = {
+        "alpha": r"$\alpha$",
+        "theta2'": r"$\dot{\theta}_{2}$",
+        "phi_M": r"$\varphi_{M}$",
+        "x_left": r"$x_{\mathrm{left}}$",
+        "gap_left": "gap_left",
+        "a$b": r"a\$b",
+    }
+    assert {name: state_label(name) for name in labels} == labels
+    units = {"alpha": "rad", "beta1'": "rad/s", "phi_M": "rad", "a": "m", "x_left'": "m/s"}
+    assert {name: state_unit(name) for name in units} == units
