@@ -25,7 +25,7 @@ from contextlib import suppress
 from contextvars import ContextVar, copy_context
 from functools import cache
 from types import TracebackType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 from weakref import WeakSet
 
 from frictionlab.validation import check_flag
@@ -94,10 +94,12 @@ class InterruptCounter:
 
     def __init__(self, limit: int) -> None:
         self.count, self._limit = 0, limit
-        self.installed, self._previous = False, None
+        self.in_main_thread, self.installed = False, False
+        self._previous: Any = None  # the handler outside
 
-    def __enter__(self) -> InterruptCounter:
-        if threading.current_thread() is threading.main_thread():
+    def __enter__(self) -> Self:
+        self.in_main_thread = threading.current_thread() is threading.main_thread()
+        if self.in_main_thread:
             self._previous = SIGNALS.getsignal(signal.SIGINT)
         self.installed = callable(self._previous)
         if self.installed:
@@ -266,7 +268,7 @@ def progress_bar(*arguments: Any, shown: bool = True, delay: float = PROGRESS_DE
     return bar(*arguments, disable=not shown, **options)
 
 
-class Progress:
+class Progress(InterruptCounter):
     """Counts simulated seconds; `update` tells whether the user asked to stop.
 
     A first ctrl-C is noted, and the run ends at the next update with what it has; a second one interrupts at
@@ -274,23 +276,23 @@ class Progress:
     """
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
-        # In a thread of a sweep, which has a bar of its own, runs show none.
-        alone = threading.current_thread() is threading.main_thread()
-        self._t_end, self._show = t_end, show and _switch["shown"] and alone
+        super().__init__(URGENT_PRESS)
+        self._t_end, self._show = t_end, show and _switch["shown"]
         self._compiling, self._started = compiling, False
         self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
         self._bar: Any = None
-        self._presses = InterruptCounter(URGENT_PRESS)
 
-    def __enter__(self) -> Progress:
-        self._presses.__enter__()
+    def __enter__(self) -> Self:
+        super().__enter__()
+        # In a thread of a sweep, which has a bar of its own, runs show none.
+        self._show = self._show and self.in_main_thread
         if self._show and self._compiling:
             tell("compiling the solver, once on this machine: some 30 s")
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._presses.__exit__(kind, error, trace)
+        super().__exit__(kind, error, trace)
         if self._bar is not None:
             self._bar.close()
 
@@ -302,10 +304,10 @@ class Progress:
         KeyboardInterrupt
             After ctrl-C before the first update: nothing has been computed.
         """
-        if not (self._compiling and self._presses.installed):
+        if not (self._compiling and self.installed):
             return integrate(*arguments, self)
         call = call_in_background(
-            lambda: integrate(*arguments, self), lambda: self._presses.count and not self._started
+            lambda: integrate(*arguments, self), lambda: self.count and not self._started
         )
         if not call.done():
             raise interruption("the compilation of the solver was left", None)
@@ -314,7 +316,7 @@ class Progress:
     @property
     def stopped(self) -> bool:
         """Whether the user or the sweep asked to stop, even if the run had just come to its end."""
-        return self._presses.count > 0 or (self._sign is not None and self._sign.is_set())
+        return self.count > 0 or (self._sign is not None and self._sign.is_set())
 
     def update(self, t: float) -> bool:
         """Show that time `t` was reached; returns whether the run is to stop."""

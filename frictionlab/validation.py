@@ -81,8 +81,10 @@ def check_number(
 
     Raises ValueError unless it is finite and within the bounds.
     """
-    value = plain_number(value)
-    number = _is_number(value)
+    number = type(value) is float and math.isfinite(value)  # the quick case
+    if not number:
+        value = plain_number(value)
+        number = _is_number(value)
     if (
         not number
         or (integer and value != int(value))
@@ -106,8 +108,6 @@ def check_t_end(value: Any, cure: str = "give the length of the run in seconds")
 
 
 def _is_number(value: Any) -> bool:
-    if type(value) is float:  # the quick case
-        return math.isfinite(value)
     if not isinstance(value, Real) or isinstance(value, bool):
         return False
     try:
@@ -123,7 +123,8 @@ def check_field(settings: Any, name: str, **rules: Any) -> None:
 
 def check_flag(name: str, value: Any, cure: str = "") -> bool:
     """The value as a truth value; raises for what Python only takes for one, such as the text "no"."""
-    value = plain_number(value)
+    if not isinstance(value, bool):
+        value = plain_number(value)
     if not isinstance(value, bool):
         cure = cure or f"write {name}=False"
         raise TypeError(f"{name} must be True or False, got {abbreviate(value)}: {cure}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 from frictionlab.validation import (
@@ -85,6 +86,13 @@ class HybridAutomaton:
         )
         check_names_among("cyclic", self.cyclic, self.state_names[: self.coordinates])
         object.__setattr__(self, "cyclic", tuple(self.cyclic))
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    def __getstate__(self) -> dict[str, Any]:  # a read-only view is not pickled
+        return {**vars(self), "parameters": dict(self.parameters)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, parameters=MappingProxyType(state["parameters"]))
 
     def _split(self) -> None:
         """Smooth modes in place of those with functions in pieces, if there are any."""
@@ -125,7 +133,7 @@ class HybridAutomaton:
         return tuple(state.name for state in self.states)
 
     @property
-    def values(self) -> dict[str, float]:
+    def values(self) -> Mapping[str, float]:
         """The parameters by name."""
         return {symbol.name: value for symbol, value in self.parameters.items()}
 

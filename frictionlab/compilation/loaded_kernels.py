@@ -20,7 +20,8 @@ from frictionlab.compilation.targets import targets_of_machine
 
 LOGGER = logging.getLogger(__name__)
 GAPS = "with gaps"  # stands for the type of an array that is not contiguous
-FLOAT, INTEGER = ["<f8", 0], ["<i8", 0]
+FLOAT, INTEGER = "<f80", "<i80"  # the type and the number of axes
+AXES = "0123456789"
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
 DOUBLE, WORD_SIZE = struct.Struct("d"), 8
 DATA_OFFSET = 16  # bytes of an array's object before the address of its data (numpy's PyArrayObject)
@@ -94,8 +95,9 @@ class CompiledKernel:
         self._name = kernel.__name__
         self._call = ENTRY(address)
         self._arguments = table.arguments
-        self._kinds = [part for _, kind, axes in table.arguments for part in (f"<{kind}", axes)]
+        self._kinds = "".join(f"<{kind}{axes}" for _, kind, axes in table.arguments)
         self._results = tuple(kind for _, kind, _ in table.results)
+        self._room = array("q", bytes(WORD_SIZE * len(self._results)))  # for the results, at the beginning
         self._returns = _named_tuple(kernel, table.returns)
 
     @property
@@ -104,35 +106,32 @@ class CompiledKernel:
         return self.__wrapped__  # pyright: ignore[reportAttributeAccessIssue]  # wraps sets it
 
     def __call__(self, *arguments: Any) -> Any:
-        words, kinds, copies = self._room_for_results(), [], []
+        words, kinds = self._room[:], []
         _append(arguments, words, kinds)
-        if kinds != self._kinds:
-            words, copies = self._converted(arguments)
-        found = self._called(words)
+        if "".join(kinds) == self._kinds:
+            return self._called(words)
+        words, copies = self._converted(arguments)
+        result = self._called(words)
         for given, used in copies:
             given[...] = used
-        return found
-
-    def _room_for_results(self) -> array[int]:
-        """A table of words that holds nothing but the places of the results."""
-        return array("q", bytes(WORD_SIZE * len(self._results)))
+        return result
 
     def _called(self, table: array[int]) -> Any:
         """What the code returns for the arguments in a table."""
         if status := self._call(table.buffer_info()[0]):
             raise RuntimeError(f"the kernel {self._name} ended with status {status}")
-        found = [_number(kind, word) for kind, word in zip(self._results, table)]
+        results = [word if kind == "i8" else _number(kind, word) for kind, word in zip(self._results, table)]
         if self._returns is not None:
-            return self._returns(*found)
-        return found[0] if found else None
+            return self._returns(*results)
+        return results[0] if results else None
 
     def prepared(self, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
         """See :func:`prepared_call`."""
-        table, kinds = self._room_for_results(), []
+        table, kinds = self._room[:], []
         _append(arguments[:place], table, kinds)
         begin = len(table)
         _append(arguments[place:], table, kinds)
-        if kinds != self._kinds:  # some would have to be copied at each call
+        if "".join(kinds) != self._kinds:  # some would have to be copied at each call
             return _partial(self, arguments, place)
 
         def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # kept alive: the table points to it
@@ -152,7 +151,7 @@ class CompiledKernel:
         if len(leaves) != len(self._arguments):
             expected = f"{len(self._arguments)} numbers and arrays"
             raise TypeError(f"{self._name} takes {expected}, got {len(leaves)}: see its docstring")
-        words, copies = self._room_for_results(), []
+        words, copies = self._room[:], []
         for leaf, (name, kind, axes) in zip(leaves, self._arguments, strict=True):
             if axes == 0:
                 _append([float(leaf) if kind == "f8" else int(leaf)], words, [])
@@ -232,29 +231,27 @@ class _Types(dict):
 _TYPES = _Types()
 
 
-def _append(arguments: Iterable[Any], words: array[int], kinds: list[Any]) -> None:
+def _append(arguments: Iterable[Any], words: array[int], kinds: list[str]) -> None:
     """Append the words of arguments to `words`, and the type and number of axes of each to `kinds`."""
     for each in arguments:
-        kind = type(each)
-        if kind is np.ndarray:
+        if type(each) is np.ndarray:
             shape = each.shape
             words.append(_data_address(each))
             words.extend(shape)
             kinds.append(_TYPES[each.dtype] if each.flags.c_contiguous else GAPS)
-            kinds.append(len(shape))
-        elif isinstance(each, tuple):
-            known = getattr(each, "table", None)
-            if known is None:
-                _append(each, words, kinds)
-            else:
-                words.extend(known[0])
-                kinds.extend(known[1])
+            kinds.append(AXES[len(shape)])
         elif isinstance(each, (float, np.floating)):
             words.frombytes(DOUBLE.pack(each))
-            kinds += FLOAT
-        elif each is not None:
-            words.append(int(each))
-            kinds += INTEGER
+            kinds.append(FLOAT)
+        elif not isinstance(each, tuple):
+            if each is not None:
+                words.append(int(each))
+                kinds.append(INTEGER)
+        elif (table := getattr(each, "table", None)) is None:
+            _append(each, words, kinds)
+        else:
+            words.extend(table[0])
+            kinds.append(table[1])
 
 
 @cache
@@ -268,7 +265,7 @@ def with_table(arrays: T) -> T:
     words, kinds = array("q"), []
     _append(arrays, words, kinds)
     known = _class_with_table(type(arrays))(*arrays)
-    known.table = words, kinds
+    known.table = words, "".join(kinds)
     return known
 
 

@@ -82,7 +82,7 @@ def _largest_defects(
     """The largest defect of steps, by the name of the mode, of modes in which it is above a value."""
     program = problem.program
     worst = np.full(len(program.modes), above)
-    system = system_of(native_code(program).code, problem.numbers)
+    system = native_code(program).system(problem.numbers)
     scratch = new_defect_scratch(program.slots, steps.states.shape[1], order)
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, worst, scratch)

@@ -30,26 +30,19 @@ SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goe
 CHATTER = "chatter"  # the parameter of an automaton that the solver sets to the limit, s
 
 
+@lru_cache(maxsize=64)  # an automaton never changes
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
     """The automaton with its parameter `chatter`, if it has one, set to a `limit` in seconds."""
     return automaton.replace(chatter=limit) if CHATTER in automaton.values else automaton
 
 
+@lru_cache(maxsize=64)
 def chatter_limit(automaton: HybridAutomaton, share: float) -> float:
     """The limit (s) that is a `share` of the time of the limit mode's motion; 0.0 where there is none."""
     if not _has_limit_mode(automaton):
         return 0.0
-    formulas, values = formulas_of_rate(automaton), tuple(automaton.values.values())
-    remembered = automaton.derivations is not None  # else the formulas are new at each call
-    rate = _remembered_rate(formulas, values) if remembered else _rate(formulas, values)
+    rate = float(formulas_of_rate(automaton).numbers(*automaton.values.values())[0])
     return share / rate if 0.0 < rate < math.inf else 0.0
-
-
-def _rate(formulas: Formulas, values: tuple[float, ...]) -> float:
-    return float(formulas.numbers(*values)[0])
-
-
-_remembered_rate = lru_cache(maxsize=64)(_rate)
 
 
 def _has_limit_mode(automaton: HybridAutomaton) -> bool:

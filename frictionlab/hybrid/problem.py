@@ -151,18 +151,18 @@ class RecordList:
     """
 
     def __init__(self) -> None:
-        self._parts: list[Record] = []
+        self._parts: list[list[np.ndarray]] = []
         self.steps, self.events, self.copied = 0, 0, False
         self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
 
     def add(self, record: Record, steps: int, events: int, points: int) -> None:
         """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
-        lengths = (steps,) * 3 + (events,) * 3 + (points,) * 3
+        lengths = (steps, steps, steps, events, events, events, points, points, points)
         try:
             parts, self.copied = [array[:n].copy() for array, n in zip(record, lengths)], True
         except MemoryError:
             parts, self.copied = [array[:n] for array, n in zip(record, lengths)], False
-        self._parts.append(Record(*parts))
+        self._parts.append(parts)
         self._bytes += sum([part.nbytes for part in parts])
         self.steps += steps
         self.events += events
@@ -177,13 +177,12 @@ class RecordList:
 
     def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
         """All records joined, with the end of the run.  The records are given up, which saves memory."""
-        parts = [[*each] for each in self._parts]
-        self._parts.clear()
+        parts, self._parts = self._parts, []
         if len(parts) > 1:
             arrays = [_joined(parts, i) for i in range(len(Record._fields))]
         else:
             arrays = parts[0] if parts else new_record(code, 0, 0, 0)
-        return RunData(*arrays, t=float(t), state=state, mode=mode, status=status)
+        return RunData(*arrays, t=t, state=state, mode=mode, status=status)
 
 
 def _joined(parts: list[list[Any]], i: int) -> np.ndarray:

@@ -7,7 +7,7 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import isfinite
 from typing import Any, TypedDict, Unpack
 
@@ -206,32 +206,33 @@ def run_automaton(
         )
     chatter = method.chatter_limit(automaton)
     automaton = with_chatter_limit(automaton, chatter)
+    more = any(asked) or automaton.on_demand  # the program of the run is not that of the result
     # Such a run numbers modes as they are derived, a kept program in the automaton's order.
     if any(asked) and automaton.on_demand:
         automaton = automaton.derived()
     if options.mode is not None:
         check_mode_name(options.mode, automaton.names)
-    with_integrals = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
-    problem = problem_of(automaton, with_integrals, float(t_end), options.mode, asked, chatter)
+    start = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
+    problem = problem_of(automaton, start, float(t_end), options.mode, asked, chatter)
     begin = time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
         raw = bar.call(method.integrate, problem)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %r", raw.t, *counts, wall_time, raw.status)
-    if any(asked) or automaton.on_demand:  # without the integrals, with all modes that the run has derived
+    if more:  # without the integrals, with all modes that the run has derived
         problem = problem_of(automaton, state, float(t_end), options.mode)
-    raw = cut_where_undefined(problem, raw)
+    if problem.program.has_powers:
+        raw = cut_where_undefined(problem, raw)
     ended_at_start = raw.status is Status.NOT_FINITE and not len(raw.step_modes)
     if ended_at_start and (words := undefined_start(automaton, problem, raw.mode)):
         raise ValueError(f"x0 {words}")
-    integrals = dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True))
     run = Trajectory(
         automaton,
         problem,
-        raw.cut(len(state)),
+        raw.cut(len(state)) if asked[1] else raw,
         Sampling(method.degree, method.parts, times, tuple(asked[0])),
-        quadratures=integrals,
+        quadratures=dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True)),
         description={"method": method.describe(), "t_end": float(t_end)},
         source=options.source,
         wall_time=wall_time,
@@ -317,6 +318,10 @@ def _section(name: str, asked: Any) -> Section:
     return Section(function, direction)
 
 
+# An automaton never changes, so neither does its program.
+_program_of = lru_cache(maxsize=64)(program_of)
+
+
 def problem_of(
     automaton: HybridAutomaton,
     x0: np.ndarray,
@@ -330,7 +335,7 @@ def problem_of(
     Modes on demand are derived when the run comes to them.
     """
     if not automaton.on_demand:
-        program, numbers = program_of(automaton, *asked)
+        program, numbers = program_of(automaton, *asked) if any(asked) else _program_of(automaton)
         number = None if mode is None else program.modes.index(mode)
         return Problem(program, numbers, x0, t_end, number, chatter=chatter)
 

@@ -11,6 +11,7 @@ import logging
 import time
 from collections.abc import Mapping, Sequence
 from functools import cache, cached_property, lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -65,10 +66,12 @@ class CachedAutomaton(HybridAutomaton):
     def __init__(
         self, key: StructureKey, outline: Outline, values: Mapping[str, float], derivations: Derivations
     ) -> None:
-        self._key, self._outline, self._values, self._derivations = key, outline, values, derivations
+        self._key, self._outline, self._derivations = key, outline, derivations
+        self._values = MappingProxyType(dict(values))
 
     def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
-        return HybridAutomaton, (self.states, self.modes, self.parameters, self.coordinates, self.cyclic)
+        parameters = dict(self.parameters)
+        return HybridAutomaton, (self.states, self.modes, parameters, self.coordinates, self.cyclic)
 
     @cached_property
     def _derived(self) -> HybridAutomaton:
@@ -119,9 +122,9 @@ class CachedAutomaton(HybridAutomaton):
         return self._outline.states
 
     @property
-    def values(self) -> dict[str, float]:
+    def values(self) -> Mapping[str, float]:
         """The parameters by name."""
-        return dict(self._values)
+        return self._values
 
     @property
     def on_demand(self) -> bool:

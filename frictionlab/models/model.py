@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
+AUTOMATON = "_automaton"  # what a model notes of itself
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 
 
@@ -241,10 +242,26 @@ class Model(Component):
         return parameter_table(self)
 
     def automaton(self) -> HybridAutomaton:
-        """The hybrid automaton; models that differ only in parameter values share its `modes` object."""
-        from .automaton_of_model import automaton_of_model
+        """The hybrid automaton; models that differ only in parameter values share its `modes` object.
 
-        return automaton_of_model(self)
+        Raises
+        ------
+        ValueError
+            Where a law has no real value, a mass is not above 0, a given normal force is negative, or borders
+            of a law in pieces do not ascend, or an energy jumps at one, at the values of the parameters.
+        """
+        if AUTOMATON not in vars(self):  # once for each model, as it never changes
+            from .automaton_of_model import automaton_of_model
+
+            self._check_mechanics()
+            vars(self)[AUTOMATON] = automaton_of_model(self)
+        return vars(self)[AUTOMATON]
+
+    def _check_mechanics(self) -> None:
+        """Raise ValueError where masses or contacts are impossible at the values of the parameters."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in super().__getstate__().items() if name != AUTOMATON}
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.

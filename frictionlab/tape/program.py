@@ -104,7 +104,8 @@ class System(NamedTuple):
 
 def system_of(code: Code, numbers: Numbers) -> System:
     """A structure with numbers."""
-    return System(code, numbers, Numbers(np.abs(numbers.constants), np.abs(numbers.terms)))
+    magnitudes = Numbers(np.abs(numbers.constants), np.abs(numbers.terms))
+    return prepare_arrays(System(code, numbers, magnitudes))
 
 
 class Section(NamedTuple):

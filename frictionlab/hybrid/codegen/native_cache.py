@@ -30,7 +30,7 @@ from frictionlab.hybrid.codegen.step_codegen import lane_step_module
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import arithmetic
 from frictionlab.tape import functions, tape
-from frictionlab.tape.program import Code, Program
+from frictionlab.tape.program import Code, Numbers, Program, System, system_of
 
 LOGGER = logging.getLogger(__name__)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
@@ -70,6 +70,7 @@ class NativeCode:
         self._used, addresses, steps = np.zeros((3, count), dtype=np.int64)
         self.interpreted = interpreted_code(program)
         self.code: Code = prepare_arrays(program.code._replace(native=addresses, lanes=steps))
+        self._last: System | None = None
         # of this program and those that it grew from or grows into; weak, as only the last one is in use
         self._family: list[ref[NativeCode]] = [] if before is None else before._family
         self._family.append(ref(self))
@@ -78,6 +79,13 @@ class NativeCode:
         for mode in modes:
             addresses[mode] = _load_from_cache(_path(self.tapes[mode]))
             steps[mode] = _load_from_cache(_path(self.tapes[mode], STEP, self._of_steps[mode]))
+
+    def system(self, numbers: Numbers) -> System:
+        """The program's arrays with numbers; those asked for last are remembered, for the next run."""
+        last = self._last
+        if last is None or last.numbers is not numbers:
+            last = self._last = system_of(self.code, numbers)
+        return last
 
     def _share_with(self, after: NativeCode, known: int) -> None:
         """Share what is compiled, now and later, with the code of a program with more modes after these."""

@@ -139,11 +139,13 @@ def begin_run(
     run: RunState, state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool
 ) -> None:
     """Set a run to time 0 in `mode`, whose jets have been computed."""
+    times, counts = run.times, run.counts
     run.state[:] = state
     np.abs(state, out=run.sizes)
-    run.times[:] = initial_times(t_end, chatter)
-    run.counts[:] = run.signs[:] = 0
-    run.counts[MODE], run.counts[JETS_READY], run.counts[STOPS_AT_ZENO] = mode, 1, raises
+    times[NOW], times[END], times[ENTERED], times[CHATTER], times[CARRY] = initial_times(t_end, chatter)
+    counts.fill(0)
+    run.signs.fill(0)
+    counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
 
 
 def initial_times(t_end: float, chatter: float) -> tuple[float, ...]:

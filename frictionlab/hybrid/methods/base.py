@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
     Rounding,
     Selection,
-    forget_zeros,
     select_combination,
     select_mode,
 )
@@ -41,7 +40,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import Code, System, system_of
+from frictionlab.tape.program import Code, System
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -86,8 +85,9 @@ SPARE_SCRATCH, SPARE_RECORDS, SPARE_STATES = SpareArrays(), SpareArrays(), Spare
 
 def clear_scratch(scratch: run_state.Scratch) -> None:
     """Forget what an earlier run has left; jets, bounds and roots are written before they are read."""
-    scratch.structural_zeros[:] = scratch.leading_zeros[:] = 0
-    scratch.ended[:] = -1, 0
+    scratch.structural_zeros.fill(0)
+    scratch.leading_zeros.fill(0)
+    scratch.ended[0], scratch.ended[1] = NO_MODE, 0
 
 
 def _record_sizes(record: run_state.Record) -> tuple[int, ...]:
@@ -106,8 +106,7 @@ def _state_sizes(code: Code) -> tuple[int, int]:
 _COUNTED = slice(run_state.STEPS, run_state.POINTS + 1)  # steps, events, points
 
 
-@dataclass(frozen=True)
-class ActiveRun:
+class ActiveRun(NamedTuple):
     """A run in progress: its arrays, as the kernels take them.
 
     `queue` is None if all modes are derived.  `event` is one at which a mode has to be derived first.  It is
@@ -125,11 +124,11 @@ class ActiveRun:
     @property
     def interpreted_system(self) -> System:
         """The system with all modes interpreted."""
-        return self.system._replace(code=self.native.interpreted)
+        return System(self.native.interpreted, self.system.numbers, self.system.magnitudes)
 
     def without_native_code(self) -> ActiveRun:
         """The same run with all modes interpreted."""
-        return replace(self, system=self.interpreted_system)
+        return self._replace(system=self.interpreted_system)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -172,7 +171,6 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
         run.cursor.counts[run_state.JETS_READY] = 0
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.interpreted_system
-    forget_zeros(scratch)
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     for share in ROUNDINGS_AT_START:
         rounding = Rounding(problem.x0, share)
@@ -251,36 +249,32 @@ class Method(ABC):
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
         """Run the problem to its end, or as far as it goes."""
         with np.errstate(all="ignore"):
-            return self._integrate(problem, progress)
-
-    def _integrate(self, problem: Problem, progress: Progress) -> RunData:
-        run, pieces, status, record = self._begin(problem), RecordList(), Status.RUNNING, None
-        counts, times = run.cursor.counts, run.cursor.times
-        if counts[run_state.MODE] < 0:
-            status = Status.NO_ADMISSIBLE_MODE
-        while status is Status.RUNNING:
-            try:
-                record = self._record(run, pieces, record)
-            except MemoryError:  # what is kept so far is the run
-                status = Status.MEMORY_CAP
-                break
-            counts[_COUNTED] = 0
-            end = int(self._advance_or_enter(run, record))
-            run = replace(run, event=None) if run.event is not None else run
-            counted = counts[_COUNTED].tolist()
-            run.native.used(record.step_modes[: counted[0]])
-            pieces.add(record, *counted)
-            status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
-            if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
-                status = Status.INTERRUPTED
-            elif end == run_state.MODE_NOT_DERIVED:
-                run = self._with_missing_mode(run)
-        SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
-        if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
-            SPARE_RECORDS.give(_record_sizes(record), record)
-        end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
-        SPARE_STATES.give(_state_sizes(run.problem.program.code), run.cursor)
-        return pieces.raw(run.problem.program.code, *end)
+            run, pieces, record = self._begin(problem), RecordList(), None
+            counts, times = run.cursor.counts, run.cursor.times
+            status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
+            while status is Status.RUNNING:
+                try:
+                    record = self._record(run, pieces, record)
+                except MemoryError:  # what is kept so far is the run
+                    status = Status.MEMORY_CAP
+                    break
+                counts[_COUNTED] = 0
+                end = int(self._advance_or_enter(run, record))
+                run = run if run.event is None else run._replace(event=None)
+                counted = counts[_COUNTED].tolist()
+                run.native.used(record.step_modes[: counted[0]])
+                pieces.add(record, *counted)
+                status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
+                if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
+                    status = Status.INTERRUPTED
+                elif end == run_state.MODE_NOT_DERIVED:
+                    run = self._with_missing_mode(run)
+            SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
+            if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
+                SPARE_RECORDS.give(_record_sizes(record), record)
+            end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
+            SPARE_STATES.give(_state_sizes(run.problem.program.code), run.cursor)
+            return pieces.raw(run.problem.program.code, *end)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
@@ -319,8 +313,7 @@ class Method(ABC):
             (program, degree), lambda: new_scratch(program.slots, program.code, degree)
         )
         clear_scratch(scratch)
-        system = system_of(native.code, problem.numbers)
-        return ActiveRun(problem, native, system, cursor, scratch, queue, event)
+        return ActiveRun(problem, native, native.system(problem.numbers), cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
         """A record to fill: the last one again if its content was copied.

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.compilation.decorators import inlined, kernel
+from frictionlab.compilation.decorators import inlined, kernel, prepare_arrays
 from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.arithmetic import PARTS, add_change
@@ -211,6 +211,12 @@ def advance_affine(system, truncation, change, run, record, scratch):
     return advance_taylor(system, truncation, run, record, scratch)
 
 
+@lru_cache(maxsize=64)
+def prepared_truncation(order: int, tol: float) -> Truncation:
+    """Where series are truncated, prepared for kernels."""
+    return prepare_arrays(Truncation(order, tol))
+
+
 @cache
 def order_of_tolerance(tol: float) -> int:
     """ceil(5 - 0.6 ln(tol)); by decimal numbers, whose logarithm is the same on every machine."""
@@ -286,8 +292,7 @@ class Taylor(Method):
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        truncation = Truncation(self.degree, self.tol)
-        arrays = run.cursor, record, run.scratch
+        truncation, arrays = prepared_truncation(self.degree, self.tol), (run.cursor, record, run.scratch)
         if not is_affine(run.problem.program):
             return taylor_steps.advance_taylor(run.system, truncation, *arrays)
         sizes = run.system.code.inputs, len(run.system.code.ops)

@@ -23,8 +23,6 @@ from .mechanics import Friction, Mechanics
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
-CHECKED = "_masses_and_contacts_checked"  # what a model notes of itself when they are possible
-
 
 @model
 class MechanicalModel(Model):
@@ -114,28 +112,14 @@ class MechanicalModel(Model):
                     f"got {abbreviate(name)}: rename it"
                 )
 
-    def automaton(self) -> HybridAutomaton:
-        """The hybrid automaton; models that differ only in parameter values share its `modes` object.
+    def _check_mechanics(self) -> None:
+        # They need numpy, which a command's help does without.
+        from .borders_of_pieces import check_borders
+        from .masses import check_masses
 
-        Raises
-        ------
-        ValueError
-            Where a law has no real value, a mass is not above 0, a given normal force is negative, or borders
-            of a law in pieces do not ascend, or an energy jumps at one, at the values of the parameters.
-        """
-        if CHECKED not in vars(self):  # once for each model, as it never changes
-            # They need numpy, which a command's help does without.
-            from .borders_of_pieces import check_borders
-            from .masses import check_masses
-
-            check_masses(self)
-            check_contacts(self)
-            check_borders(self)
-            vars(self)[CHECKED] = True
-        return super().automaton()
-
-    def __getstate__(self) -> dict[str, Any]:  # a later version may check models in another way
-        return {name: value for name, value in super().__getstate__().items() if name != CHECKED}
+        check_masses(self)
+        check_contacts(self)
+        check_borders(self)
 
     def derive(self) -> HybridAutomaton:
         """The automaton, derived by Lagrange's equations."""

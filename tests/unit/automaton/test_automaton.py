@@ -1,13 +1,14 @@
 """Mistakes in an automaton of one's own are named where they are written."""
 
 import math
+import pickle
 
 import pytest
 import sympy as sp
 
 import frictionlab as fl
 
-X, V = sp.symbols("x v")
+X, V, K = sp.symbols("x v k")
 ON = fl.Mode("on", (V, -X))
 
 
@@ -44,6 +45,16 @@ def test_a_text_is_no_expression(automaton):
 
 def test_its_repr_has_the_names_and_no_equations():
     assert repr(fl.HybridAutomaton((X, V), (ON,), {}, 1)) == "HybridAutomaton(states x, v; modes on)"
+
+
+def test_parameters_change_only_in_a_new_automaton():
+    swing = fl.HybridAutomaton((X,), (fl.Mode("on", (K * X,)),), {K: 1.0})
+    for one in (swing, pickle.loads(pickle.dumps(swing))):
+        with pytest.raises(TypeError):
+            one.parameters[K] = 2.0  # type: ignore[index]  # what is tested
+        assert [fl.solve(each, 1.0, x0=[1.0]).final_state[0] for each in (one, one.replace(k=2.0))] == (
+            pytest.approx([math.e, math.e**2], rel=1e-14)
+        )
 
 
 def test_time_as_a_symbol_is_refused_with_a_cure_that_moves():
