@@ -41,6 +41,7 @@ from frictionlab.validation import check_flag
 # Exact for contact laws that are polynomials in sqrt(penetration).
 CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
 GAP = sp.Symbol("gap_of_contact", real=True)
+ENERGY_OF, POWER_OF = "energy of ", "power of "  # how the outputs of an automaton that states them begin
 WORKS = (
     *("belt drive", "friction", "dampers", "impacts", "loads", "moving springs", "moving masses"),
     *("moving contacts", "contact", "moving load"),
@@ -277,6 +278,36 @@ class Balance:
         return np.array([name.split(JOINT)[contact.place] not in without_contact for name in self.mode_names])
 
 
+class StatedBalance:
+    """The energy balance of an automaton whose modes have the outputs "energy of ..." and "power of ..."."""
+
+    def __init__(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
+        self.automaton, self.mode_names = automaton, mode_names
+
+    def energies(self, states: Array, modes: Any) -> dict[str, Array]:
+        """The energies (J), each (N,)."""
+        return self._outputs(ENERGY_OF, states, modes)
+
+    def powers(self, states: Array, modes: Any) -> dict[str, Array]:
+        """The powers (W), each (N,), that change the sum of the energies between events."""
+        return self._outputs(POWER_OF, states, modes)
+
+    def jumps(self, run: Trajectory) -> dict[str, Array]:
+        """Energy (J) gained at each event, by its reset and because the next mode has other energies."""
+        events, gained = run.events, np.zeros(len(run.events))
+        for states, names, sign in ((events.before, events.source, -1), (events.state, events.target, 1)):
+            modes = np.array([run.mode_names.index(name) if name else 0 for name in names], dtype=int)
+            gained += sign * np.sum(list(self.energies(states, modes).values()), axis=0)
+        return {"resets": gained}
+
+    def _outputs(self, prefix: str, states: Array, modes: Any) -> dict[str, Array]:
+        return {
+            name.removeprefix(prefix): evaluate_output(self.automaton, name, states, modes, self.mode_names)
+            for name in self.automaton.outputs
+            if name.startswith(prefix)
+        }
+
+
 @lru_cache(maxsize=64)
 def terms_of(key: StructureKey) -> Terms:
     """The terms of the energy balance of a structure."""
@@ -452,7 +483,9 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
 
     For the slider on a belt d/dt (kinetic + springs + preload + contact) = F_T v - F_T v_r - 2 D
     + F_N (penetration rate + W_N . q'), and velocities jump at impacts, Eqs. (10) to (12).  Every model that
-    states its energies (`MechanicalModel`) has a balance, with the terms that it has.
+    states its energies (`MechanicalModel`) has a balance, with the terms that it has.  An automaton has the
+    one that it states: outputs of its modes named "energy of ..." and "power of ..."; "resets" is what
+    events add.
 
     Works are Gauss quadratures of the run's Taylor polynomials, step by step, exact to rounding.  For runs of
     other methods the residual shows their error.
@@ -460,7 +493,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     Parameters
     ----------
     run : Trajectory
-        Of a model, by :func:`simulate`.
+        Of a model by :func:`simulate`, or of an automaton by :func:`solve`.
     progress : bool
         Show a progress bar where it takes more than a second.
 
@@ -473,7 +506,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     TypeError
         Where `run` is no Trajectory.
     ValueError
-        For a run of an automaton, or of a model that gives only an automaton: it has no masses or springs.
+        For a run of a model or an automaton that states no energies.
 
     Examples
     --------
@@ -508,23 +541,35 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
     )
 
 
-def _balance(run: Trajectory) -> Balance:
+def _balance(run: Trajectory) -> Balance | StatedBalance:
     check_run(run)
     if not run.raw.t > 0.0:
         raise ValueError(
             f"run must have a step, got one that ended at once ({run.status}): choose another initial state"
         )
-    if not isinstance(run.source, MechanicalModel):
+    if isinstance(run.source, MechanicalModel):
+        return Balance(run.source, run.automaton, run.mode_names)
+    stated = [name for name in run.automaton.outputs if name.startswith((ENERGY_OF, POWER_OF))]
+    if not any(name.startswith(ENERGY_OF) for name in stated):
         source = run.automaton if run.source is None else run.source
         of = (HybridAutomaton if isinstance(source, HybridAutomaton) else type(source)).__name__
         raise ValueError(
             f"run must be of a model that states its energies, got one of a {of}, which has no masses nor "
-            "springs: simulate a MechanicalModel"
+            "springs: simulate a MechanicalModel, or give the modes outputs such as 'energy of the spring' "
+            "and 'power of the damper'"
         )
-    return Balance(run.source, run.automaton, run.mode_names)
+    for mode in map(run.automaton.mode, run.mode_names):
+        if lacking := [name for name in stated if name not in mode.outputs]:
+            raise ValueError(
+                f"each mode must have the output {lacking[0]!r}, the mode {mode.name!r} has none: give it "
+                "there, sympy.S.Zero where there is none"
+            )
+    return StatedBalance(run.automaton, run.mode_names)
 
 
-def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: bool) -> tuple[Any, float]:
+def _work_integrals(
+    run: Trajectory, balance: Balance | StatedBalance, edges: Array, progress: bool
+) -> tuple[Any, float]:
     """Works (contributions, edges) since the first edge, and the sum of all magnitudes, J."""
     starts = range(0, len(edges) - 1, PIECES_PER_CHUNK)
     shown = progress_bar(starts, desc="energy audit", shown=progress)
@@ -533,12 +578,12 @@ def _work_integrals(run: Trajectory, balance: Balance, edges: Array, progress: b
     return np.cumsum(net, axis=1, dtype=np.longdouble), sum(size for _, size in parts)
 
 
-def _work_of_pieces(run: Trajectory, balance: Balance, edges: Array) -> tuple[Array, float]:
+def _work_of_pieces(run: Trajectory, balance: Balance | StatedBalance, edges: Array) -> tuple[Array, float]:
     """Works (contributions, pieces) on each piece of a run between two edges, and the sum of all sizes."""
     half = np.diff(edges)[:, None] / 2.0
     t = (edges[:-1, None] + half * (1.0 + PIECE_NODES)).ravel()
     powers = balance.powers(*run.states_and_modes(t))
     weights = half * PIECE_WEIGHTS
     each = [power.reshape(weights.shape) for power in powers.values()]
-    net = np.array([(power * weights).sum(axis=1) for power in each])
+    net = np.array([(power * weights).sum(axis=1) for power in each]).reshape(len(each), len(weights))
     return net, float(sum((np.abs(power) * weights).sum() for power in each))

@@ -42,11 +42,8 @@ def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:
 def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> Any:
     """The state that a name stands for; a mapping or an array with the states that it leaves out."""
     if isinstance(x0, str):
-        names = ("rest", "near") if isinstance(model, Model) else ("rest",)
-        check_choice("x0", x0, names, "or give numbers, one for each state")
-        if isinstance(model, Model) and x0 == "near":
-            return displaced_equilibrium(model)
-        return _state_at_rest(model, automaton)
+        check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
+        return displaced_equilibrium(model) if x0 == "near" else _state_at_rest(model, automaton)
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, _state_at_rest(model, automaton))
     if not isinstance(model, Model):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,9 @@ from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.run_file import STORED_ARRAYS, StoredRun, rates_by_mode, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.automaton_of_model import automaton_from_structure_data
+from frictionlab.models.automaton_of_model import automaton_from_stored
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.tape.packing import program_of, program_of_modes
-from frictionlab.validation import abbreviate
 
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
 
@@ -65,24 +62,12 @@ def _automaton_in_file(stored: StoredRun) -> HybridAutomaton:
             f"{stored.path} holds a run without its automaton{reason}: give it as load(path, model=automaton)"
         )
     try:
-        if DERIVED_FROM in data:
-            return _derived_automaton(stored, data)
-        automaton = automaton_from_data(data)
-        program_of(automaton)  # checks that it is well formed; the program is cached
+        automaton = automaton_from_stored(data, stored.about.get("parameters"), Model)
+        if not automaton.on_demand:
+            program_of(automaton)  # checks that it is well formed; the program is cached
         return automaton
     except (ValueError, ArithmeticError) as error:
         raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
-
-
-def _derived_automaton(stored: StoredRun, data: Mapping[str, Any]) -> HybridAutomaton:
-    """The automaton of a model with several contacts: a file holds its structure instead of its modes."""
-    parameters = stored.about.get("parameters")
-    if not isinstance(parameters, dict) or not all(type(value) is float for value in parameters.values()):
-        raise ValueError(f"its parameters are {abbreviate(parameters)}")
-    automaton = automaton_from_structure_data(data[DERIVED_FROM], Model, parameters)
-    if data.get("coordinates") != automaton.coordinates:
-        raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
-    return automaton
 
 
 def _trajectory_in_file(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:

@@ -77,7 +77,7 @@ def lyapunov(
     ----------
     model : Model or HybridAutomaton
     x0 : "rest", "near", mapping or array_like (n,)
-        For an automaton "rest" means all states zero, and there is no "near".
+        For an automaton "rest" means all states zero.
     transient : float
         Seconds that are discarded.
     t_end : float

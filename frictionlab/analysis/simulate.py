@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, with_warning
 from frictionlab.hybrid.trajectory import Trajectory
@@ -78,12 +77,7 @@ def simulate(
     >>> run.events.target.tolist()
     ['stick']
     """
-    cure = (
-        "use fl.solve for an automaton"
-        if isinstance(model, HybridAutomaton)
-        else "write simulate(model, t_end)"
-    )
-    model = require_model(model, cure=cure)
+    model = require_model(model, cure="write simulate(model, t_end)")
     chosen = method_of(method)
     options = RunOptions(None, t_eval, sections, quadratures, progress, model)
     automaton = model.automaton()

@@ -122,7 +122,7 @@ def verify(
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (n,)
-        For an automaton "rest" means all states zero, and there is no "near".
+        For an automaton "rest" means all states zero.
     method : "taylor", Taylor, RK4, Scipy, ...
         Method of the run in question.
     progress : bool

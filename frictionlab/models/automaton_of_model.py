@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Symbol, names_of_regimes
 from frictionlab.components.component import StructureKey, structure_of
+from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.validation import abbreviate
 
 from .kept_structures import Derivations, derivations_of
@@ -219,6 +220,32 @@ def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
         "coordinates": derived.coordinates,
         "cyclic": derived.cyclic,
     }
+
+
+def automaton_from_stored(data: Mapping[str, Any], parameters: Any, kind: type) -> HybridAutomaton:
+    """The automaton that `storable_automaton` described: plain data, or the structure it is derived from.
+
+    Parameters
+    ----------
+    data : mapping
+    parameters : mapping of str to float
+        Values for an automaton that is derived from a structure.
+    kind : type
+        The base class that the model of such a structure must have.
+
+    Raises
+    ------
+    ValueError
+        If the data is malformed.
+    """
+    if DERIVED_FROM not in data:
+        return automaton_from_data(data)
+    if not isinstance(parameters, Mapping) or not all(type(value) is float for value in parameters.values()):
+        raise ValueError(f"its parameters are {abbreviate(parameters)}")
+    automaton = automaton_from_structure_data(data[DERIVED_FROM], kind, parameters)
+    if data.get("coordinates") != automaton.coordinates:
+        raise ValueError(f"it has {data.get('coordinates')} coordinates instead of {automaton.coordinates}")
+    return automaton
 
 
 def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str, float]) -> HybridAutomaton:

@@ -1,6 +1,7 @@
 """`Model`, the base of all models: one namespace of parameters, copies with changes, an automaton.
 
-Also the checks that an argument is a model, an automaton, or the name of a parameter.
+Also what a study needs of its subject, which may be a model or an automaton: values of parameters by name,
+copies with others (`replace` of both), the automaton, and data that a file can hold.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, Ty
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, is_decorated, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
+from frictionlab.tape.automaton_data import storable_automaton
 from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
@@ -306,7 +308,7 @@ class Model(Component):
         return f"{type(self).__name__}({', '.join(_differences(self))})"
 
 
-ModelOrAutomaton: TypeAlias = Model | HybridAutomaton  # what analyses take that ask for no parameters' laws
+ModelOrAutomaton: TypeAlias = Model | HybridAutomaton  # the subject of a study
 
 
 def model(cls: type[M]) -> type[M]:
@@ -362,29 +364,53 @@ def model(cls: type[M]) -> type[M]:
     return cls
 
 
+MAKE_ONE = "make one, such as fl.SliderOnBelt()"
+
+
 def require_model(
     model: object,
     kinds: str = "a model such as SliderOnBelt",
-    cure: str = "make one, such as fl.SliderOnBelt()",
+    cure: str = MAKE_ONE,
 ) -> Model:
     """Return the model; raise TypeError, which names the accepted `kinds`, for anything else."""
     if isinstance(model, Model):
         return model
     if isinstance(model, type) and issubclass(model, Model):
         got, cure = f"the class {model.__name__}", f"write {model.__name__}()"
+    elif isinstance(model, HybridAutomaton):
+        got = "a HybridAutomaton"
+        cure = "run it with fl.solve, or return it from derive() of a class of fl.Model"
     else:
         got = abbreviate(model)
     raise TypeError(f"model must be {kinds}, got {got}: {cure}")
 
 
+def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
+    """The parameters of a model or an automaton by name.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    return model.parameters if isinstance(model, Model) else automaton_of(model).values
+
+
 def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     of_model = isinstance(model, Model)
-    known = list(model.parameters if of_model else automaton_of(model).values)
+    known = list(values_of(model))
     if not isinstance(name, str) or name not in known:
         hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
         kind = type(model) if of_model else HybridAutomaton
         raise unknown_parameter(kind.__name__, name, known, hint)
+
+
+def require_model_or_automaton(model: object, cure: str = MAKE_ONE) -> ModelOrAutomaton:
+    """Return the model or automaton; raise TypeError for anything else."""
+    if isinstance(model, HybridAutomaton):
+        return model
+    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton", cure)
 
 
 def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
@@ -395,9 +421,42 @@ def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
     TypeError
         If it is neither.
     """
-    if isinstance(model, HybridAutomaton):
-        return model
-    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton").automaton()
+    known = require_model_or_automaton(model)
+    return known if isinstance(known, HybridAutomaton) else known.automaton()
+
+
+def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
+    """A model or an automaton as data that JSON can hold: equal ones have equal data.
+
+    Raises
+    ------
+    ValueError
+        Where a file cannot hold the automaton.
+    """
+    if isinstance(model, Model):
+        return model.to_dict()
+    stored = storable_automaton(model)
+    if isinstance(stored, str):
+        raise ValueError(
+            f"the automaton must be one that a file can hold, got one that it cannot, {stored}: write it "
+            "with the functions of fl.functions"
+        )
+    return {"automaton": stored, "parameters": model.values}
+
+
+def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:
+    """The model or automaton that :func:`data_of` described.
+
+    Raises
+    ------
+    ValueError
+        If the data is malformed, or a law of your own is not defined in this session.
+    """
+    if "automaton" not in data:
+        return Model.from_dict(data)
+    from .automaton_of_model import automaton_from_stored
+
+    return automaton_from_stored(data["automaton"], data["parameters"], Model)
 
 
 def _differences(model: Model) -> list[str]:

@@ -33,7 +33,7 @@ from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
 from frictionlab.hybrid.kernels.run_state import FINISHED
-from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, data_of
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 
 PROBE_COUNT = 12  # initial states of the probes, which look for the attractors first
@@ -114,28 +114,12 @@ def probe_indices(count: int) -> list[int]:
 def _basin_arguments(
     model: ModelOrAutomaton, automaton: HybridAutomaton, about: dict[str, Any], options: SteadyStateOptions
 ) -> dict[str, Any]:
-    identity = model.to_dict() if isinstance(model, Model) else _digest(_automaton_text(automaton).encode())
-    data = {"model": identity, "states": list(automaton.state_names), "coordinates": automaton.coordinates}
+    data = {
+        "model": data_of(model),
+        "states": list(automaton.state_names),
+        "coordinates": automaton.coordinates,
+    }
     return data | about | options.specification("transient", "window", "rtol", "section", "tolerance")
-
-
-def _automaton_text(automaton: HybridAutomaton) -> str:
-    """An automaton as text; equal automata have equal texts."""
-    modes = [
-        (
-            m.name,
-            m.flow,
-            m.constraints,
-            m.limit,
-            [(e.name, e.function, e.targets, *_reset_text(e)) for e in m.events],
-        )
-        for m in automaton.modes
-    ]
-    return str((automaton.states, modes, {str(k): v for k, v in automaton.parameters.items()}))
-
-
-def _reset_text(event: Any) -> list[Any]:
-    return [(dict(r.jump), dict(r.vanishing)) for r in (event.reset, event.accumulation) if r is not None]
 
 
 def _digest(content: bytes) -> str:

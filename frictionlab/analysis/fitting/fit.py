@@ -8,7 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,7 @@ from frictionlab.analysis.fitting.predictions import (
     motion_misfit,
 )
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.models.model import automaton_of, require_model
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, require_model_or_automaton, values_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import (
@@ -48,9 +48,6 @@ from frictionlab.validation import (
     check_sequence,
     float_array,
 )
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 MAX_SEGMENTS = 10_000  # of a fit, each with an initial state of its own
@@ -69,7 +66,7 @@ class Fit(Drawable):
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         With the fitted values.
     parameters : tuple of str
         The fitted parameters, then the fitted states at the start, such as "x1 at 0".
@@ -90,7 +87,7 @@ class Fit(Drawable):
 
     drawn_by = "plot_fit"
 
-    model: Model
+    model: ModelOrAutomaton
     parameters: tuple[str, ...]
     values: Array
     covariance: Array
@@ -201,7 +198,7 @@ def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple
 
 
 def fit(
-    model: Model,
+    model: ModelOrAutomaton,
     data: Any,
     parameters: Sequence[str],
     *,
@@ -220,7 +217,7 @@ def fit(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         The search begins at its parameters.
     data : TimeRecord, SpectrumRecord, EventTimes, Frequencies, or a sequence of them
     parameters : sequence of str
@@ -283,8 +280,10 @@ def fit(
     return _result(problem, _solve(problem, single, unknowns[:count], "one run"), single)
 
 
-def _check(model: Model, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any) -> FitProblem:
-    require_model(model, cure="write fit(model, data, parameters), the model made")
+def _check(
+    model: ModelOrAutomaton, data: Any, parameters: Any, x0: Any, unknown: Any, bounds: Any
+) -> FitProblem:
+    require_model_or_automaton(model, "write fit(model, data, parameters), the model made")
     records, names = as_data(data), _names("parameters", parameters)
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
@@ -312,7 +311,9 @@ def _check_distinct(what: str, names: tuple[str, ...]) -> None:
         raise ValueError(f"{what} must name each one once, got {names}: leave out the repeated ones")
 
 
-def _check_bounds(model: Model, names: tuple[str, ...], bounds: Any) -> dict[str, tuple[float, float]]:
+def _check_bounds(
+    model: ModelOrAutomaton, names: tuple[str, ...], bounds: Any
+) -> dict[str, tuple[float, float]]:
     cure = 'give limits by parameter, such as {"k1": (5e3, 2e4)}'
     check_mapping("bounds", bounds, cure)
     limits: dict[str, tuple[float, float]] = {}
@@ -322,7 +323,7 @@ def _check_bounds(model: Model, names: tuple[str, ...], bounds: Any) -> dict[str
                 f"bounds must be of parameters that are fitted, got one of {abbreviate(name)}: name it there"
             )
         low_high = float_array(f"bounds[{abbreviate(name)}]", pair, cure)
-        start = model.parameters[name]
+        start = values_of(model)[name]
         if low_high.shape != (2,) or not low_high[0] <= start <= low_high[1] or low_high[0] == low_high[1]:
             raise ValueError(
                 f"bounds[{abbreviate(name)}] must be (low, high) with the model's {start:g} between, where "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,9 @@ from frictionlab.analysis.parameter_flow import ParameterFlow, parameter_flow
 from frictionlab.analysis.quantities.quantities import ModeFrequency
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights, of_kind
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 DIFFERENCE_SHARE = 1e-6  # of a state or parameter: step of finite differences, where no derivative exists
@@ -67,7 +64,7 @@ class Segments:
 class FitProblem(NamedTuple):
     """The checked arguments of a fit."""
 
-    model: Model
+    model: ModelOrAutomaton
     data: tuple[Any, ...]
     names: tuple[str, ...]
     start: Array
@@ -82,11 +79,11 @@ class FitProblem(NamedTuple):
     @property
     def scales(self) -> Array:
         """Sizes (P,) of the parameters."""
-        return np.array([abs(self.model.parameters[name]) or 1.0 for name in self.names])
+        return np.array([abs(values_of(self.model)[name]) or 1.0 for name in self.names])
 
     def first(self) -> Array:
         """The unknowns where the search begins: parameters over their sizes, then unknown initial states."""
-        values = np.array([self.model.parameters[name] for name in self.names]) / self.scales
+        values = np.array([values_of(self.model)[name] for name in self.names]) / self.scales
         return np.concatenate([values, self.start[list(self.unknown)]])
 
     def at(self, unknowns: Array) -> Any:
@@ -140,7 +137,7 @@ def inverse_error(problem: FitProblem, pieces: Segments) -> float:
 
 
 def motion_misfit(
-    model: Model, names: tuple[str, ...], data: Sequence[Any], pieces: Segments, starts: Array
+    model: ModelOrAutomaton, names: tuple[str, ...], data: Sequence[Any], pieces: Segments, starts: Array
 ) -> Misfit:
     """Residuals of records, event times and spectra, over their errors, and the mismatch between pieces.
 
@@ -242,7 +239,9 @@ def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) 
     add(missing, np.zeros((len(missing), n)), np.zeros((len(missing), flow.end.shape[1] - n)), piece)
 
 
-def frequency_misfit(model: Model, names: tuple[str, ...], data: Sequence[Any], unknowns: int) -> Misfit:
+def frequency_misfit(
+    model: ModelOrAutomaton, names: tuple[str, ...], data: Sequence[Any], unknowns: int
+) -> Misfit:
     """Residuals of eigenfrequencies, over their errors."""
     rows, slopes = [], []
     for one in of_kind(data, Frequencies):
@@ -260,21 +259,23 @@ def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> A
     return times[(times >= low) & ((times <= high) if last else (times < high))]
 
 
-def _run(model: Model, start: Array, length: float) -> Trajectory:
+def _run(model: ModelOrAutomaton, start: Array, length: float) -> Trajectory:
     run = solve(automaton_of(model), length, x0=start, progress=False, source=model)
     if not run.status.ok:
         raise ValueError(f"a run of the fit ends early: {run.status}")
     return run
 
 
-def _flow(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
+def _flow(model: ModelOrAutomaton, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
     try:
         return parameter_flow(run, names, np.minimum(times, run.raw.t))
     except ValueError:  # grazing, two events at one instant: no derivative exists
         return _differences(model, run, names, times)
 
 
-def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
+def _differences(
+    model: ModelOrAutomaton, run: Trajectory, names: tuple[str, ...], times: Array
+) -> ParameterFlow:
     """The derivatives by finite differences, for motions that have no derivative."""
     n, start = len(run.names), run.problem.x0
     times = np.minimum(times, run.raw.t)
@@ -283,9 +284,9 @@ def _differences(model: Model, run: Trajectory, names: tuple[str, ...], times: A
     moved = np.zeros((len(run.raw.event_times), width))
     size = np.maximum(np.abs(run.states).max(axis=0), np.finfo(float).tiny)
     for d in range(width):
-        step = DIFFERENCE_SHARE * (size[d] if d < n else abs(model.parameters[names[d - n]]) or 1.0)
+        step = DIFFERENCE_SHARE * (size[d] if d < n else abs(values_of(model)[names[d - n]]) or 1.0)
         shift = step * (np.arange(n) == d)
-        changed = model if d < n else model.replace(**{names[d - n]: model.parameters[names[d - n]] + step})
+        changed = model if d < n else model.replace(**{names[d - n]: values_of(model)[names[d - n]] + step})
         other = _run(changed, start + shift, run.raw.t)
         if len(times):
             slopes[:, :, d] = (other(times) - states) / step

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from frictionlab.analysis.quantities.quantities import Gradient, Quantity
-from frictionlab.models.model import check_parameter_name, require_model
+from frictionlab.models.model import (
+    ModelOrAutomaton,
+    check_parameter_name,
+    require_model_or_automaton,
+    values_of,
+)
 from frictionlab.presentation import Drawable, text_table
 from frictionlab.stability.equilibrium_problem import check_bounds
 from frictionlab.validation import (
@@ -23,9 +28,6 @@ from frictionlab.validation import (
     check_sequence,
     check_text,
 )
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 MAX_STEPS = 200
@@ -58,13 +60,13 @@ class ParameterValue(Quantity):
     def label(self) -> str:
         return self.name
 
-    def values(self, model: Model, changes: Mapping[str, Any]) -> Array:
+    def values(self, model: ModelOrAutomaton, changes: Mapping[str, Any]) -> Array:
         check_parameter_name(model, self.name)
-        return np.atleast_1d(np.asarray(changes.get(self.name, model.parameters[self.name]), dtype=float))
+        return np.atleast_1d(np.asarray(changes.get(self.name, values_of(model)[self.name]), dtype=float))
 
-    def gradient(self, model: Model) -> Gradient:
+    def gradient(self, model: ModelOrAutomaton) -> Gradient:
         check_parameter_name(model, self.name)
-        return Gradient(float(model.parameters[self.name]), {self.name: 1.0})
+        return Gradient(float(values_of(model)[self.name]), {self.name: 1.0})
 
 
 class Limit(NamedTuple):
@@ -81,7 +83,7 @@ class Optimum(Drawable):
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         With the best values of the parameters.
     quantity : str
     value : float
@@ -100,7 +102,7 @@ class Optimum(Drawable):
 
     drawn_by = "plot_optimum"
 
-    model: Model
+    model: ModelOrAutomaton
     quantity: str
     value: float
     parameters: tuple[str, ...]
@@ -123,7 +125,7 @@ class Optimum(Drawable):
 
 
 def optimum(
-    model: Model,
+    model: ModelOrAutomaton,
     quantity: Quantity,
     bounds: Mapping[str, tuple[float, float]],
     constraints: Sequence[tuple[Any, ...]] = (),
@@ -137,7 +139,7 @@ def optimum(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         Where the search begins.
     quantity : Quantity
         One with derivatives, such as :class:`GrowthRate`, :class:`CriticalValue`, :class:`OrbitAmplitude`, or
@@ -212,10 +214,10 @@ def optimum(
 class _ScaledProblem:
     """An optimisation problem in scaled parameters u (P,), 0 at their lower and 1 at their upper bounds."""
 
-    def __init__(self, model: Model, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
+    def __init__(self, model: ModelOrAutomaton, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
         self.model, self.names, self.limits = model, tuple(bounds), tuple(limits)
         self.low, self.high = np.array([*bounds.values()], dtype=float).T
-        here = np.array([model.parameters[name] for name in self.names], dtype=float)
+        here = np.array([values_of(model)[name] for name in self.names], dtype=float)
         self.first = np.clip((here - self.low) / (self.high - self.low), 0.0, 1.0)
         self._known: dict[Any, tuple[float, Array]] = {}
 
@@ -246,8 +248,10 @@ class _ScaledProblem:
         return lambda u: -side * self.gradient(limit.quantity, u)[1] / size
 
 
-def _check(model: Model, quantity: Any, bounds: Any, constraints: Any, goal: Any) -> _ScaledProblem:
-    require_model(model, cure="write optimum(model, quantity, bounds), the model made")
+def _check(
+    model: ModelOrAutomaton, quantity: Any, bounds: Any, constraints: Any, goal: Any
+) -> _ScaledProblem:
+    require_model_or_automaton(model, "write optimum(model, quantity, bounds), the model made")
     check_choice("goal", goal, ("least", "largest"), "say which")
     check_mapping("bounds", bounds, 'give limits by parameter, such as {"c1": (0.0, 10.0)}')
     if not bounds:

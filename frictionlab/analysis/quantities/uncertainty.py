@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +18,10 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_key
 from frictionlab.analysis.quantities.quantities import Quantity
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
-from frictionlab.models.model import require_model
+from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 GROUPS = 8
@@ -32,7 +29,7 @@ BLOCK = 2500  # points that one study computes together
 MOST = 1 << 30  # points, of which no more are distinct
 
 
-def check_distributions(model: Model, distributions: Any) -> dict[str, Any]:
+def check_distributions(model: ModelOrAutomaton, distributions: Any) -> dict[str, Any]:
     """Distributions by parameter, each with a quantile function.
 
     Raises
@@ -61,7 +58,7 @@ def sobol_points(dimensions: int, count: int, seed: int) -> Array:
     return qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random(count)
 
 
-def quantiles(model: Model, distributions: Mapping[str, Any], points: Array) -> Array:
+def quantiles(model: ModelOrAutomaton, distributions: Mapping[str, Any], points: Array) -> Array:
     """The values of parameters (N, d) at points (N, d) of the unit cube.
 
     Raises
@@ -97,7 +94,7 @@ class Uncertainty(Drawable):
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     quantity : str
     parameters : tuple of str
     points : array (N, d)
@@ -110,7 +107,7 @@ class Uncertainty(Drawable):
 
     drawn_by = "plot_uncertainty"
 
-    model: Model
+    model: ModelOrAutomaton
     quantity: str
     parameters: tuple[str, ...]
     points: Array
@@ -183,7 +180,7 @@ class Uncertainty(Drawable):
 
 
 def uncertainty(
-    model: Model,
+    model: ModelOrAutomaton,
     quantity: Quantity | Callable[[Any], Any],
     distributions: Mapping[str, Any],
     *,
@@ -199,7 +196,7 @@ def uncertainty(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     quantity : Quantity or callable
         Such as :class:`CriticalValue`; or a function of a model that returns a number, or None where there is
         none.
@@ -253,7 +250,7 @@ class SobolIndices(Drawable):
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     quantity : str
     parameters : tuple of str
     first_order : array (d,)
@@ -266,7 +263,7 @@ class SobolIndices(Drawable):
 
     drawn_by = "plot_sobol_indices"
 
-    model: Model
+    model: ModelOrAutomaton
     quantity: str
     parameters: tuple[str, ...]
     first_order: Array
@@ -291,7 +288,7 @@ class SobolIndices(Drawable):
 
 
 def sobol_indices(
-    model: Model,
+    model: ModelOrAutomaton,
     quantity: Quantity | Callable[[Any], Any],
     distributions: Mapping[str, Any],
     *,
@@ -370,7 +367,7 @@ def _indices(numbers: Array, seed: int) -> tuple[Array, Array, Array, Array]:
 class _Study(NamedTuple):
     """The checked arguments of a computation."""
 
-    model: Model
+    model: ModelOrAutomaton
     quantity: Any
     distributions: dict[str, Any]
     label: str
@@ -378,8 +375,10 @@ class _Study(NamedTuple):
     seed: int
 
 
-def _check_study(model: Model, quantity: Any, distributions: Any, n: Any, rng: Any, least: int) -> _Study:
-    require_model(model, cure="write uncertainty(model, quantity, distributions), the model made")
+def _check_study(
+    model: ModelOrAutomaton, quantity: Any, distributions: Any, n: Any, rng: Any, least: int
+) -> _Study:
+    require_model_or_automaton(model, "write uncertainty(model, quantity, distributions), the model made")
     check_function("quantity", quantity, 'give one such as fl.CriticalValue("mu_k", (0, 4))')
     n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")
     if n & (n - 1):
@@ -391,8 +390,10 @@ def _check_study(model: Model, quantity: Any, distributions: Any, n: Any, rng: A
 def _evaluated(study: _Study, values: Array, how: Execution, title: str) -> Array:
     """The quantity (N,) at values (N, d), by tasks that can be resumed; NaN where there is none."""
     tasks, names = _evaluation_tasks(study.model, study.quantity, tuple(study.distributions), values)
-    specification = {"quantity": function_name(study.quantity), "model": study.model.to_dict()}
-    specification |= {"parameters": list(study.distributions), "points": values.tolist()}
+    specification: dict[str, Any] = {}
+    if how.resume is not None:
+        specification = {"quantity": function_name(study.quantity), "model": data_of(study.model)}
+        specification |= {"parameters": list(study.distributions), "points": values.tolist()}
     with Journal(specification, how.resume) as journal:
         journal.run_tasks(evaluate, tasks, names.__getitem__, how, title)
     numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
@@ -401,7 +402,7 @@ def _evaluated(study: _Study, values: Array, how: Execution, title: str) -> Arra
 
 
 def _evaluation_tasks(
-    model: Model, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
+    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: Sequence[str], values: Array
 ) -> tuple[list[tuple[Any, ...]], list[str]]:
     """Tasks of :func:`evaluate` for some values (N, d) of parameters, and names for them."""
     size = BLOCK if isinstance(quantity, Quantity) else 1
@@ -411,7 +412,7 @@ def _evaluation_tasks(
 
 
 def evaluate(
-    model: Model, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
+    model: ModelOrAutomaton, quantity: Callable[[Any], Any], names: tuple[str, ...], values: Array
 ) -> list[float | None]:
     """A quantity (N,) at values (N, d) of some parameters; None where there is none."""
     if isinstance(quantity, Quantity):

@@ -28,6 +28,7 @@ from frictionlab.analysis.steady_state.poincare_sections import (
     only_phase_resets,
     phase_on_circle,
     phase_returns,
+    returns_without_coordinates,
     section_crossings,
     stick_onsets,
     turning_section,
@@ -311,10 +312,13 @@ class Comparison(NamedTuple):
         places, rates = self.drift.places_and_rates(states)
         return [(places, self.drift.travelled), (rates, 0.0)]
 
-    @property
-    def turning_section(self) -> tuple[Any, int]:
-        """The section that a motion has by default."""
-        return turning_section(self.run.automaton) if self.drift is None else self.drift.section
+    def turning_points(self) -> SectionPoints:
+        """Crossings of the section that a motion has by default."""
+        if self.drift is not None:
+            return section_crossings(self.run, self.drift.section)
+        if self.run.automaton.coordinates:
+            return section_crossings(self.run, turning_section(self.run.automaton))
+        return returns_without_coordinates(self.run, MIN_PERIODS_SEEN)
 
 
 def kind_of_motion(of: Comparison, crossings: Array, returns: Recurrence, tolerance: float) -> MotionKind:
@@ -426,9 +430,9 @@ def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> 
 
 def _classify(of: Comparison, section: Section | None, tolerance: float) -> MotionClass:
     run = of.run
-    if section is None:
-        section = STICK if stick_onsets(run).sum() >= MIN_PERIODS_SEEN else of.turning_section
-    crossings = section_crossings(run, section)
+    if section is None and stick_onsets(run).sum() >= MIN_PERIODS_SEEN:
+        section = STICK
+    crossings = of.turning_points() if section is None else section_crossings(run, section)
     states, returns = _section_recurrence(of, crossings, tolerance)
     # A force returns to its phase once a period, however many crossings there are in it.
     forced = _section_recurrence(of, phase_returns(run), tolerance)[1]
@@ -436,7 +440,7 @@ def _classify(of: Comparison, section: Section | None, tolerance: float) -> Moti
         returns = forced
     elif section == STICK and not is_periodic(returns, tolerance):
         # Where the slider only just reaches the belt's speed, rounding decides whether stick begins.
-        turns, other = _section_recurrence(of, section_crossings(run, of.turning_section), tolerance)
+        turns, other = _section_recurrence(of, of.turning_points(), tolerance)
         if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
             states, returns = turns, other
     kind = kind_of_motion(of, states, returns, tolerance)

@@ -21,6 +21,7 @@ from frictionlab.validation import abbreviate, check_number, check_text
 
 STICK = "stick"
 BISECTIONS = 40
+MEAN_SAMPLES = 2001  # of a run, for the mean of a state
 EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
 Section = str | tuple[Any, int]
 
@@ -227,6 +228,24 @@ def phase_returns(run: Trajectory) -> SectionPoints:
     guards, counts = np.unique(run.events.guard[at], return_counts=True)
     chosen = at[run.events.guard[at] == guards[np.argmin(counts)]] if len(at) else at
     return SectionPoints(run.events.t[chosen], run.events.state[chosen])
+
+
+def returns_without_coordinates(run: Trajectory, least: int) -> SectionPoints:
+    """Where a motion of states that are no coordinates returns: at its rarest event.
+
+    Without `least` events it is where the first state falls through zero or, if it does not, through its
+    mean.
+    """
+    events, automaton = run.events, run.automaton
+    guards, counts = np.unique(events.guard, return_counts=True)
+    if len(events) >= least:
+        at = events.guard == guards[np.argmin(np.where(counts < least, len(events), counts))]
+        return SectionPoints(events.t[at], events.before[at])
+    through_zero = section_crossings(run, turning_section(automaton))
+    if len(through_zero.t):
+        return through_zero
+    mean = run(np.linspace(0.0, run.raw.t, MEAN_SAMPLES))[:, 0].mean()
+    return section_crossings(run, (automaton.states[0] - float(mean), -1))
 
 
 def _search_crossings(run: Trajectory, function: Any, direction: int) -> SectionPoints:

@@ -221,7 +221,7 @@ def steady_state(
     ----------
     model : Model or HybridAutomaton
     x0 : "rest", "near", mapping or array_like (2n,)
-        For an automaton "rest" means all states zero, and there is no "near".
+        For an automaton "rest" means all states zero.
     options : SteadyStateOptions or None
         The transient, the window, the section and so on; None takes the defaults.
     progress : bool

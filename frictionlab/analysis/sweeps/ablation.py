@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from operator import call
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.steady_state.steady_state import steady_state
-from frictionlab.models.model import require_model
+from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
 from frictionlab.presentation import Drawable, import_optional, text_table
 from frictionlab.stability.eigenproblems.eigenvalues import eigenvalues
 from frictionlab.stability.equilibrium_points.equilibria import equilibria, equilibrium
@@ -36,9 +36,6 @@ from .factorial_design import (
 )
 from .journal import Journal
 from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_name, own_name, point_name
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 # studies of models that do not depend on the time, and what such a model has
 AT_REST = {
@@ -256,7 +253,7 @@ def _result_text(result: Any) -> str:
 
 
 def ablation(
-    model: Model,
+    model: ModelOrAutomaton,
     studies: Callable[..., Any] | Mapping[str, Callable[..., Any]],
     switches: Any = None,
     *,
@@ -276,7 +273,7 @@ def ablation(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         With all of its nonlinearities.
     studies : callable, or mapping of str to callable
         Called as ``study(model)``, or ``study(model, start)`` where `x0` is given: ``fl.steady_state``, or
@@ -286,7 +283,8 @@ def ablation(
         a belt is at rest, as sliding friction has no direction there.  A mapping gives each
         switch its alternatives, the first being the reference: components or numbers for the field of that
         name, or mappings of arguments of ``replace``.  They are a list, or a mapping of labels to them.
-        None in their place stands for a nonlinearity, on and off.
+        None in their place stands for a nonlinearity, on and off.  An automaton has no nonlinearities by
+        name, so it wants a mapping, of values for its parameters.
     over : mapping of str to array_like
         Parameters and values; each scene is studied at all combinations of them.
     x0 : sequence
@@ -327,7 +325,8 @@ def ablation(
     >>> len(forces.results)
     6
     """
-    require_model(model, cure="write ablation(model, study), the model made, such as fl.SliderOnBelt()")
+    cure = "write ablation(model, study), the model made, such as fl.SliderOnBelt()"
+    require_model_or_automaton(model, cure)
     named = _studies_by_name(studies)
     for study, what in AT_REST.items():
         if any(study is one for one in named.values()):
@@ -360,7 +359,7 @@ def _studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
 class _Plan:
     """Which models are studied at which parameters and from which initial states."""
 
-    model: Model
+    model: ModelOrAutomaton
     factors: tuple[Switch, ...]
     grid: Grid
 
@@ -392,8 +391,8 @@ class _Plan:
         """What tells the files of different ablations apart."""
         return {
             "ablation": {name: function_name(study) for name, study in studies.items()},
-            "model": self.model.to_dict(),
-            "scenes": [model.to_dict() for model in self.models],
+            "model": data_of(self.model),
+            "scenes": [data_of(model) for model in self.models],
             **self.grid.specification(),
         }
 

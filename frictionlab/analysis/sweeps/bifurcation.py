@@ -22,7 +22,15 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.interruption import InterruptCounter, progress_bar
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import Model, check_parameter_name, require_model
+from frictionlab.models.model import (
+    ModelOrAutomaton,
+    automaton_of,
+    check_parameter_name,
+    data_of,
+    model_from_data,
+    require_model_or_automaton,
+    values_of,
+)
 from frictionlab.presentation import Drawable, count, dataframe, dataset, span, tally
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 from frictionlab.validation import check_choice, float_array
@@ -75,9 +83,9 @@ class Bifurcation(Drawable):
     results: dict[int, Any]
 
     @property
-    def model(self) -> Model:
-        """The model whose parameter was varied."""
-        return Model.from_dict(self.specification["model"])
+    def model(self) -> ModelOrAutomaton:
+        """The model or automaton whose parameter was varied."""
+        return model_from_data(self.specification["model"])
 
     @property
     def warnings(self) -> tuple[str | None, ...]:
@@ -201,7 +209,7 @@ def _column(rows: list[Any], name: str) -> Array:
 
 
 def bifurcation(
-    model: Model,
+    model: ModelOrAutomaton,
     parameter: str,
     values: Any,
     x0: Any = "rest",
@@ -214,7 +222,7 @@ def bifurcation(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     parameter : str
     values : array_like (N,)
     x0 : "rest", "near", "continue", mapping or array_like (2n,)
@@ -268,15 +276,15 @@ def bifurcation(
     check_section(models[0], chosen.section)
     starts = _initial_states(models, "rest" if _is_continued(x0) else x0)
     specification = _sweep_arguments(model, parameter, models, x0, chosen)
-    names = [f"{parameter} = {getattr(m, parameter):g}" for m in models]
+    names = [f"{parameter} = {values_of(m)[parameter]:g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
     with Journal(specification, how.resume) as journal:
         journal.attempt(lambda: run(list(zip(models, starts, names)), chosen, journal, how))
     return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 
 
-def _models(model: Model, parameter: str, values: Any) -> list[Model]:
-    require_model(model, cure="write bifurcation(model, parameter, values)")
+def _models(model: ModelOrAutomaton, parameter: str, values: Any) -> list[ModelOrAutomaton]:
+    require_model_or_automaton(model, cure="write bifurcation(model, parameter, values)")
     check_parameter_name(model, parameter)
     values = float_array("values", values, "give those of the parameter").ravel()
     if not len(values):
@@ -284,7 +292,7 @@ def _models(model: Model, parameter: str, values: Any) -> list[Model]:
     return [model.replace(**{parameter: float(value)}) for value in values]
 
 
-def _initial_states(models: Sequence[Model], x0: Any) -> list[np.ndarray]:
+def _initial_states(models: Sequence[ModelOrAutomaton], x0: Any) -> list[np.ndarray]:
     """The initial state of each model; names and mappings are resolved for each."""
     first, named = initial_state_of(models[0], x0), isinstance(x0, (str, Mapping))
     return [first, *(initial_state_of(m, x0) if named else first for m in models[1:])]
@@ -318,16 +326,16 @@ def _run_independently(
     )
 
 
-def _groups(left: Sequence[int], models: Sequence[Model], method: Method) -> list[Sequence[int]]:
+def _groups(left: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
-    automaton = models[0].automaton()
+    automaton = automaton_of(models[0])
     smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
     size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
     return [left[i : i + size] for i in range(0, len(left), size)]
 
 
 def steady_states_task(
-    models: Sequence[Model], starts: Sequence[np.ndarray], options: SteadyStateOptions
+    models: Sequence[ModelOrAutomaton], starts: Sequence[np.ndarray], options: SteadyStateOptions
 ) -> list[dict[str, Any]]:
     """One task: the steady states of some models, the same as if each were computed alone."""
     transient, t_max = options.transient, options.t_max
@@ -344,7 +352,9 @@ def steady_states_task(
     ]
 
 
-def steady_state_task(model: Model, start: np.ndarray, options: SteadyStateOptions) -> dict[str, Any]:
+def steady_state_task(
+    model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions
+) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
     steady = find_steady_state(model, start, options, progress=False)
     period = None if np.isnan(steady.period) else steady.period
@@ -388,7 +398,7 @@ def _run_continued(
 
 
 def _named_task(
-    name: str, model: Model, start: np.ndarray, options: SteadyStateOptions
+    name: str, model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions
 ) -> dict[str, Any] | None:
     """The steady state at a value; None after ctrl-C.  An error gives the value's name."""
     try:
@@ -400,11 +410,15 @@ def _named_task(
 
 
 def _sweep_arguments(
-    model: Model, parameter: str, models: Sequence[Model], x0: Any, options: SteadyStateOptions
+    model: ModelOrAutomaton,
+    parameter: str,
+    models: Sequence[ModelOrAutomaton],
+    x0: Any,
+    options: SteadyStateOptions,
 ) -> Any:
     start = named_state(x0)
-    values = [getattr(m, parameter) for m in models]
-    states = list(model.automaton().state_names)
-    about = {"model": model.to_dict(), "parameter": parameter, "values": values, "x0": start}
+    values = [values_of(m)[parameter] for m in models]
+    states = list(automaton_of(model).state_names)
+    about = {"model": data_of(model), "parameter": parameter, "values": values, "x0": start}
     asked = options.specification("transient", "window", "t_max", "section", "tolerance")
     return {**about, **asked, "states": states}

@@ -13,20 +13,19 @@ from dataclasses import dataclass
 from itertools import chain, combinations, product
 from math import factorial
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component
 from frictionlab.models.composition import nonlinearities_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 Scene = tuple[int, ...]  # one level for each switch
@@ -69,7 +68,7 @@ class Switch:
         return " ".join(words if self.changes is None else reversed(words))
 
 
-def switches_of(model: Model, switches: Any = None) -> tuple[Switch, ...]:
+def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, ...]:
     """The switches that `fl.ablation` was asked for; all nonlinearities where `switches` is None.
 
     Raises
@@ -80,6 +79,11 @@ def switches_of(model: Model, switches: Any = None) -> tuple[Switch, ...]:
         For an unknown name, or fewer than two alternatives.
     """
     if switches is None:
+        if isinstance(model, HybridAutomaton):
+            raise ValueError(
+                "switches must be a mapping of parameters of a HybridAutomaton, which has no nonlinearities "
+                'by name, got none: give parameters their alternatives, such as {"k": [0.0, 1.0]}'
+            )
         return tuple(_on_off(name) for name in model.nonlinearities)
     if not isinstance(switches, Mapping) and not is_sequence(switches):
         raise TypeError(
@@ -99,11 +103,12 @@ def switches_of(model: Model, switches: Any = None) -> tuple[Switch, ...]:
     )
 
 
-def _known(model: Model, name: Any) -> str:
-    known = tuple(model.nonlinearities)
+def _known(model: ModelOrAutomaton, name: Any) -> str:
+    of_model = None if isinstance(model, HybridAutomaton) else model
+    known = () if of_model is None else tuple(of_model.nonlinearities)
     if not isinstance(name, str) or name not in known:
-        if isinstance(name, str) and name in nonlinearities_of(model):
-            model.without(name)  # it says why the model cannot be without
+        if of_model is not None and isinstance(name, str) and name in nonlinearities_of(of_model):
+            of_model.without(name)  # it says why the model cannot be without
         hint = did_you_mean(name, known) if isinstance(name, str) else ""
         raise ValueError(
             f"switches must be nonlinearities of {type(model).__name__} "
@@ -117,7 +122,7 @@ def _on_off(name: str) -> Switch:
     return Switch(name, (WITH, WITHOUT), None, reference=1, end=0)
 
 
-def _alternatives(model: Model, name: str, given: Any) -> Switch:
+def _alternatives(model: ModelOrAutomaton, name: str, given: Any) -> Switch:
     if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
         raise ValueError(
             f"switches[{abbreviate(name)}] must be two alternatives at least, "
@@ -154,16 +159,19 @@ def all_scenes(switches: Sequence[Switch]) -> tuple[Scene, ...]:
     return tuple(product(*(range(len(switch.levels)) for switch in switches)))
 
 
-def model_of_scene(model: Model, switches: Sequence[Switch], scene: Scene) -> Any:
+def model_of_scene(model: Any, switches: Sequence[Switch], scene: Scene) -> Any:
     """The model with one level of each switch."""
     changes: dict[str, Any] = {}
     for switch, level in zip(switches, scene, strict=True):
         changes |= {} if switch.changes is None else switch.changes[level]
     changed = model.replace(**changes) if changes else model
-    return changed.without(*left_out(switches, scene))
+    lacks = left_out(switches, scene)
+    return changed.without(*lacks) if lacks else changed
 
 
-def check_scene_at(model: Model, switches: Sequence[Switch], scene: Scene, at: Mapping[str, float]) -> None:
+def check_scene_at(
+    model: ModelOrAutomaton, switches: Sequence[Switch], scene: Scene, at: Mapping[str, float]
+) -> None:
     """Raise ValueError where a scene cannot lack a nonlinearity at these values, as on a belt at rest."""
     lacks = left_out(switches, scene)
     if lacks and at:
@@ -192,14 +200,14 @@ def all_of(count: int) -> str:
     return {1: "it", 2: "both", 3: "all three"}.get(count, "all")
 
 
-def state_of_scene(model: Model, full: Any, start: Any) -> Any:
+def state_of_scene(model: ModelOrAutomaton, full: Any, start: Any) -> Any:
     """An initial state of the full model, for a scene that may lack some of its coordinates."""
     whole = initial_state_of(full, start)
     if isinstance(start, str):
         return start
-    names = list(full.automaton().state_names)
+    names = list(automaton_of(full).state_names)
     given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
-    known = set(model.automaton().state_names)
+    known = set(automaton_of(model).state_names)
     return {name: value for name, value in given.items() if name in known}
 
 

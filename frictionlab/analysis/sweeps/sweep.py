@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +17,9 @@ from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import require_model
+from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
 from frictionlab.presentation import Drawable, count, import_optional, shorten, span
 from frictionlab.validation import abbreviate, check_mapping, check_number, check_sequence, float_array
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
-
 
 MOST_CHECKED = 10_000  # points of a grid whose combinations of values are checked before any is computed
 
@@ -40,7 +36,7 @@ class Sweep(Drawable):
         Initial states, the last axis; empty where the function takes none.
     results : object array
         What the function returned; None for what was not done before ctrl-C.
-    model : Model
+    model : Model or HybridAutomaton
         With the values that are not in `over`.
     function : str
         Name of the function; "result" of one that has none.
@@ -51,7 +47,7 @@ class Sweep(Drawable):
     over: Mapping[str, NDArray[np.float64]]
     x0: tuple[Any, ...]
     results: NDArray[np.object_]
-    model: Model
+    model: ModelOrAutomaton
     function: str
 
     def __repr__(self) -> str:
@@ -98,7 +94,7 @@ class Sweep(Drawable):
 
 
 def sweep(
-    model: Model,
+    model: ModelOrAutomaton,
     function: Callable[..., Any],
     over: Mapping[str, Any],
     *,
@@ -111,7 +107,7 @@ def sweep(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     function : callable
         Called as ``function(model)``, or as ``function(model, start)`` where `x0` is given.
     over : mapping of str to array_like
@@ -157,7 +153,8 @@ def sweep(
     >>> sweep.to_array().round(2)
     array([ 60.75, 121.54])
     """
-    require_model(model, cure="write sweep(model, function, over), the model made, such as fl.SliderOnBelt()")
+    cure = "write sweep(model, function, over), the model made, such as fl.SliderOnBelt()"
+    require_model_or_automaton(model, cure)
     check_function("function", function, "write sweep(model, function, over)")
     (how,) = merge_keywords("sweep", keywords, execution=(Execution, execution))
     axes, starts = check_over(over), check_sequence("x0", x0, f"write [{abbreviate(x0)}]")
@@ -168,7 +165,8 @@ def sweep(
         initial_state_of(model, start)
     part = _check_shard(shard)
     path = how.resume if shard is None or how.resume is None else _file_of_shard(Path(how.resume), part)
-    specification = {"function": function_name(function), "model": model.to_dict(), **grid.specification()}
+    asked = {"function": function_name(function), **grid.specification()}
+    specification = {} if path is None else {"model": data_of(model), **asked}
     tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
     chosen, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
     with Journal(specification, path, parts) as journal:
@@ -208,7 +206,7 @@ class FunctionAtPoint:
     """A function of a model at a point of a grid; the model is made where it is computed."""
 
     function: Callable[..., Any]
-    model: Model
+    model: ModelOrAutomaton
     names: tuple[str, ...]
 
     def __call__(self, values: Sequence[float], *start: Any) -> Any:
@@ -268,7 +266,7 @@ class Grid:
         over = {name: values.tolist() for name, values in self.over.items()}
         return {"x0": [named_state(start) for start in self.x0], "over": over}
 
-    def sweep(self, results: Sequence[Any], model: Model, function: str) -> Sweep:
+    def sweep(self, results: Sequence[Any], model: ModelOrAutomaton, function: str) -> Sweep:
         """The results at all points, from all initial states."""
         cells = np.empty(len(results), dtype=object)
         for i, result in enumerate(results):

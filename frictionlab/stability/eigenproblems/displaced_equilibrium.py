@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.model import Model
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.stability.eigenproblems.eigenvalues import jacobian
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
@@ -35,8 +35,8 @@ SIZES = np.geomspace(1e-40, 1e40, 321)  # of the mode, in units of its vector: f
 ANGLES = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)
 
 
-def displaced_equilibrium(model: Model) -> Array:
-    """The state (m,) near the default equilibrium of a model.
+def displaced_equilibrium(model: ModelOrAutomaton) -> Array:
+    """The state (m,) near the default equilibrium of a model or an automaton.
 
     Raises
     ------
