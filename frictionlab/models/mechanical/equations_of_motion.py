@@ -459,7 +459,7 @@ def with_dampers(about: Mechanics, q: Sequence[Any], v: Sequence[Any], time: Seq
     """The contacts, with the force of each one's damper in its normal force."""
 
     def damped(contact: AnyContact) -> AnyContact:
-        if not isinstance(contact, Contact):
+        if isinstance(contact, Stop) or (not callable(contact.damper) and contact.damper == 0):
             return contact
         rate = _rate(contact.penetration, about, q, v)
         return contact.damped(rate + sum(gradient(contact.penetration, time), sympy.S.Zero))

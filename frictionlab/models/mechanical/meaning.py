@@ -169,8 +169,7 @@ class _Check:
             return
         if isinstance(contact, Friction):
             self.relative_velocity(contact)
-        else:
-            self.damper(contact)
+        self.damper(contact)
         if callable(contact.normal_force) and contact.penetration is None:
             raise TypeError(
                 f"normal_force of {self.of} must be an expression, got a function: a contact without a "
@@ -191,12 +190,15 @@ class _Check:
                     f"{len(contact.normal)}"
                 )
 
-    def damper(self, contact: Contact) -> None:
-        """The penetration of a contact without friction, and its damper."""
+    def damper(self, contact: Friction | Contact) -> None:
+        """The penetration of a contact that needs one, and its damper."""
         if contact.penetration is None:
+            if isinstance(contact, Friction) and not callable(contact.damper) and contact.damper == 0:
+                return
+            kind = type(contact).__name__
             raise TypeError(
-                f"penetration of a Contact of {self.of} must be an expression, got None: a normal force that "
-                "does no work has no effect without friction"
+                f"penetration of a {kind} of {self.of} must be an expression, got None: a normal force that "
+                "does no work has no effect without friction, nor has a damper without a penetration"
             )
         self.free("damper", contact.damping, (*self.v,), "it is N s/m, which multiplies the rate by itself")
         self.powers("damper", contact.damping, [contact.penetration])

@@ -53,6 +53,8 @@ class Friction:
         The impact law where the gap closes; by default there is no impact, as the contact has no mass.
     interface : Interface or None
         The regimes that the contact has, of those of the model's `interface`; by default all of these.
+    damper : Expr or callable
+        As of :class:`Contact`: its force is a part of F_N, so that friction grows and falls with it.
     """
 
     relative_velocity: Any
@@ -62,11 +64,21 @@ class Friction:
     normal: tuple[Any, ...] | None = None
     impact: ImpactLaw | None = None
     interface: Interface | None = None
+    damper: Any = 0
 
     @property
     def pressing(self) -> Any:
-        """F_N (N) as an expression."""
+        """F_N (N) as an expression, without the damper."""
         return self.normal_force(self.penetration) if callable(self.normal_force) else self.normal_force
+
+    @property
+    def damping(self) -> Any:
+        """Coefficient of the damper (N s/m) as an expression."""
+        return _damping(self)
+
+    def damped(self, rate: Any) -> Friction:
+        """The contact with the damper's force in `normal_force`, at this rate of the penetration (m/s)."""
+        return replace(self, normal_force=self.pressing + self.damping * rate, damper=0)
 
     @property
     def modes(self) -> tuple[str, ...]:
@@ -128,12 +140,15 @@ class Contact:
     @property
     def damping(self) -> Any:
         """Coefficient of the damper (N s/m) as an expression."""
-        return self.damper(self.penetration) if callable(self.damper) else self.damper
+        return _damping(self)
 
     def damped(self, rate: Any) -> Contact:
         """The contact with the damper's force in `force`, at this rate of the penetration (m/s)."""
-        without = isinstance(self.damping, (int, float)) and self.damping == 0
-        return self if without else replace(self, force=self.pressing + self.damping * rate, damper=0)
+        return replace(self, force=self.pressing + self.damping * rate, damper=0)
+
+
+def _damping(contact: Friction | Contact) -> Any:
+    return contact.damper(contact.penetration) if callable(contact.damper) else contact.damper
 
 
 @dataclass(frozen=True, eq=False)

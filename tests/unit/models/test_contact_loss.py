@@ -85,14 +85,12 @@ class Landing(MechanicalModel):
     coordinates = ("x", "y")
 
     def mechanics(self, q, v):
-        depth = -q.y
-        linear = self.k * depth - self.c * v.y
-        force = self.k * depth**1.5 * (1 - self.c * v.y) if self.hunt else linear
-        return Mechanics(
-            kinetic=(v.x**2 + v.y**2) / 2,
-            potential=self.g * q.y,
-            contacts=(Friction(50.0 - v.x, force, self.friction, penetration=depth),),
-        )
+        if self.hunt:
+            force, damper = self.k * (-q.y) ** 1.5 * (1 - self.c * v.y), 0.0
+        else:
+            force, damper = self.k * -q.y, self.c
+        rubbing = Friction(50.0 - v.x, force, self.friction, penetration=-q.y, damper=damper)
+        return Mechanics((v.x**2 + v.y**2) / 2, self.g * q.y, contacts=(rubbing,))
 
 
 def test_a_damped_contact_lets_go_where_its_force_is_zero():
@@ -224,12 +222,25 @@ def test_what_is_no_contact_is_refused():
 
         return Wrong().automaton()
 
+    def rubbed(**given):
+        @fl.model
+        class Wrong(MechanicalModel):
+            friction: FrictionLaw = fl.Coulomb()
+            coordinates = ("x",)
+
+            def mechanics(self, q, v):
+                return Mechanics(v.x**2 / 2, contacts=(Friction(1.0 - v.x, 1.0, self.friction, **given),))
+
+        return Wrong().automaton()
+
     with pytest.raises(TypeError, match="penetration of a Contact of Wrong must be an expression"):
         stated(penetration=lambda q, v: None)
     with pytest.raises(ValueError, match=r"damper of Wrong must not depend on y'.*multiplies the rate"):
         stated(damper=lambda q, v: v.y)
     with pytest.raises(TypeError, match="force of Wrong must be an expression"):
         stated(force=lambda q, v: None)
+    with pytest.raises(TypeError, match="nor has a damper without a penetration"):
+        rubbed(damper=2.0)
 
 
 @fl.model
