@@ -78,6 +78,7 @@ from .components import Dahl as Dahl
 from .components import ExponentialDecay as ExponentialDecay
 from .components import FixedLoad as FixedLoad
 from .components import FrictionalImpact as FrictionalImpact
+from .components import FrictionCurve as FrictionCurve
 from .components import FrictionLaw as FrictionLaw
 from .components import Geometry as Geometry
 from .components import HertzContact as HertzContact

@@ -31,6 +31,7 @@ from .dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSl
 from .friction import (
     Coulomb,
     ExponentialDecay,
+    FrictionCurve,
     FrictionLaw,
     HyperbolicDecay,
     PressureDependent,
@@ -48,6 +49,7 @@ __all__ = [
     "Dahl",
     "ExponentialDecay",
     "FixedLoad",
+    "FrictionCurve",
     "FrictionLaw",
     "FrictionalImpact",
     "Geometry",

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 from frictionlab.validation import abbreviate, check_sequence
 
 from .component import Component, parameter
-from .functions import exp
+from .functions import exp, interpolate
 
 # Outputs and states of models, whose names a law's states cannot have.
 NAMES_OF_RUNS = {
@@ -313,3 +314,71 @@ class PressureDependent(Coulomb):
 
     def _effective_normal_force(self, normal_force: Any) -> Any:
         return self.F_ref**self.n * normal_force ** (1 - self.n)
+
+
+def _coefficient_at(number: int, mu: float) -> Any:
+    where = f"point {number}" if number else "rest"
+    meaning = f"coefficient of friction at {where}"
+    return parameter(mu, symbol=rf"\mu_{{{number}}}", meaning=meaning, minimum=0.0, range=(0.0, 1.5))
+
+
+def _speed_of(number: int, v: float) -> Any:
+    return parameter(
+        v,
+        unit="m/s",
+        symbol=f"v_{{{number}}}",
+        meaning=f"speed of point {number}",
+        exclusive_minimum=0.0,
+        range=(0.01, 3.0),
+    )
+
+
+@dataclass(frozen=True, repr=False)
+class FrictionCurve(FrictionLaw):
+    """A friction curve through five points: monotone cubics between them, constant beyond the last.
+
+    The curve is that of :func:`frictionlab.functions.interpolate`.  The first point, at rest, is the static
+    coefficient too.  In an explorer or an exported page the points are dragged; all are parameters, so that
+    nothing is derived anew.
+
+    Parameters
+    ----------
+    mu_0, mu_1, mu_2, mu_3, mu_4 : float
+        Coefficients of friction at rest and at the speeds v_1 to v_4, at least 0.
+    v_1, v_2, v_3, v_4 : float
+        Ascending speeds, m/s, above 0.
+
+    References
+    ----------
+    F. N. Fritsch, J. Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984) 300-304.
+    """
+
+    mu_0: float = _coefficient_at(0, 0.6)
+    mu_1: float = _coefficient_at(1, 0.45)
+    mu_2: float = _coefficient_at(2, 0.36)
+    mu_3: float = _coefficient_at(3, 0.32)
+    mu_4: float = _coefficient_at(4, 0.4)
+    v_1: float = _speed_of(1, 0.1)
+    v_2: float = _speed_of(2, 0.3)
+    v_3: float = _speed_of(3, 0.8)
+    v_4: float = _speed_of(4, 2.0)
+
+    def check(self) -> None:
+        """Refuse speeds that do not ascend."""
+        speeds = self.v_1, self.v_2, self.v_3, self.v_4
+        for i, (one, following) in enumerate(pairwise(speeds)):
+            if not one < following:
+                raise ValueError(
+                    f"v_{i + 2} must be above v_{i + 1} ({one}), got {following}: raise v_{i + 2} or lower "
+                    f"v_{i + 1}"
+                )
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """Friction force (N) at a sliding speed (m/s)."""
+        speeds = 0, self.v_1, self.v_2, self.v_3, self.v_4
+        coefficients = self.mu_0, self.mu_1, self.mu_2, self.mu_3, self.mu_4
+        return interpolate(speed, speeds, coefficients) * normal_force
+
+    def static_limit(self, normal_force: Any) -> Any:
+        """Largest friction force (N) in stick."""
+        return self.mu_0 * normal_force

@@ -28,7 +28,7 @@ from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
 from frictionlab.models.model import Model, require_model
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structure_data, structures, switch_names
-from frictionlab.pages.scene import PANELS, parameter_controls, run_controls, scene_data, switch_control
+from frictionlab.pages.scene import panels_of, parameter_controls, run_controls, scene_data, switch_control
 from frictionlab.tape.formulas import ELEMENTARY
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.validation import check_path, check_t_end, check_text
@@ -38,7 +38,19 @@ CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
-FRONT_END = ("text", "svg", "plot", "layout", "panels", "words", "controls", "state", "touch", "explorer")
+FRONT_END = (
+    "text",
+    "svg",
+    "plot",
+    "layout",
+    "friction",
+    "panels",
+    "words",
+    "controls",
+    "state",
+    "touch",
+    "explorer",
+)
 SCRIPTS = (*FRONT_END, *SOLVER_SCRIPTS, "browser_engine", "page")
 
 
@@ -128,7 +140,7 @@ def page_scene(
     chosen, ranges = chosen_sliders(model, sliders)
     switches = [switch_control(name, model.nonlinearities[name].about, True) for name in names]
     controls = [*switches, *parameter_controls(model, chosen, ranges), *run_controls(model, t_end)]
-    scene = scene_data(model, controls, PANELS[model.mechanism is None :], title=title)
+    scene = scene_data(model, controls, panels_of(model), title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"
     menu = scene_menu(model, names, presets)
     return scene | {"about": about, "switches": names, "menu": menu, "method": method_data()}
@@ -195,7 +207,7 @@ def _structures(derived: dict[str, dict[str, Any]]) -> str:
 
 
 def _structure(data: dict[str, Any]) -> str:
-    of_functions = ("numbers", "rate", "release", "outputs", "sliding", "rules")
+    of_functions = ("numbers", "rate", "release", "friction", "outputs", "sliding", "rules")
     plain = {name: value for name, value in data.items() if name not in of_functions}
     named, functions = data["outputs"]["names"], ", ".join(data["outputs"]["functions"])
     outputs = f"{{names: {_json(named)}, functions: [{functions}]}}"
@@ -203,8 +215,8 @@ def _structure(data: dict[str, Any]) -> str:
     sliding = ", ".join(f"{{{mode}}}" for mode in modes)
     rules = f"{{numbers: {data['rules']['numbers']}, words: {_json(data['rules']['words'])}}}"
     texts = (
-        f"numbers: {data['numbers']}, rate: {data['rate']}, release: {data['release']}, outputs: {outputs}, "
-        f"sliding: [{sliding}], rules: {rules}"
+        f"numbers: {data['numbers']}, rate: {data['rate']}, release: {data['release']}, "
+        f"friction: {data['friction']}, outputs: {outputs}, sliding: [{sliding}], rules: {rules}"
     )
     return f"{{...{_json(plain)}, {texts}}}"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
@@ -17,6 +18,7 @@ import sympy as sp
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
 from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
@@ -24,7 +26,7 @@ from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
 from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
-from frictionlab.pages.scene import main_parameters, quantity_data
+from frictionlab.pages.scene import friction_points, main_parameters, quantity_data
 from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rates import is_free, steady_rates
@@ -82,6 +84,7 @@ def structure_data(model: Model) -> dict[str, Any]:
             if is_free(automaton, mode)
         ],
         "rules": rule_data(model, parameters),
+        "friction": _friction_force(model, parameters),
         "near": _known_equilibrium(model, automaton),
     }
 
@@ -101,6 +104,22 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
     except (TypeError, AttributeError):  # `release` needs numbers, as to compare them
         return [float(value) for value in initial_state_of(model, "rest", automaton)]
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
+
+
+def _friction_force(model: Model, parameters: tuple[Any, ...]) -> str:
+    if not friction_points(model):
+        return "null"
+    return javascript_of_formulas(friction_formulas(model.structure_key, parameters), [2, len(parameters)])
+
+
+@lru_cache(maxsize=64)
+def friction_formulas(key: StructureKey, parameters: tuple[Any, ...]) -> Formulas:
+    """The force of a law of friction and its slope, as formulas of speed, normal force and parameters."""
+    speed, normal_force = sp.symbols("speed normal_force", real=True)
+    force = symbolic_copy(key).friction.kinetic(normal_force, speed)
+    formulas = formulas_of([speed, normal_force, *parameters], [force, 0])
+    slope = _whole_jacobian(formulas, 1)
+    return Formulas(slope.tape, (formulas.outputs[0], *slope.outputs))
 
 
 def _colours(program: Program, modes: Sequence[Mode]) -> list[str]:

@@ -13,6 +13,7 @@ from typing import Any
 from frictionlab.analysis.motion_scales import highest_frequency, rounded_period
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Parameter
+from frictionlab.components.friction import FrictionCurve, FrictionLaw
 from frictionlab.models.composition import parameter_metadata, parameter_owners
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model
@@ -24,7 +25,7 @@ from frictionlab.presentation import state_unit
 
 Data = dict[str, Any]
 
-PANELS = ("mechanism", "response", "phase", "forces", "spectrum", "eigenvalues")
+PANELS = ("mechanism", "friction", "response", "phase", "forces", "spectrum", "eigenvalues")
 OPERATION_PARAMETERS = "F", "v", "Omega"  # the model's own parameters that are changed most in operation
 MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
@@ -52,8 +53,28 @@ def scene_data(
         "highest": float(highest_frequency(model)),
         "windows": windows(model),
         "mechanism": mechanism_data(model),
+        "points": friction_points(model),
         "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
     }
+
+
+def panels_of(model: Model) -> list[str]:
+    """The panels that are shown unless others are asked for: the friction curve where it can be drawn."""
+    lacking = {"mechanism": model.mechanism is None, "friction": not friction_points(model)}
+    return [name for name in PANELS if not lacking.get(name)]
+
+
+def has_friction_curve(model: Model) -> bool:
+    """Whether friction is one law whose force follows from speed and normal force."""
+    law = getattr(model, "friction", None)
+    return isinstance(law, FrictionLaw) and not law.states
+
+
+def friction_points(model: Model) -> list[list[str]]:
+    """The points of a curve that is drawn: the parameters that are the speed and the coefficient of each."""
+    if not isinstance(getattr(model, "friction", None), FrictionCurve):
+        return []
+    return [["", "mu_0"], *([f"v_{i}", f"mu_{i}"] for i in range(1, 5))]
 
 
 def model_call(model: Model) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.models.model import check_parameter_name
-from frictionlab.pages.scene import PANELS, scene_data
+from frictionlab.pages.scene import panels_of, scene_data
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
 from frictionlab.widgets.panels.standard import (
@@ -204,11 +204,12 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     model : Model or None
         Where to start; None takes the paper's.
     panels : iterable of str or callable, or None
-        "mechanism", which moves, "response", "phase", "forces", "spectrum", "eigenvalues"; functions
+        "mechanism", which moves, "response", "phase", "forces", "spectrum", "eigenvalues", "friction"; functions
         ``panel(run, ax)`` that draw with matplotlib; or functions that take a
         :class:`~frictionlab.widgets.result.Result` and return a
         :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.  None takes
-        all that have names; "mechanism" where the model has one.
+        all that have names; "mechanism" where the model has one, "friction" where it is a
+        :class:`~frictionlab.FrictionCurve`, whose points are dragged.
 
     Returns
     -------
@@ -231,7 +232,7 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     """
     model = starting_model(model)
     if panels is None:
-        panels = PANELS[model.mechanism is None :]
+        panels = panels_of(model)
     return Explorer(default_settings(model), select_panels(panels))
 
 

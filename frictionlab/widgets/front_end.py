@@ -18,7 +18,8 @@ from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model
 from frictionlab.pages.export import FRONT_END, script_text, text_of
-from frictionlab.pages.scene import Data, quantity_data
+from frictionlab.pages.page_data import friction_formulas
+from frictionlab.pages.scene import Data, friction_points, has_friction_curve, quantity_data
 from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.result import Array, Result, python_snippet, time_of_rest
@@ -28,6 +29,7 @@ from .sound import listen
 MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+", "x": "x"}
 SOLID = "-", "solid"
 NO_LINE = "none", "None", "", " "
+FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
 
 class FrontEnd(anywidget.AnyWidget):
@@ -78,7 +80,11 @@ def _opens_nothing(name: str, changed: Mapping[str, Any]) -> None:
 
 
 def result_data(
-    result: Result, drawings: Mapping[str, Drawing], needs_run: bool, needs_spectrum: bool
+    result: Result,
+    drawings: Mapping[str, Drawing],
+    needs_run: bool,
+    needs_spectrum: bool,
+    needs_friction: bool = False,
 ) -> Data:
     """A result as the front end takes it; without samples where no panel shows the run."""
     model, known = result.model, result.eigenvalues
@@ -97,6 +103,7 @@ def result_data(
             "normal_force": _finite(point.normal_force),
             "friction_force": _finite(point.friction_force),
         },
+        "friction": friction_data(result) if needs_friction else None,
         "python": python_snippet(result.settings),
         "complete": True,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
@@ -107,6 +114,28 @@ def result_data(
 
 def _without_run(model: Model) -> Data:
     return {"structure": quantity_data(model, model.automaton()), "finished": True, "status": ""}
+
+
+def friction_data(result: Result) -> Data | None:
+    """The friction curve: speeds, coefficients and, at the speed of steady sliding, coefficient, slope (s/m) and
+    the damper (N s/m) of the same force; None without a law that is a curve."""
+    model, automaton = result.model, result.model.automaton()
+    if not has_friction_curve(model):
+        return None
+    formulas = friction_formulas(model.structure_key, tuple(automaton.parameters))
+    values, known = tuple(automaton.values.values()), result.eigenvalues
+    point = None if known is None else known.equilibrium
+    last = max((model.parameters[speed] for speed, _ in friction_points(model) if speed), default=0.0)
+    if point is None:
+        speeds = np.linspace(0.0, FRICTION_REACH * (last or 1.0), FRICTION_SAMPLES)
+        return {"speeds": packed(speeds), "mu": packed(formulas.arrays(speeds, 1.0, *values)[0]), "at": None}
+    names, normal = [mode.name for mode in automaton.modes], point.normal_force
+    slip = abs(evaluate_output(automaton, "relative_velocity", point.state[None], np.zeros(1), names)[0])
+    speeds = np.linspace(0.0, FRICTION_REACH * max(last, slip), FRICTION_SAMPLES)
+    force, damper = formulas.numbers(slip, normal, *values)
+    mu = np.broadcast_to(formulas.arrays(speeds, normal, *values)[0], speeds.shape) / normal
+    at = [float(slip), float(force / normal), float(damper / normal), float(damper)]
+    return {"speeds": packed(speeds), "mu": packed(mu), "at": at}
 
 
 def _finite(value: float) -> float | None:

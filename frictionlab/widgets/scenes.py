@@ -11,7 +11,7 @@ from typing import Any
 
 from frictionlab.models.library.catalogue import CLASSICS, PRESETS, ROW_MODELS, list_models
 from frictionlab.models.zoo.topics import TOPICS
-from frictionlab.pages.scene import PANELS
+from frictionlab.pages.scene import panels_of
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .explorer import Explorer, error_text
@@ -72,7 +72,7 @@ class Scenes:
         if self.explorer is not None:
             self.explorer.release()
         model, about = self._scenes[name]
-        panels = select_panels(PANELS[model.mechanism is None :] if self._panels is None else self._panels)
+        panels = select_panels(panels_of(model) if self._panels is None else self._panels)
         own = {"name": name, "about": about, "menu": self._menu, "address": self._address, "plays": True}
         self.explorer = Explorer(default_settings(model), panels, self.widget, **own)
         return self.explorer

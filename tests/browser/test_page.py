@@ -500,3 +500,34 @@ def test_the_mass_is_taken_by_mouse_finger_and_keys_and_the_motion_starts_where_
     for key in ("ArrowRight", "ArrowRight", "Enter"):
         mass.keyboard.press(key)
     assert started(mass) != second
+
+
+WHERE_A_POINT_IS = """(i) => {
+  const { drawing, axes: { X, Y }, over } = explorer.panels.friction, { x, y } = drawing.handles[i];
+  const { left, top } = over.getBoundingClientRect();
+  return [left + X.at(x), top + Y.at(y)];
+}"""
+
+
+def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(browser, tmp_path):
+    model = fl.MassOnBelt(friction=fl.FrictionCurve(), c=0.1, v=0.5)
+    page = opened(browser, exported(model, tmp_path / "curve.html", t_end=20.0))
+    assert "stable" in page.inner_text(".fl-words")
+    x, y = page.evaluate(WHERE_A_POINT_IS, 2)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y - 60, steps=3)
+    page.mouse.up()
+    wait_until(page, "explorer.request === null && explorer.result.complete")
+    values = page.evaluate("explorer.result.parameters")
+    assert values["mu_2"] > model.mu_2
+    assert values["v_2"] > model.v_2
+    moved = model.replace(**{name: values[name] for name in ("mu_2", "v_2")})
+    assert final(page) == fl.simulate(moved, 20.0, progress=False).final_state.tolist()
+    speed, _, slope, damper = page.evaluate("explorer.result.friction.at")
+    growth = fl.eigenvalues(moved).values[0].real
+    assert (speed, slope) == (0.5, damper)
+    assert -(0.1 + damper) / 2 == pytest.approx(growth, rel=1e-12)
+    assert "unstable" in page.inner_text(".fl-words")
+    assert not page.problems
+    page.context.close()

@@ -11,7 +11,7 @@ from functools import cache
 from html import escape
 from typing import NamedTuple
 
-from frictionlab.components.friction import Stribeck, WeakeningStrengthening
+from frictionlab.components.friction import FrictionCurve, Stribeck, WeakeningStrengthening
 from frictionlab.models.model import Model
 from frictionlab.validation import check_choice
 
@@ -138,6 +138,12 @@ PRESETS = (
         MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
         "Friction that falls with speed feeds the vibration: the mass sticks to the belt and is torn off, "
         "again and again.",
+    ),
+    Preset(
+        "your own friction curve",
+        MassOnBelt(friction=FrictionCurve(), c=0.1, v=0.5),
+        "Drag the points of the curve: where it falls at the belt's speed, friction is a damper below zero, "
+        "and steady sliding is lost.",
     ),
     Preset(
         "chaos",

@@ -3,6 +3,7 @@ const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 500, SPECTRUM_SAMPLES = 4096, REST_S
 const DRAG_PATIENCE = 40, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
 const PERIODS_SHOWN = 10, PERIODS_HEARD = 100;
 const AT_REST = 1e-9, SEEN = 1e-3, AFTER_REST = 1.15, STEADY = 0.95; // as in frictionlab/widgets/result.py
+const FRICTION_REACH = 1.1, FRICTION_SAMPLES = 200; // of a friction curve; as in frictionlab/widgets/front_end.py
 
 class BrowserEngine {
   constructor(solver) { Object.assign(this, { solver, run: null, equilibrium: null }); }
@@ -55,7 +56,7 @@ class BrowserEngine {
       struck: Array.from(run.eventTimes).some((t) => t > start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
       equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
       reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or stiffnesses",
-      complete: !dragging, drawings: {}, milliseconds: run.milliseconds,
+      friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {}, milliseconds: run.milliseconds,
     };
   }
 
@@ -67,6 +68,13 @@ class BrowserEngine {
   equilibriumData({ z, sliding }, { structure, values }) {
     const outputs = structure.outputs.functions[sliding.mode](z, values), of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
     return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"), friction_force: of("friction_force") };
+  }
+
+  frictionOf(known, { structure, values }) {
+    const speeds = SCENE.points.filter(([speed]) => speed).map(([speed]) => values[structure.parameters.indexOf(speed)]);
+    const { names, functions } = structure.outputs, outputs = known && functions[known.sliding.mode](known.z, values);
+    const sliding = known && { speed: Math.abs(outputs[names.indexOf("relative_velocity")]), normalForce: outputs[names.indexOf("normal_force")] };
+    return frictionCurve(structure.friction, Math.max(0, ...speeds), sliding, values);
   }
 
   coordinatesAt(run, times) { return run.structure.states.slice(0, run.structure.coordinates).map(sample(this.solver, run, times, NO_OUTPUTS).column); }
@@ -141,6 +149,16 @@ function ownState(text, names = null) {
 function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them
   return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
 }
+
+// The curve as data, as friction_data in front_end.py has it; `force` gives friction and its slope by speed and normal force.
+function frictionCurve(force, last, sliding, values) {
+  const { speed, normalForce } = sliding ?? { speed: 0, normalForce: 1 }, reach = FRICTION_REACH * (Math.max(last, speed) || 1);
+  const speeds = sampleTimes(0, reach, FRICTION_SAMPLES), mu = speeds.map((v) => force([v, normalForce], values)[0] / normalForce);
+  if (!sliding) return { speeds, mu, at: null };
+  const [friction, damper] = force([speed, normalForce], values);
+  return { speeds, mu, at: [speed, friction / normalForce, damper / normalForce, damper] };
+}
+
 function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null
   let found, at = 0;
   try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
@@ -163,4 +181,3 @@ function formatted(v, format) { // as Python's format "g" writes it; else all di
   const rounded = Number(v.toPrecision(6));
   return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
 }
-

@@ -105,6 +105,7 @@ class Explorer {
     if (name === "mechanism") figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
     if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
+    if (name === "friction" && this.scene.points.length) new PointDrag(this, panel);
     return figure;
   }
 
@@ -134,8 +135,11 @@ class Explorer {
 
   // --- from a control to the pictures ------------------------------------------------------------------------------------
 
-  change(name, value, dragging) {
-    this.state = { ...this.state, [name]: value };
+  change(name, value, dragging) { this.changeAll({ [name]: value }, dragging); }
+
+  changeAll(values, dragging) { // of some controls
+    const [name] = Object.keys(values);
+    this.state = { ...this.state, ...values };
     this.moved = name;
     if (!dragging) this.showState();
     const { settles } = this.scene; // another parameter than this one is computed when its slider is let go
@@ -230,7 +234,7 @@ class Explorer {
     this.frame();
   }
 
-  drawingOf(name, result) { return PANELS[name] ? PANELS[name](result) : result.drawings[name]; }
+  drawingOf(name, result) { return PANELS[name] ? PANELS[name](result, this.scene.points) : result.drawings[name]; }
 
   paint(panel, look) {
     if (panel.name === "spectrum" && this.result.spectrum === undefined) return; // it waits until the slider stops
@@ -246,8 +250,11 @@ class Explorer {
   }
 
   showModes() {
-    const { structure, samples } = this.result, seen = [...new Set(samples.modes)].sort((a, b) => a - b);
-    const key = seen.map((mode) => { const node = html("span", { className: "fl-mode", textContent: structure.modes[mode] }); node.style.setProperty("--colour", structure.colours[mode]); return node; });
+    const key = wholeModes(this.result.structure, this.result.samples.modes).map(({ label, colour }) => {
+      const node = html("span", { className: "fl-mode", textContent: label });
+      node.style.setProperty("--colour", colour);
+      return node;
+    });
     this.modes.replaceChildren(...key, ...(this.picture ? [html("span", { textContent: this.picture.note }), html("span", { textContent: this.drag ? TOUCH_HINT : "" })] : []));
   }
 

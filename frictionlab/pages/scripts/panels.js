@@ -16,11 +16,20 @@ const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.
 const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
 
 function curvesByMode({ structure, samples: { modes } }, x, y, look) { // a curve for each mode that occurs, up to the sample after
-  return [...new Set(modes)].sort((a, b) => a - b).map((mode) => {
-    const shown = (i) => modes[i] === mode || i > 0 && modes[i - 1] === mode;
-    const values = Float64Array.from(y, (v, i) => (shown(i) ? v : NaN));
-    return { label: structure.modes[mode], x, y: values, colour: structure.colours[mode], ...look };
+  return wholeModes(structure, modes).map(({ label, colour, members }) => {
+    const shown = (i) => members.has(modes[i]) || i > 0 && members.has(modes[i - 1]);
+    return { label, x, y: Float64Array.from(y, (v, i) => (shown(i) ? v : NaN)), colour, ...look };
   });
+}
+
+function wholeModes(structure, modes) { // the modes that occur; those that a law in pieces splits are one again
+  const wholes = new Map();
+  for (const mode of [...new Set(modes)].sort((a, b) => a - b)) {
+    const colour = structure.colours[mode], name = structure.modes[mode], [first] = name.split(" | "), key = `${colour} ${first}`;
+    if (wholes.has(key)) Object.assign(wholes.get(key), { label: first }).members.add(mode);
+    else wholes.set(key, { label: name, colour, members: new Set([mode]) });
+  }
+  return [...wholes.values()];
 }
 
 function modeStrip(result) {
@@ -88,5 +97,5 @@ function eigenvaluePanel(result) {
   return { xlabel: "growth rate (1/s)", ylabel: "frequency (Hz)", curves, ...(neutral ? { xlim: [-1, 1] } : {}) };
 }
 
-const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel };
-const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces", spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding" };
+const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel, friction: frictionDrawing };
+const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces", spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding", friction: "friction curve" };

@@ -18,6 +18,7 @@ class PythonEngine {
     const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture, result = { ...picture, highest: this.model.get("scene").highest };
     this.parameters = picture.parameters;
     if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes), Object.keys(samples.columns), Object.values(samples.columns).map(floats));
+    if (picture.friction) result.friction = { ...picture.friction, speeds: floats(picture.friction.speeds), mu: floats(picture.friction.mu) };
     if (spectrum) result.spectrum = { ...spectrum, frequencies: floats(spectrum.frequencies), amplitudes: floats(spectrum.amplitudes) };
     result.drawings = Object.fromEntries(Object.entries(drawings).map(([name, drawing]) => [name, drawing.image ? { image: this.imageOf(name, drawing.image) } : { ...drawing, curves: drawing.curves.map((curve) => ({ ...curve, x: floats(curve.x), y: floats(curve.y) })) }]));
     return result;

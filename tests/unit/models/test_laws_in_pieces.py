@@ -607,3 +607,15 @@ def test_a_mass_that_jumps_is_refused():
 
     with pytest.raises(ValueError, match="the kinetic energy of Heavier must be continuous"):
         fl.model(Heavier)().automaton()
+
+
+def test_the_friction_curve_is_that_of_scipy_and_its_speeds_ascend():
+    law = fl.FrictionCurve(mu_2=0.5)
+    points = [getattr(law, f"mu_{i}") for i in range(5)]
+    curve = PchipInterpolator([0.0, law.v_1, law.v_2, law.v_3, law.v_4], points)
+    speeds = np.linspace(0.0, law.v_4, 101)
+    np.testing.assert_allclose(law.kinetic(200.0, speeds), 200.0 * curve(speeds), rtol=1e-14)
+    assert law.kinetic(1.0, 9.0) == law.mu_4
+    assert law.static_limit(2.0) == 2 * law.mu_0
+    with pytest.raises(ValueError, match=r"^v_2 must be above v_1 \(0.4\), got 0.3: raise v_2 or lower v_1$"):
+        fl.FrictionCurve(v_1=0.4)

@@ -85,3 +85,12 @@ def test_a_model_without_a_mechanism_is_explored_without():
     explorer = fl.explore(Bare())
     assert explorer.error is None
     assert "mechanism" not in explorer.widget.scene["panels"]
+
+
+def test_the_slope_of_the_friction_curve_is_said_as_a_damper():
+    model = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1, v=0.3, N=2.0)
+    explorer = fl.explore(model, panels=["friction"])
+    speed, mu, slope, damper = explorer.widget.picture["friction"]["at"]
+    fall = 0.5 * np.exp(-((0.3 / 0.5) ** 2))
+    assert (speed, damper) == (0.3, 2 * slope)
+    np.testing.assert_allclose([mu, slope], [0.5 + fall, -2 * 0.3 / 0.5**2 * fall], rtol=1e-14)
