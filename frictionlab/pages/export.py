@@ -38,19 +38,8 @@ CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
-FRONT_END = (
-    "text",
-    "svg",
-    "plot",
-    "layout",
-    "friction",
-    "panels",
-    "words",
-    "controls",
-    "state",
-    "touch",
-    "explorer",
-)
+PICTURES = ("text", "svg", "plot", "layout", "friction", "panels")
+FRONT_END = (*PICTURES, "words", "controls", "state", "touch", "explorer")
 SCRIPTS = (*FRONT_END, *SOLVER_SCRIPTS, "browser_engine", "page")
 
 

@@ -180,7 +180,35 @@ class Explorer:
 
     def _fail(self, error: Exception) -> None:
         self.error, self.progress = error, None
-        self.widget.error = error_text(error)
+        with self.widget.hold_sync():
+            self.widget.error, self.widget.limits = error_text(error), self._limits()
+
+    def _limits(self) -> dict[str, float]:
+        """The last value at which the model's rules hold, of a single parameter that was moved beyond it."""
+        good, known = self.result.model, self.result.model.parameters
+        moved = [name for name in known if self.controls[name].value != known[name]]
+        if len(moved) != 1:
+            return {}
+        return {moved[0]: _last_value(good, moved[0], self.controls[moved[0]].value)}
+
+
+def _last_value(model: Model, name: str, beyond: float) -> float:
+    """Of a parameter between the model's value and one beyond: the last that keeps the model's rules."""
+
+    def holds(value: float) -> bool:
+        try:
+            model.replace(**{name: value})
+        except ValueError:
+            return False
+        return True
+
+    good, bad = model.parameters[name], beyond
+    if holds(bad):  # the error is another one
+        return good
+    while (middle := good + (bad - good) / 2) not in (good, bad):
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    rounded = float(f"{good:.9g}")
+    return rounded if holds(rounded) else good
 
 
 def error_text(error: Exception) -> str:
@@ -204,8 +232,8 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     model : Model or None
         Where to start; None takes the paper's.
     panels : iterable of str or callable, or None
-        "mechanism", which moves, "response", "phase", "forces", "spectrum", "eigenvalues", "friction"; functions
-        ``panel(run, ax)`` that draw with matplotlib; or functions that take a
+        "mechanism", which moves, "friction", "response", "phase", "forces", "spectrum", "eigenvalues";
+        functions ``panel(run, ax)`` that draw with matplotlib; or functions that take a
         :class:`~frictionlab.widgets.result.Result` and return a
         :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.  None takes
         all that have names; "mechanism" where the model has one, "friction" where it is a

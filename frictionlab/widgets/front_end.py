@@ -41,6 +41,8 @@ class FrontEnd(anywidget.AnyWidget):
         What is shown, what the controls are set to, and the result of that.
     error : str
         Why the present state has no result; empty where it has one.
+    limits : dict
+        The last value of a parameter that was moved too far.
     shown : bool
         Whether a browser shows it.
     """
@@ -51,6 +53,7 @@ class FrontEnd(anywidget.AnyWidget):
     state = traitlets.Dict().tag(sync=True)
     picture = traitlets.Dict().tag(sync=True)
     error = traitlets.Unicode().tag(sync=True)
+    limits = traitlets.Dict().tag(sync=True)
     shown = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self) -> None:
@@ -117,8 +120,11 @@ def _without_run(model: Model) -> Data:
 
 
 def friction_data(result: Result) -> Data | None:
-    """The friction curve: speeds, coefficients and, at the speed of steady sliding, coefficient, slope (s/m) and
-    the damper (N s/m) of the same force; None without a law that is a curve."""
+    """The friction curve: speeds and coefficients; None without a law that is a curve.
+
+    ``at`` holds the speed of steady sliding, the coefficient and its slope (s/m) there, and the damper
+    (N s/m) that has the same force.
+    """
     model, automaton = result.model, result.model.automaton()
     if not has_friction_curve(model):
         return None

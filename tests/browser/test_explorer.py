@@ -175,6 +175,19 @@ def test_an_error_is_in_sight_and_undone(shown):
 
 
 @COMMAND
+def test_a_slider_stops_where_a_rule_does(shown):
+    page = shown.page
+    press(page, shown.root, "mu_s", "Home")  # mu_s must be at least mu_k
+    page.wait_for_function(
+        "document.querySelector('.fl-mu_s .fl-message').innerText.startsWith('mu_s stays at 1.4: mu_s must be')"
+    )
+    assert page.locator(".fl-control.fl-mu_s .fl-field").input_value() == "1.4"
+    page.wait_for_selector(".fl-status:not(.fl-bad)")
+    page.get_by_role("button", name="undo", exact=True).click()
+    settled(page, shown.root)
+
+
+@COMMAND
 def test_files_are_downloaded(shown):
     page = shown.page
     page.locator(".fl-files > summary").click()

@@ -330,6 +330,21 @@ def test_typed_values_are_checked_too(page):
     page.wait_for_selector(".fl-status:not(.fl-bad)")
 
 
+def test_a_slider_stops_where_a_rule_does(page):
+    page.evaluate(RUN, [{"mu_s": 2.123}, [], "rest", 0.1])
+    page.focus(".fl-mu_k input[type=range]")
+    page.keyboard.press("End")
+    wait_until(page, "explorer.result.parameters.mu_k === 2.123 && explorer.result.complete")
+    said = page.inner_text(".fl-mu_k .fl-message")
+    assert said == f"mu_k stays at 2.123: {words_of(fl.SliderOnBelt(), {'mu_k': 3.0, 'mu_s': 2.123})}"
+    assert page.input_value(".fl-mu_k .fl-field") == "2.123"
+    page.keyboard.press("ArrowLeft")
+    wait_until(page, "explorer.result.parameters.mu_k < 2.123 && explorer.result.complete")
+    assert page.locator(".fl-mu_k .fl-message").is_hidden()
+    page.click("button.fl-reset")
+    wait_until(page, "explorer.request === null")
+
+
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
     at_ends = """(end) => SCENE.controls.filter(({ parameter }) => parameter).map((about) => {

@@ -22,7 +22,14 @@ class BrowserEngine {
   has(name, state) { return this.structureOf(state).parameters.includes(name); }
 
   ask(state, dragging, explorer) {
-    try { explorer.show(this.compute(state, dragging), dragging); } catch (error) { explorer.fail(error.message); }
+    try { explorer.show(this.compute(state, dragging), dragging); } catch (error) { explorer.fail(error.message, this.limits(state, explorer)); }
+  }
+
+  limits(state, { moved, result }) { // the last value of what was moved at which the rules of the model hold
+    const structure = this.structureOf(state), values = this.parametersOf(structure, state), place = structure.parameters.indexOf(moved);
+    const holds = (value) => !brokenRule(structure, values.map((v, i) => (i === place ? value : v)));
+    const good = result?.parameters[moved];
+    return place < 0 || !holds(good) || holds(values[place]) ? {} : { [moved]: lastValue(holds, good, values[place]) };
   }
 
   compute(state, dragging) { // the result; an error in words where there is none
@@ -157,6 +164,13 @@ function frictionCurve(force, last, sliding, values) {
   if (!sliding) return { speeds, mu, at: null };
   const [friction, damper] = force([speed, normalForce], values);
   return { speeds, mu, at: [speed, friction / normalForce, damper / normalForce, damper] };
+}
+
+function lastValue(holds, good, bad) { // by bisection
+  for (let middle = good + (bad - good) / 2; middle !== good && middle !== bad; middle = good + (bad - good) / 2) {
+    if (holds(middle)) good = middle; else bad = middle;
+  }
+  return holds(roundNumber(good)) ? roundNumber(good) : good;
 }
 
 function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null

@@ -70,7 +70,7 @@ function numberControl(about, changed) { // it counts positions: a browser that 
     range.ariaValueText = `${shortNumber(value, 7)} ${unit}`.trim();
     field.value = shortNumber(value, 7);
     refuse("");
-    changed(name, value, dragging);
+    changed(name, value, dragging, true);
   }
   range.oninput = () => move(true);
   range.onchange = () => move(false);

@@ -121,8 +121,9 @@ class Explorer {
   }
 
   showState() { // in the controls; those that the model is without are hidden
-    for (const { name, about, node, show } of this.controls) {
+    for (const { name, about, node, show, refuse } of this.controls) {
       show(this.state[name]);
+      if (this.clamped?.name === name) refuse(this.clamped.text);
       const [other, value] = about.when ?? [];
       node.hidden = other !== undefined && this.state[other] !== value || about.kind === "number" && about.parameter && !this.engine.has(name, this.state);
     }
@@ -135,10 +136,12 @@ class Explorer {
 
   // --- from a control to the pictures ------------------------------------------------------------------------------------
 
-  change(name, value, dragging) { this.changeAll({ [name]: value }, dragging); }
+  change(name, value, dragging, slid = false) { this.changeAll({ [name]: value }, dragging, slid); }
 
-  changeAll(values, dragging) { // of some controls
+  changeAll(values, dragging, slid) { // of some controls; what slides stops where a rule of the model does
     const [name] = Object.keys(values);
+    if (name !== this.clamped?.name || values[name] !== this.state[name]) this.clamped = null;
+    this.slid = slid;
     this.state = { ...this.state, ...values };
     this.moved = name;
     if (!dragging) this.showState();
@@ -149,6 +152,8 @@ class Explorer {
 
   set(state) { // of all controls at once
     this.moved = "";
+    this.slid = false;
+    this.clamped = null;
     this.state = { ...state };
     this.showState();
     this.ask(false);
@@ -194,7 +199,16 @@ class Explorer {
     try { history.replaceState(null, "", `#${link}`); } catch { location.hash = link; }
   }
 
-  fail(text) { // the pictures stay those of the last values that worked
+  clamp(text, value) { // the control that slides stops there
+    const { moved } = this;
+    this.clamped = { name: moved, text: `${moved} stays at ${shortNumber(value)}: ${text}` };
+    this.state = { ...this.state, [moved]: value };
+    this.showState();
+    this.ask(false);
+  }
+
+  fail(text, limits = {}) { // the pictures stay those of the last values that worked
+    if (this.slid && this.moved in limits) return this.clamp(text, limits[this.moved]);
     clearTimeout(this.waiting);
     this.busy.hidden = true;
     this.held = null;

@@ -52,6 +52,6 @@ class PointDrag { // of the points of the curve; the parameters follow, and with
     const { speed, coefficient } = handles[place], right = handles[place + 1]?.x ?? Infinity;
     const moved = { [coefficient]: between(0, Y.value(event.clientY - box.top), Infinity) };
     if (speed) moved[speed] = between(handles[place - 1].x + apart, X.value(event.clientX - box.left), right - apart);
-    this.explorer.changeAll(moved, dragging);
+    this.explorer.changeAll(moved, dragging, true);
   }
 }

@@ -50,7 +50,7 @@ function render({ model, el }) {
   function show() { // several values change in one message: they are shown once
     due = false;
     const { picture, error } = { picture: model.get("picture"), error: model.get("error") };
-    if (error) return explorer.fail(error);
+    if (error) return explorer.fail(error, model.get("limits"));
     if (picture.parameters) explorer.show(engine.result());
   }
   const soon = () => { if (!due) queueMicrotask(show); due = true; };
