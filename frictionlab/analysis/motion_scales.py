@@ -24,6 +24,10 @@ Array = NDArray[np.float64]
 MIN_RANGE_RTOL = 1e-6
 AT_REST_RTOL = 1e-9  # a coordinate whose range is a smaller share of its values counts as at rest
 
+SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
+AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
+SAMPLES_AT_REST = 65
+
 LEAST_MOTION_RTOL = 1e-6  # least size of the motion of a group of states, as a share of its largest value
 
 DEFAULT_PERIOD = 0.1  # s, about that of the slider on a belt
@@ -74,6 +78,35 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
         largest = max(ranges[group].max(initial=0.0), LEAST_MOTION_RTOL * values[group].max(initial=0.0))
         ranges[group] = largest or 1.0
     return ranges
+
+
+def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
+    """Whether no coordinate changes in a part of a run, relative to its size or distance from the start."""
+    count = run.automaton.coordinates or len(run.names)
+    states = run(np.linspace(*span, SAMPLES_AT_REST))[:, :count]
+    began = run(np.zeros(1))[:, :count]
+    size = max(float(np.abs(states - began).max()), float(np.abs(states).max()))
+    return bool(np.ptp(states, axis=0).max() <= AT_REST_RTOL * size)
+
+
+def time_of_rest(run: Trajectory) -> float:
+    """When a run came to rest (s): from then on no coordinate visibly differs from its last value."""
+    q = run.states[:, : run.automaton.coordinates or len(run.names)]
+    away = np.abs(q - q[-1]).max(axis=1)
+    moved = np.flatnonzero(away > SEEN * away.max())
+    after = min(int(moved[-1]) + 1, len(q) - 1) if len(moved) else len(q) - 1
+    # The last event may come long after the last visible change, as the impacts of a ball do.
+    events = run.events.t
+    return max(float(run.t[after]), float(events[-1]) if len(events) else 0.0)
+
+
+def moving_span(run: Trajectory, seconds: float) -> tuple[float, float]:
+    """Start and end of the last seconds of a run or, if nothing moves in them, of what moved before."""
+    end = float(run.raw.t)
+    span = max(0.0, end - seconds), end
+    if span[0] == 0.0 or not is_at_rest(run, span):
+        return span
+    return 0.0, min(end, AFTER_REST * time_of_rest(run))
 
 
 def oscillation_period(source: ModelOrAutomaton | None) -> float:

@@ -115,8 +115,9 @@ class HybridAutomaton:
 
     @property
     def shown_state(self) -> str:
-        """What pictures show where no state is named: the first that does not turn for ever."""
-        return next((name for name in self.state_names if name not in self.cyclic), self.state_names[0])
+        """What pictures show where no state is named: if it can, a coordinate that does not turn for ever."""
+        names = self.state_names[: self.coordinates]
+        return next((name for name in names if name not in self.cyclic), self.state_names[0])
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""

@@ -66,7 +66,7 @@ from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
     Array,
-    Periods,
+    MovingPeriods,
     Window,
     check_run,
     check_run_with_coordinates,
@@ -87,7 +87,7 @@ if TYPE_CHECKING:
     from frictionlab.analysis.verify import Verification
     from frictionlab.hybrid.trajectory import Trajectory
 
-PHASE_PLANE_WINDOW = Periods(20.0)  # long enough to tell a cycle that closes from one that does not
+PHASE_PLANE_WINDOW = MovingPeriods(20.0)  # long enough to tell a cycle that closes from one that does not
 DECADES = 5
 SPECTROGRAM_DECADES = 4  # 80 dB
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
@@ -429,7 +429,7 @@ def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = 
         Where to draw; None makes a new figure that belongs to no window.
     window : float, (float, float) or None
         What the panels over time show: seconds at the end, start and end time, or None for the whole run;
-        by default some eight periods.
+        by default some eight periods, or what moved before them where they show nothing.
 
     Returns
     -------

@@ -15,7 +15,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.analysis.motion_scales import moving_span, oscillation_period
 from frictionlab.hybrid.trajectory import check_run
 from frictionlab.plotting.appearance import (
     BLACK,
@@ -54,9 +54,13 @@ class Periods(NamedTuple):
     count: float
 
 
+class MovingPeriods(Periods):
+    """The same or, where nothing moves in it, the run from its start until shortly after it came to rest."""
+
+
 Window = float | tuple[float, float] | Periods | None
 
-DEFAULT_WINDOW = Periods(7.5)  # 0.75 s of the slider on a belt
+DEFAULT_WINDOW = MovingPeriods(7.5)  # 0.75 s of the slider on a belt
 
 
 def end_time(run: Trajectory) -> float:
@@ -87,7 +91,10 @@ def window_limits(run: Trajectory, window: Window = DEFAULT_WINDOW) -> tuple[flo
     if window is None:
         return 0.0, end
     if isinstance(window, Periods):
-        window = window.count * oscillation_period(run.source)
+        seconds = window.count * oscillation_period(run.source)
+        if isinstance(window, MovingPeriods):
+            return moving_span(run, seconds)
+        window = seconds
     if isinstance(window, Real):
         seconds = check_number("window", window, cure=WINDOW_CURE)
         start, stop = max(0.0, end - seconds), end
@@ -213,7 +220,8 @@ def plot_displacements(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods,
+        or what moved before them where they show nothing.
     shade : bool
         Whether to shade the modes.
     **line
@@ -263,7 +271,8 @@ def plot_rates(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods,
+        or what moved before them where they show nothing.
     shade : bool
         Whether to shade the modes.
     **line
@@ -324,7 +333,8 @@ def plot_contact_forces(
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     window : float, (float, float) or None
-        Seconds at the end, start and end time, or None for the whole run; by default some eight periods.
+        Seconds at the end, start and end time, or None for the whole run; by default some eight periods,
+        or what moved before them where they show nothing.
     shade : bool
         Whether to shade the modes.
     **line

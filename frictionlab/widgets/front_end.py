@@ -14,6 +14,7 @@ import numpy as np
 import traitlets
 from matplotlib.colors import to_hex
 
+from frictionlab.analysis.motion_scales import time_of_rest
 from frictionlab.hybrid.problem import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model
@@ -22,7 +23,7 @@ from frictionlab.pages.page_data import friction_formulas
 from frictionlab.pages.scene import Data, friction_points, has_friction_curve, quantity_data
 from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.widgets.result import Array, Result, python_snippet, time_of_rest
+from frictionlab.widgets.result import Array, Result, python_snippet
 
 from .sound import listen
 

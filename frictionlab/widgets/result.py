@@ -12,7 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import frictionlab
-from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum, rounded_period
+from frictionlab.analysis.motion_scales import (
+    Spectrum,
+    amplitude_spectrum,
+    is_at_rest,
+    moving_span,
+    rounded_period,
+)
 from frictionlab.analysis.simulate import simulate
 from frictionlab.components.component import Component
 from frictionlab.hybrid.methods.base import Method
@@ -44,10 +50,6 @@ PERIODICITY_TOLERANCE = 1e-10  # tolerance of runs that are tested for whether t
 
 MAX_STEPS = 300_000  # 100 s of the paper's system with all its chatter take 200 000 steps
 SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES = 40, 800, 20_000  # samples of what is shown
-AT_REST = 1e-9  # share of the size of a motion: what varies less has come to rest
-SEEN = 1e-3  # share of the size of a motion: what varies less is not seen in a picture
-AFTER_REST = 1.15  # time shown of a motion that comes to rest, relative to the time until rest
-SAMPLES_AT_REST = 65
 MAX_EVENTS = 1000  # events of what is shown: with more, their jumps are not seen
 STEADY = 0.95  # a motion that keeps less than this share of its size over half a run decays
 
@@ -154,25 +156,6 @@ def _component_classes(component: Component) -> Iterator[type]:
         yield from _component_classes(value)
 
 
-def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
-    """Whether no coordinate changes in a part of a run, relative to its size or distance from the start."""
-    states = run(np.linspace(*span, SAMPLES_AT_REST))[:, : run.automaton.coordinates]
-    began = run(np.zeros(1))[:, : run.automaton.coordinates]
-    size = max(float(np.abs(states - began).max()), float(np.abs(states).max()))
-    return bool(np.ptp(states, axis=0).max() <= AT_REST * size)
-
-
-def time_of_rest(run: Trajectory) -> float:
-    """When a run came to rest (s): from then on no coordinate visibly differs from its last value."""
-    q = run.states[:, : run.automaton.coordinates]
-    away = np.abs(q - q[-1]).max(axis=1)
-    moved = np.flatnonzero(away > SEEN * away.max())
-    after = min(int(moved[-1]) + 1, len(q) - 1) if len(moved) else len(q) - 1
-    # The last event may come long after the last visible change, as the impacts of a ball do.
-    events = run.events.t
-    return max(float(run.t[after]), float(events[-1]) if len(events) else 0.0)
-
-
 class Result:
     """The run, the equilibrium and its eigenvalues for one setting.
 
@@ -235,11 +218,7 @@ class Result:
         shown = SHOWN_PERIODS * rounded_period(self.model)
         if window == BEGINNING:
             return 0.0, min(end, shown)
-        seconds = shown if moving else float(window)
-        span = max(0.0, end - seconds), end
-        if not moving or span[0] == 0.0 or not is_at_rest(self.run, span):
-            return span
-        return 0.0, min(end, AFTER_REST * time_of_rest(self.run))
+        return moving_span(self.run, shown) if moving else (max(0.0, end - float(window)), end)
 
     @property
     def is_moving(self) -> bool:

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 import frictionlab as fl
 from frictionlab import plotting
 from frictionlab.plotting.labels import state_label
-from frictionlab.plotting.time_histories import mode_intervals
+from frictionlab.plotting.time_histories import Periods, mode_intervals, window_limits
 from frictionlab.presentation import state_unit
+from tests.helpers.automata import oscillator
 
 SCENES = {
     "all": fl.SliderOnBelt(mu_k=1.4),
@@ -172,3 +173,17 @@ def test_coordinates_with_greek_names_are_angles():
     assert {name: state_label(name) for name in labels} == labels
     units = {"alpha": "rad", "beta1'": "rad/s", "phi_M": "rad", "a": "m", "x_left'": "m/s"}
     assert {name: state_unit(name) for name in units} == units
+
+
+def test_the_first_coordinate_that_does_not_turn_for_ever_is_shown():
+    systems = fl.Woodpecker(), fl.DrillString(), fl.MassOnBelt(), oscillator()
+    assert [each.automaton().shown_state for each in systems[:3]] == ["phi_M", "phi1", "x"]
+    assert systems[3].shown_state == "x"
+
+
+def test_where_nothing_moves_at_the_end_what_moved_is_shown():
+    run = fl.simulate(fl.RockingBlock(), 60.0, progress=False)
+    start, stop = window_limits(run)
+    assert start == 0.0
+    assert run.events.t[-1] < stop < 60.0
+    assert window_limits(run, Periods(1.0))[1] == 60.0
