@@ -231,7 +231,7 @@ def run_automaton(
         automaton,
         problem,
         raw.cut(len(state)) if asked[1] else raw,
-        Sampling(method.degree, method.parts, times, tuple(asked[0])),
+        Sampling(method.order_of(problem.program), method.parts, times, tuple(asked[0])),
         quadratures=dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True)),
         description={"method": method.describe(), "t_end": float(t_end)},
         source=options.source,

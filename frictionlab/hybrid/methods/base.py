@@ -40,7 +40,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import Code, System
+from frictionlab.tape.program import Code, Program, System
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -228,6 +228,10 @@ class Method(ABC):
     def degree(self) -> int:
         """Order of the Taylor series that choose modes and give the dense output."""
 
+    def order_of(self, program: Program) -> int:
+        """The degree for runs of a program."""
+        return self.degree
+
     @abstractmethod
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         """Fill `record` until it is full (RUNNING), or return why the run ends; see `run_state`."""
@@ -269,12 +273,13 @@ class Method(ABC):
                     status = Status.INTERRUPTED
                 elif end == run_state.MODE_NOT_DERIVED:
                     run = self._with_missing_mode(run)
-            SPARE_SCRATCH.give((run.problem.program, self.degree), run.scratch)
+            program = run.problem.program
+            SPARE_SCRATCH.give((program, self.order_of(program)), run.scratch)
             if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
                 SPARE_RECORDS.give(_record_sizes(record), record)
             end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
-            SPARE_STATES.give(_state_sizes(run.problem.program.code), run.cursor)
-            return pieces.raw(run.problem.program.code, *end)
+            SPARE_STATES.give(_state_sizes(program.code), run.cursor)
+            return pieces.raw(program.code, *end)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
@@ -286,14 +291,14 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        sizes = _state_sizes(problem.program.code)
+        sizes, order = _state_sizes(problem.program.code), self.order_of(problem.program)
         cursor = SPARE_STATES.take(sizes, lambda: new_run_state(*sizes))
         begin_run(cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         run = self._prepare(problem, cursor)
-        mode, missing = initial_mode(run, self.degree)
+        mode, missing = initial_mode(run, order)
         while missing != NO_MODE:
             run = self._prepare(run.with_missing_mode(), cursor)
-            mode, missing = initial_mode(run, self.degree)
+            mode, missing = initial_mode(run, order)
         cursor.counts[run_state.MODE] = mode
         return run
 
@@ -308,9 +313,9 @@ class Method(ABC):
         self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
     ) -> ActiveRun:
         program = problem.program
-        native, degree, queue = native_code(program), self.degree, new_queue(program.demand)
+        native, order, queue = native_code(program), self.order_of(program), new_queue(program.demand)
         scratch = SPARE_SCRATCH.take(
-            (program, degree), lambda: new_scratch(program.slots, program.code, degree)
+            (program, order), lambda: new_scratch(program.slots, program.code, order)
         )
         clear_scratch(scratch)
         return ActiveRun(problem, native, native.system(problem.numbers), cursor, scratch, queue, event)
@@ -330,7 +335,7 @@ class Method(ABC):
             and (steps, events) == (len(last.step_modes), len(last.event_times))
         ):
             return last
-        points = (self.degree + 2) * code.sections.shape[1]
+        points = (self.order_of(run.problem.program) + 2) * code.sections.shape[1]
         sizes = code.inputs, steps, events, points + (RECORD_CAPACITY if points else 0)
         return SPARE_RECORDS.take(sizes, lambda: new_record(code, *sizes[1:]))
 

@@ -42,6 +42,7 @@ from frictionlab.validation import check_choice, check_field, explains_fields
 CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
+AFFINE_ORDER = 26  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
 
@@ -236,6 +237,7 @@ class Taylor(Method):
         Order of the series; None takes ceil(5 - 0.6 ln(tol)), 26 at 1e-15 and 14 at 1e-6.  Where products
         dominate the cost, 1 - 0.5 ln(tol) would be cheapest (Jorba & Zou 2005).  Here much of a step's cost
         does not depend on the order, which favours higher ones, most of all for loose tolerances.
+        Where one affine map serves for all steps, None takes 26 at least.
     chatter : float or None
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
         (mode "chatter"); the error is proportional to its square.  None takes 2e-5 of the time in which the
@@ -281,6 +283,9 @@ class Taylor(Method):
     def degree(self) -> int:
         return self.order or order_of_tolerance(self.tol)
 
+    def order_of(self, program: Program) -> int:
+        return max(self.degree, AFFINE_ORDER if self.order is None and is_affine(program) else 0)
+
     def chatter_limit(self, automaton: HybridAutomaton) -> float:
         return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter
 
@@ -292,7 +297,8 @@ class Taylor(Method):
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        truncation, arrays = prepared_truncation(self.degree, self.tol), (run.cursor, record, run.scratch)
+        truncation = prepared_truncation(self.order_of(run.problem.program), self.tol)
+        arrays = run.cursor, record, run.scratch
         if not is_affine(run.problem.program):
             return taylor_steps.advance_taylor(run.system, truncation, *arrays)
         sizes = run.system.code.inputs, len(run.system.code.ops)

@@ -54,6 +54,17 @@ def test_steps_do_not_depend_on_the_end_of_the_run():
     np.testing.assert_array_equal(short, long[: len(short)])
 
 
+def test_a_looser_tolerance_means_fewer_steps_which_are_as_exact_as_it_says():
+    x, v = sp.symbols("x v")
+    swing = fl.HybridAutomaton((x, v), (fl.Mode("on", (v, -x)),), coordinates=1)
+    times, steps = np.linspace(0.0, 20.0, 101), []
+    for tol in (1e-15, 1e-9, 1e-6, 1e-3):
+        run = fl.solve(swing, 20.0, x0=[1.0, 0.0], method=fl.Taylor(tol=tol), t_eval=times, progress=False)
+        assert np.abs(run["x"] - np.cos(times)).max() < 200 * max(tol, 1e-14)
+        steps.append(run.stats["steps"])
+    assert steps == sorted(set(steps), reverse=True)
+
+
 @pytest.mark.parametrize("count", [1, 3, 17])  # the maps of several steps are for few states
 def test_oscillators_side_by_side(count):
     x, v = sp.symbols(f"x:{count}"), sp.symbols(f"v:{count}")
