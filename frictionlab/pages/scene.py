@@ -15,6 +15,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Parameter
 from frictionlab.components.friction import FrictionCurve, FrictionLaw
 from frictionlab.models.composition import parameter_metadata, parameter_owners
+from frictionlab.models.library.challenges import CHALLENGES
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
 from frictionlab.models.model import Model
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
@@ -54,6 +55,7 @@ def scene_data(
         "windows": windows(model),
         "mechanism": mechanism_data(model),
         "points": friction_points(model),
+        "challenges": challenge_data(model),
         "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
     }
 
@@ -75,6 +77,23 @@ def friction_points(model: Model) -> list[list[str]]:
     if not isinstance(getattr(model, "friction", None), FrictionCurve):
         return []
     return [["", "mu_0"], *([f"v_{i}", f"mu_{i}"] for i in range(1, 5))]
+
+
+def challenge_data(model: Model) -> list[Data]:
+    """The challenges about models of these laws; each begins with the parameters of its own model."""
+    fitting = (each for each in CHALLENGES if type(each.model) is type(model))
+    return [
+        {
+            "name": each.name,
+            "question": each.question,
+            "state": {**each.model.parameters, "start": each.start},
+            "goal": dict(each.goal),
+            "may": list(each.may),
+            "most": each.most,
+        }
+        for each in fitting
+        if each.model.structure_key == model.structure_key
+    ]
 
 
 def model_call(model: Model) -> str:

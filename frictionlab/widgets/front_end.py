@@ -29,6 +29,7 @@ from .sound import listen
 
 MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+", "x": "x"}
 SOLID = "-", "solid"
+TURN_OF_FORCE = "period"  # the event at each period of a force in time, which is no impact
 NO_LINE = "none", "None", "", " "
 FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
@@ -155,7 +156,7 @@ def run_data(result: Result, needs_spectrum: bool) -> Data:
     samples = result.samples()
     return sampled_run(run, result.model, *samples) | {
         "mode": run.mode_names[run.raw.step_modes[-1]] if len(run.raw.step_modes) else "",
-        "struck": bool(np.any(run.events.t > samples[0][0])),
+        "struck": bool(np.any((run.events.t > samples[0][0]) & (run.events.guard != TURN_OF_FORCE))),
         "moving": moving,
         "decays": result.decays if moving else False,
         "rest": None if moving else time_of_rest(run),

@@ -546,3 +546,22 @@ def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(
     assert "unstable" in page.inner_text(".fl-words")
     assert not page.problems
     page.context.close()
+
+
+def test_a_challenge_is_solved_and_its_link_is_the_proof(browser, tmp_path):
+    path = exported(fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.2), tmp_path / "mass.html")
+    page = opened(browser, path)
+    page.select_option("select[aria-label=challenge]", label="faster")
+    wait_until(page, "explorer.challengeBox.innerText.includes('Not yet.') && explorer.state.c === 0.1")
+    page.fill(".fl-control.fl-v .fl-field", "1.5")
+    page.keyboard.press("Enter")
+    wait_until(page, "explorer.challengeBox.innerText.includes('Solved: v = 1.5.')")
+    link = page.evaluate("explorer.link()")
+    assert not page.problems
+    page.context.close()
+    proof = opened(browser, path, fragment="#" + link.partition("#")[2])
+    assert "End the stick-slip by the belt's speed alone.\n\nSolved: v = 1.5." in proof.inner_text(
+        ".fl-challenge"
+    )
+    assert not proof.problems
+    proof.context.close()

@@ -60,7 +60,7 @@ class BrowserEngine {
       structure, samples, start, stop, coordinate, from: state.start, highest: SCENE.highest, size: largest(structure.states.slice(0, structure.coordinates).map(samples.column)),
       parameters: Object.fromEntries(structure.parameters.map((name, i) => [name, run.values[i]])),
       finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode], final: run.state,
-      struck: Array.from(run.eventTimes).some((t) => t > start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
+      struck: this.strikes(run, start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
       equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
       reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or stiffnesses",
       friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {}, milliseconds: run.milliseconds,
@@ -75,6 +75,10 @@ class BrowserEngine {
   equilibriumData({ z, sliding }, { structure, values }) {
     const outputs = structure.outputs.functions[sliding.mode](z, values), of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
     return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"), friction_force: of("friction_force") };
+  }
+
+  strikes({ structure, eventTimes, eventCodes }, start) { // an event that is no period of a force in time
+    return Array.from(eventTimes).some((t, i) => t > start && structure.guards[Number(eventCodes[3 * i])] !== "period");
   }
 
   frictionOf(known, { structure, values }) {

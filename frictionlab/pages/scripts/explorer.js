@@ -18,7 +18,7 @@ class Explorer {
   }
 
   open(scene, state = scene.initial) { // another scene, or this one anew
-    Object.assign(this, { scene, state: { ...state }, result: null, kept: null, picture: null });
+    Object.assign(this, { scene, state: { ...state }, result: null, kept: null, picture: null, challenge: null });
     this.history = new StateHistory({ ...scene.initial });
     this.history.record({ ...state });
     this.build();
@@ -34,7 +34,7 @@ class Explorer {
     const buttons = html("div", { className: "fl-buttons" }, [
       button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
       button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
-      button("reset", "reset", "All controls back to the values of the start", () => this.set(scene.initial)),
+      button("reset", "reset", "All controls back to the values of the start", () => this.set(this.beginning)),
       button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
       button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
       button("copy", "copy as Python", "Copy as Python (c)", () => this.copy(this.engine.python(this.state), "copied as Python")),
@@ -47,9 +47,9 @@ class Explorer {
     this.swapButton.disabled = true;
     const title = html("h1", { className: "fl-title", textContent: scene.title });
     const about = html("p", { className: "fl-about", textContent: scene.about });
-    const side = html("section", { className: "fl-side", ariaLabel: "controls" }, [this.statusBox(), part("words"), part("numbers"), part("comparison"), ...this.controlGroups()]);
+    const side = html("section", { className: "fl-side", ariaLabel: "controls" }, [(this.challengeBox = html("div", { className: "fl-challenge" })), this.statusBox(), part("words"), part("numbers"), part("comparison"), ...this.controlGroups()]);
     const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" }, scene.panels.map((name) => this.panel(name)));
-    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]), body = html("main", { className: "fl-body" }, [side, pictures]);
+    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), ...this.challengeMenu(), buttons]), body = html("main", { className: "fl-body" }, [side, pictures]);
     this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures])); // a run that is watched has no controls
     this.observer.disconnect();
     this.observer.observe(pictures);
@@ -69,6 +69,29 @@ class Explorer {
     const list = html("select", { ariaLabel: "scene" }, menu.map(({ name, label }) => html("option", { value: name, textContent: label ?? name, selected: name === this.scene.name })));
     list.onchange = () => this.choose(list.value);
     return [html("label", { className: "fl-scene" }, ["scene ", list])];
+  }
+
+  get beginning() { return this.challenge ? challengeState(this.scene, this.challenge) : this.scene.initial; }
+
+  challengeMenu() {
+    const { challenges } = this.scene;
+    if (!challenges.length) return [];
+    this.challengeList = html("select", { ariaLabel: "challenge" }, [{ name: "" }, ...challenges].map(({ name }) => html("option", { value: name, textContent: name || "none" })));
+    this.challengeList.onchange = () => this.take(challenges.find(({ name }) => name === this.challengeList.value) ?? null);
+    return [html("label", { className: "fl-scene" }, ["challenge ", this.challengeList])];
+  }
+
+  take(challenge, state = challenge ? challengeState(this.scene, challenge) : this.state) { // up a challenge, or none
+    this.challenge = challenge;
+    this.set(state);
+  }
+
+  tellChallenge() {
+    const { challenge } = this;
+    if (!challenge) return this.challengeBox.replaceChildren();
+    const { solved, text } = challengeAnswer(challenge, this.scene, this.state, this.result);
+    const answer = html("strong", { className: solved ? "fl-solved" : "", role: "status", textContent: text });
+    this.challengeBox.replaceChildren(html("p", { textContent: challenge.question }), html("p", {}, [answer]));
   }
 
   choose(name) { // a scene of the menu: a state of this model, or one that the engine opens
@@ -129,9 +152,10 @@ class Explorer {
     }
     const runs = this.root.querySelector(".fl-group-run");
     if (runs && this.result) runs.hidden = !this.result.samples; // where no panel shows a run
+    if (this.challengeList) this.challengeList.value = this.challenge?.name ?? "";
     this.undoButton.disabled = !this.history.place;
     this.redoButton.disabled = this.history.place + 1 >= this.history.states.length;
-    this.resetButton.disabled = sameValue(this.state, this.scene.initial);
+    this.resetButton.disabled = sameValue(this.state, this.beginning);
   }
 
   // --- from a control to the pictures ------------------------------------------------------------------------------------
@@ -195,7 +219,7 @@ class Explorer {
     this.history.record({ ...this.state });
     this.showState();
     if (!this.options.address) return;
-    const link = linkText(this.state, this.scene);
+    const link = linkText(this.state, this.scene, this.challenge);
     try { history.replaceState(null, "", `#${link}`); } catch { location.hash = link; }
   }
 
@@ -229,6 +253,7 @@ class Explorer {
     this.say(result.status, !result.finished);
     this.words.textContent = verdict(result);
     this.numbers.replaceChildren(...equilibriumTexts(result).map((text) => html("span", {}, labelNodes(text))));
+    this.tellChallenge();
     if (this.kept) this.comparison.replaceChildren(...this.comparisonTexts());
   }
 
@@ -380,7 +405,7 @@ class Explorer {
     return [`dotted, kept: ${values(before)}`, `solid, now: ${values(this.state)}`, `Kept: ${this.kept.verdict}`].map((text) => html("p", { textContent: text }));
   }
 
-  link() { return `${location.href.split("#")[0]}#${linkText(this.state, this.scene)}`; }
+  link() { return `${location.href.split("#")[0]}#${linkText(this.state, this.scene, this.challenge)}`; }
 
   load(text) {
     const { model, scene, changed } = stateFromText(text);

@@ -7,12 +7,16 @@ async function begin() {
   try { solver = await loadSolver(); } catch (error) { root.textContent = `this browser cannot run the solver: ${error.message}`; return; }
   bindFunctions(solver);
   explorer = new Explorer(root, SCENE, new BrowserEngine(solver), { address: true });
-  const { state, plays } = readLink(location.hash, SCENE);
-  explorer.state = state;
+  const { state, plays, challenge } = readLink(location.hash, SCENE);
+  Object.assign(explorer, { challenge, state });
   explorer.showState();
   explorer.compute(false);
   if (plays && explorer.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) explorer.toggle();
-  onhashchange = () => { if (location.hash.slice(1) !== linkText(explorer.state, SCENE)) explorer.set(readLink(location.hash, SCENE).state); };
+  onhashchange = () => {
+    if (location.hash.slice(1) === linkText(explorer.state, SCENE, explorer.challenge)) return;
+    const asked = readLink(location.hash, SCENE);
+    explorer.take(asked.challenge, asked.state);
+  };
   addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) explorer.setTheme(data.theme); }); // from the page that embeds this one
   document.addEventListener("keydown", (event) => { if (event.target === document.body) explorer.key(event); });
   document.body.dataset.ready = "yes";

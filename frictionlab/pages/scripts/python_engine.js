@@ -56,7 +56,7 @@ function render({ model, el }) {
   const soon = () => { if (!due) queueMicrotask(show); due = true; };
   const reopen = () => {
     explorer.open(model.get("scene"), model.get("state"));
-    if (link) follow(readLink(link, model.get("scene")).state);
+    if (link) follow(readLink(link, model.get("scene")));
   };
   const take = () => { // controls that were set in Python
     if (!sameValue(explorer.state, model.get("state")) && Object.keys(explorer.state).every((name) => name in model.get("state"))) {
@@ -64,9 +64,9 @@ function render({ model, el }) {
       explorer.showState();
     }
   };
-  function follow(state) {
+  function follow({ state, challenge }) {
     link = "";
-    explorer.set(state);
+    explorer.take(challenge, state);
   }
   const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon, "msg:custom": (...message) => engine.heard?.(...message) };
   for (const [name, does] of Object.entries(changes)) model.on(name, does);
@@ -76,7 +76,7 @@ function render({ model, el }) {
   show();
   if (link) {
     const asked = readLink(link, model.get("scene"));
-    asked.scene && asked.scene !== model.get("scene").name ? engine.choose(asked.scene) : follow(asked.state);
+    asked.scene && asked.scene !== model.get("scene").name ? engine.choose(asked.scene) : follow(asked);
   }
   const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (explorer.playButton && !calm && model.get("scene").plays) explorer.toggle();

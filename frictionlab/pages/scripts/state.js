@@ -27,8 +27,9 @@ class StateHistory {
   }
 }
 
-function linkText(state, scene) { // what differs from the beginning
+function linkText(state, scene, challenge = null) { // what differs from the beginning
   const changed = differences(scene.initial, state), parts = scene.name ? [["scene", scene.name]] : [];
+  if (challenge) parts.push(["challenge", challenge.name]);
   const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter), add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
   changed.filter(isParameter).forEach(add);
   if (changed.some(isSwitch)) parts.push(["without", switchesOff(state).join(",")]);
@@ -41,9 +42,10 @@ const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name
 
 function readLink(text, scene) { // {state, scene, plays}; what no control can be set to is left out
   const state = { ...scene.initial }, words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
-  const found = { state, scene: "", plays: false, given: {} };
+  const found = { state, scene: "", plays: false, challenge: null, given: {} };
   for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (word === "scene") found.scene = value;
+    else if (word === "challenge") found.challenge = scene.challenges.find(({ name }) => name === value) ?? null;
     else if (word === "play") found.plays = value === "1"; // it plays as soon as it is loaded, for pages embedded in others
     else found.given[word] = value;
     const about = scene.controls.find(({ name }) => name === (words[word] ?? word)), number = Number(value);
