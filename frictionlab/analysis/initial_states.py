@@ -12,7 +12,7 @@ from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
-from frictionlab.models.model import REST, Model, ModelOrAutomaton, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, MovingSystem, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
@@ -27,14 +27,6 @@ def initial_state_of(
     model's automaton where it is at hand, to save its assembly.
     """
     automaton = automaton_of(model) if automaton is None else automaton
-    if not (isinstance(x0, str) and x0 == "rest" and isinstance(model, Model)):
-        return _initial_state(model, x0, automaton)
-    if REST not in vars(model):
-        vars(model)[REST] = _initial_state(model, x0, automaton)
-    return vars(model)[REST].copy()
-
-
-def _initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
     start = state_from_x0(automaton, _completed(model, x0, automaton))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
@@ -51,7 +43,9 @@ def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> 
     """The state that a name stands for; a mapping or an array with the states that it leaves out."""
     if isinstance(x0, str):
         check_choice("x0", x0, ("rest", "near"), "or give numbers, one for each state")
-        return displaced_equilibrium(model) if x0 == "near" else _state_at_rest(model, automaton)
+        if x0 == "rest":
+            return _state_at_rest(model, automaton)
+        return model.near_equilibrium() if isinstance(model, MovingSystem) else displaced_equilibrium(model)
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, _state_at_rest(model, automaton))
     if not isinstance(model, Model):

@@ -9,13 +9,13 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, with_warning
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import Model, require_model
+from frictionlab.models.model import Model, MovingSystem, require_model
 from frictionlab.validation import explains_keywords
 
 
 @explains_keywords
 def simulate(
-    model: Model,
+    model: Model | MovingSystem,
     t_end: float,
     *,
     x0: Any = "rest",
@@ -29,8 +29,9 @@ def simulate(
 
     Parameters
     ----------
-    model : Model
-        SliderOnBelt, another of :func:`frictionlab.list_models`, or your own.
+    model : Model or Structure
+        SliderOnBelt, another of :func:`frictionlab.list_models`, or your own; or a structure given by its
+        matrices.
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (2n,)
@@ -77,7 +78,10 @@ def simulate(
     >>> run.events.target.tolist()
     ['stick']
     """
-    model = require_model(model, cure="write simulate(model, t_end)")
+    if not isinstance(model, MovingSystem):
+        model = require_model(
+            model, "a model such as SliderOnBelt or a Structure", "write simulate(model, t_end)"
+        )
     chosen = method_of(method)
     options = RunOptions(None, t_eval, sections, quadratures, progress, model)
     automaton = model.automaton()

@@ -10,6 +10,8 @@ turns into numbers.
 ``expressions``
     `Combinations`: many sums of a few expressions, as numbers times these, for finite elements.  Also
     products multiplied out, unless that gets too long.
+``matrix_rows``
+    Rows of products of a matrix with expressions, which are atoms to sympy.
 ``hybrid_automaton``
     `HybridAutomaton`: the modes over one state space, with the values of the parameters.
 """

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
-AUTOMATON, REST = NOTES = "_automaton", "_state_at_rest"  # what a model notes of itself, as it never changes
+AUTOMATON = "_automaton"  # what a model notes of itself
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 
 
@@ -53,6 +53,26 @@ class Tone(NamedTuple):
 
     signal: str
     pitch: float
+
+
+class MovingSystem:
+    """Base of what is no model and has coordinates, parameters and an automaton, as a structure has."""
+
+    if TYPE_CHECKING:
+        coordinates: Any
+        parameters: Any
+
+    def automaton(self) -> HybridAutomaton:
+        """The hybrid automaton."""
+        raise NotImplementedError
+
+    def near_equilibrium(self) -> Any:
+        """The state (2n,) for ``x0="near"`` of :func:`frictionlab.simulate`."""
+        raise NotImplementedError
+
+    def replace(self, **changes: Any) -> Self:
+        """The same with other values of parameters."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -263,7 +283,7 @@ class Model(Component):
         """Raise ValueError where masses or contacts are impossible at the values of the parameters."""
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name not in NOTES}
+        return {name: value for name, value in super().__getstate__().items() if name != AUTOMATON}
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.
@@ -308,7 +328,7 @@ class Model(Component):
         return f"{type(self).__name__}({', '.join(_differences(self))})"
 
 
-ModelOrAutomaton: TypeAlias = Model | HybridAutomaton  # the subject of a study
+ModelOrAutomaton: TypeAlias = Model | MovingSystem | HybridAutomaton  # the subject of a study
 
 
 def model(cls: type[M]) -> type[M]:
@@ -393,24 +413,24 @@ def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
     TypeError
         If it is neither.
     """
-    return model.parameters if isinstance(model, Model) else automaton_of(model).values
+    named = isinstance(model, (Model, MovingSystem))
+    return model.parameters if named else automaton_of(model).values
 
 
 def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
-    of_model = isinstance(model, Model)
     known = list(values_of(model))
     if not isinstance(name, str) or name not in known:
-        hint = owner_among_laws(name, model.roles, model.components) if of_model else ""
-        kind = type(model) if of_model else HybridAutomaton
+        hint = owner_among_laws(name, model.roles, model.components) if isinstance(model, Model) else ""
+        kind = HybridAutomaton if isinstance(model, HybridAutomaton) else type(model)
         raise unknown_parameter(kind.__name__, name, known, hint)
 
 
 def require_model_or_automaton(model: object, cure: str = MAKE_ONE) -> ModelOrAutomaton:
     """Return the model or automaton; raise TypeError for anything else."""
-    if isinstance(model, HybridAutomaton):
+    if isinstance(model, (HybridAutomaton, MovingSystem)):
         return model
-    return require_model(model, "a model such as SliderOnBelt or a HybridAutomaton", cure)
+    return require_model(model, "a model such as SliderOnBelt, a Structure or a HybridAutomaton", cure)
 
 
 def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
@@ -435,13 +455,14 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
     """
     if isinstance(model, Model):
         return model.to_dict()
-    stored = storable_automaton(model)
+    automaton = automaton_of(model)
+    stored = storable_automaton(automaton)
     if isinstance(stored, str):
         raise ValueError(
             f"the automaton must be one that a file can hold, got one that it cannot, {stored}: write it "
             "with the functions of fl.functions"
         )
-    return {"automaton": stored, "parameters": model.values}
+    return {"automaton": stored, "parameters": automaton.values}
 
 
 def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:

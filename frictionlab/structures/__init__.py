@@ -11,6 +11,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `Structure`: the matrices, checked, the values of the parameters, the window of frequencies.
 ``sliding_contacts``, ``sliding_equilibrium``
     `SlidingContacts`: rows of the freedoms with laws; the static displacements with them.
+``motion``
+    The hybrid automaton of a structure, by which it moves.
 ``quadratic_pencil``
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
 ``reduction``

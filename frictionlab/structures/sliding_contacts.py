@@ -18,6 +18,7 @@ from scipy import sparse
 from frictionlab.components.component import Component, parameters_of
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
+from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.symbols import symbol, symbolic_copy
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, explains_fields, float_array
@@ -75,6 +76,8 @@ class SlidingContacts:
         Velocity (m/s) with which the counterpart moves along the tangent; not 0 with friction.
     N : float, optional
         Normal force (N) of each contact, where no penetration determines it.
+    impact : ImpactLaw, optional
+        Of motions, where a gap closes.  None: no impact, as the contact has no mass.
     penetration : float or array (k,)
         delta_0, that without displacements, m; negative for a gap.
     area : float or array (k,)
@@ -103,6 +106,7 @@ class SlidingContacts:
     friction: FrictionLaw | None = Coulomb()
     v: float = 1.0
     N: float | None = None
+    impact: ImpactLaw | None = None
     penetration: Any = 0.0
     area: Any = 1.0
 
@@ -157,7 +161,7 @@ class SlidingContacts:
     def with_values(self, values: Mapping[str, float]) -> Self:
         """The same contacts with other values of parameters, checked by their rules."""
         changes: dict[str, Any] = {name: values[name] for name in ("v", "N") if name in values}
-        for role in ("contact", "friction"):
+        for role in ("contact", "friction", "impact"):
             law: Component | None = getattr(self, role)
             if law is None:
                 continue
@@ -221,6 +225,19 @@ class SlidingContacts:
         pressed = 0.0 if self.normal is None else -(self.normal.T @ forces.normal)
         return pressed if self.tangential is None else pressed + self.tangential.T @ forces.friction
 
+    def reach(
+        self, forces: ContactForces, shape: Any, value: complex, values: Mapping[str, float]
+    ) -> list[float]:
+        """How many times a motion Re(shape e^(value t)) about steady sliding may be for its first event."""
+        reach: list[float] = []
+        with np.errstate(divide="ignore"):
+            if self.normal is not None:
+                reach += (np.abs(forces.penetration) / np.abs(self.normal @ shape)).tolist()
+            if self.tangential is not None and self.friction is not None:
+                closed = forces.normal > 0.0
+                reach += (abs(values["v"]) / np.abs(value * (self.tangential @ shape))[closed]).tolist()
+        return reach
+
     def damping(self, forces: ContactForces) -> Any:
         """What friction adds to C (n, n); 0 without friction."""
         if self.tangential is None:
@@ -250,7 +267,8 @@ class SlidingContacts:
     @property
     def _laws(self) -> list[Component]:
         laws: list[Component] = [] if self.normal is None else [self.contact]
-        return laws if self.friction is None else [*laws, self.friction]
+        laws += [] if self.friction is None else [self.friction]
+        return laws if self.impact is None else [*laws, self.impact]
 
     @property
     def _any_rows(self) -> Any:
@@ -276,9 +294,10 @@ class SlidingContacts:
         return law.structure_key.parameters
 
     def _check_laws(self) -> None:
-        for name, kind in (("contact", ContactLaw), ("friction", FrictionLaw)):
+        kinds = (("contact", ContactLaw), ("friction", FrictionLaw), ("impact", ImpactLaw))
+        for name, kind in kinds:
             law = getattr(self, name)
-            if not isinstance(law, kind) and not (law is None and name == "friction"):
+            if not isinstance(law, kind) and not (law is None and name != "contact"):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {abbreviate(law)}: give one")
         if self.friction is not None and self.friction.states:
             raise ValueError(

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.models.model import MovingSystem
 from frictionlab.presentation import count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
 from frictionlab.stability.eigenproblems.root_locus import RootLocus
@@ -48,12 +50,13 @@ OWNERS = ("C", "contacts")  # fields that may have parameters of their own
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
 REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
+NEAR = 0.01  # of the size at which a mode's motion meets an event
 LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only the sign matters
 
 
 @explains_fields
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure(LargeSystem[WindowEigenvalues]):
+class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
     """M q'' + (C + G) q' + (K + N) q = load + forces of contacts, a structure with n freedoms.
 
     It moves little about a state in which all contacts slide steadily, or are open.
@@ -261,9 +264,33 @@ class Structure(LargeSystem[WindowEigenvalues]):
         if not isinstance(name, str) or name not in self.parameters:
             raise unknown_parameter(type(self).__name__, name, list(self.parameters))
 
+    def automaton(self) -> HybridAutomaton:
+        """The hybrid automaton of its motion; those that differ in values of parameters share its modes."""
+        from frictionlab.structures.motion import automaton_of_structure
+
+        return automaton_of_structure(self)
+
     def find_equilibrium(self) -> Equilibrium:
         """The static displacements under load and contacts, which are zero without these."""
         return equilibrium_of(self)
+
+    def near_equilibrium(self) -> Array:
+        """The equilibrium (2n,), displaced along the mode that grows fastest or decays most slowly.
+
+        It is one percent of the displacement with which a contact would meet an event, or of one with that
+        many times the static displacements.
+        """
+        modes = self.find_eigenvalues()
+        first = int(np.argmax(modes.values.real))
+        value, shape = modes.values[first], modes.vectors[: self.size, first]
+        reach = [np.inf]
+        for one, acting in zip(self.contacts, self.contact_forces, strict=True):
+            reach += one.reach(acting, shape, value, self.parameters)
+        size = min(reach)
+        if not np.isfinite(size):
+            size = np.abs(self.displacements).max() or 1.0
+        way = NEAR * size * np.concatenate([shape, value * shape]).real
+        return np.concatenate([self.displacements, np.zeros(self.size)]) + way
 
     def find_eigenvalues(self) -> WindowEigenvalues:
         return window_eigenvalues(self, self.find_equilibrium())

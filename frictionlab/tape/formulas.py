@@ -236,6 +236,10 @@ class FormulaBuilder(TapeBuilder):
     def _binary(self, kind: int, a: int, b: int) -> int:
         return self.operation(SQUARE if a == b and kind == PRODUCT else kind, a, b)
 
+    def materialised(self, terms: AffineTerms) -> int:
+        """Slot of a combination of numbers times slots."""
+        return self._materialise({slot: float(c) for slot, c in terms.items()})
+
     def _materialise(self, combination: AffineTerms) -> int:
         """Slot of a combination; terms keep their order, so that a number does not depend on others."""
         numbers = {slot: self.number(c) for slot, c in combination.items()}
@@ -248,6 +252,14 @@ class FormulaBuilder(TapeBuilder):
             self.tape.terms.extend(numbers.items())
             self._slots[key] = self.tape.emit(AFFINE, first, len(self.tape.terms), constant)
         return self._slots[key]
+
+    def _row(self, row: Any) -> AffineTerms:
+        """A row of a product of a matrix, as a combination: formulas hold but what they need."""
+        total: AffineTerms = {}
+        for entry, factor in row.terms():
+            for slot, number in self._lower(factor).items():
+                total[slot] = total.get(slot, 0.0) + entry * number
+        return total
 
     def _power(self, base: Any, exponent: int) -> int:
         slot = self.slot(base)
@@ -767,10 +779,6 @@ class _Differentiation(FormulaBuilder):
         else:
             slot = self.materialised(terms)
         return {self.product(factor, slot): number}
-
-    def materialised(self, terms: AffineTerms) -> int:
-        """Slot of a combination."""
-        return self._materialise({slot: float(c) for slot, c in terms.items()})
 
 
 def _key(tape: Tape, op: tuple[int, int, int], number: float) -> Any:

@@ -22,7 +22,7 @@ from frictionlab.automaton.expressions import multiply_out, within_floats
 from frictionlab.automaton.mode import Expr
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.formulas import FormulaBuilder, Formulas, formulas_of
-from frictionlab.tape.functions import AFFINE
+from frictionlab.tape.functions import AFFINE, CONSTANT_TERM
 from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.program import NOT_POLYNOMIAL, Section
 from frictionlab.tape.tape import AffineTerms, ResetBuilder, Tape, TapeBuilder, TapeError
@@ -208,9 +208,14 @@ class NumberFormulas:
 
     def _slots_of(self, lowered: LoweredTape) -> tuple[list[int], list[int]]:
         if lowered not in self._slots:
-            tape, slot = lowered.tape, self._builder.slot
+            tape, slot = lowered.tape, self._slot
             self._slots[lowered] = [*map(slot, tape.constants)], [slot(c) for _, c in tape.terms]
         return self._slots[lowered]
+
+    def _slot(self, number: Any) -> int:
+        if type(number) is float:  # of a matrix, of which there are many
+            return self._builder.materialised({CONSTANT_TERM: number})
+        return self._builder.slot(number)
 
 
 @lru_cache(maxsize=64)

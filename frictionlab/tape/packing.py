@@ -46,6 +46,7 @@ from frictionlab.tape.program import (
     kept_program,
     numbers_at,
 )
+from frictionlab.tape.tape import FIRST_SHARED, ProductTerms
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
@@ -197,6 +198,33 @@ class GrowingArray:
         return self._room[: self.length]
 
 
+class SharedTerms:
+    """Terms of products of matrices, once for all tapes on which their factors have the same slots."""
+
+    def __init__(self) -> None:
+        self.slots, self.coefficients = np.zeros(0, dtype=np.uint32), np.zeros(0)
+        self._places: dict[tuple[int, bytes], int] = {}
+
+    def place(self, ops: np.ndarray, shared: np.ndarray, products: Sequence[ProductTerms]) -> None:
+        """Shift the `shared` ranges of a tape's operations to the places of its products."""
+        before = FIRST_SHARED
+        ranges = ops[shared, 1:].copy()
+        for one in products:
+            product, slots = one.product, one.slots
+            inside = (ranges[:, 0] >= before) & (ranges[:, 0] < before + len(slots))
+            moved = ranges[inside] - np.uint32(before) + np.uint32(self._place(product, slots))
+            ops[np.flatnonzero(shared)[inside], 1:] = moved
+            before += len(slots)
+
+    def _place(self, product: Any, slots: np.ndarray) -> int:
+        key = product.number, slots.tobytes()
+        if key not in self._places:
+            self._places[key] = len(self.slots)
+            self.slots = np.concatenate([self.slots, slots])
+            self.coefficients = np.concatenate([self.coefficients, product.entries])
+        return self._places[key]
+
+
 class Packer:
     """Collects the arrays of a :class:`Program`, mode by mode."""
 
@@ -223,6 +251,7 @@ class Packer:
         self.zero_counts = GrowingArray()  # and how many leading coefficients of each are zero
         self.listed: list[Combination] = []  # the targets of all events, where modes are on demand,
         self.listed_lengths: list[int] = []  # and how many each event has
+        self.products = SharedTerms()
         self._reset_numbers: dict[Reset, int] = {}
         self._conditions: Mode | None = None
 
@@ -301,6 +330,7 @@ class Packer:
             number_formulas(parameters).of(every),
             partial(undefined_number, parameters, tuple(every)),
             demand,
+            self.products.coefficients,
         )
 
     def _code(self, lowered: Sequence[LoweredMode], coordinates: int, initial: Sequence[int]) -> Code:
@@ -310,8 +340,8 @@ class Packer:
         sections = [one.sections or [0] * len(self.sections) for one in lowered]
         return Code(
             inputs=inputs,
-            ops=_ops(every),
-            term_slots=_joined([one.term_slots for one in every], np.uint32),
+            ops=self._ops(every),
+            term_slots=_joined([*(one.term_slots for one in every), self.products.slots], np.uint32),
             mode_ops=_ranges([len(one.tape.ops) for one in lowered]),
             flow=np.array([one.flow_slots for one in lowered]),
             mode_guards=_ranges([len(one.guards) for one in lowered]),
@@ -343,6 +373,24 @@ class Packer:
             guard_degrees=_joined([one.guard_degrees for one in lowered], np.int64),
             groups=int_array([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
+
+    def _ops(self, every: Sequence[LoweredTape]) -> np.ndarray:
+        """All operations in one array; ranges of terms are shifted to their places among all terms."""
+        ops = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *(one.ops for one in every)])
+        lengths = [len(one.tape.ops) for one in every]
+        counts = [len(one.tape.terms) for one in every]
+        first = [0, *accumulate(counts)][:-1]
+        shift = np.repeat(np.array(first, dtype=np.uint32), lengths)
+        shared = (ops[:, 0] == AFFINE) & (ops[:, 1] >= FIRST_SHARED)
+        own = (ops[:, 0] == AFFINE) & ~shared
+        ops[own, 1:] += shift[own, None]
+        if shared.any():
+            row = 0
+            for one, length in zip(every, lengths, strict=True):
+                self.products.place(ops[row : row + length], shared[row : row + length], one.tape.products)
+                row += length
+            ops[shared, 1:] += np.uint32(sum(counts))
+        return ops
 
     def _targets(self, initial: Sequence[int]) -> np.ndarray:
         """For each event its targets, then all others but limit modes; empty where modes are on demand.
@@ -380,16 +428,6 @@ def _demand_arrays(
 
 def _joined(arrays: Sequence[np.ndarray], kind: type) -> np.ndarray:
     return np.concatenate([np.zeros(0, dtype=kind), *arrays])
-
-
-def _ops(every: Sequence[LoweredTape]) -> np.ndarray:
-    """All operations in one array; ranges of affine ones are shifted to their places among all terms."""
-    found = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *(one.ops for one in every)])
-    lengths = [len(one.tape.ops) for one in every]
-    first = [0, *accumulate(len(one.tape.terms) for one in every)][:-1]
-    affine = found[:, 0] == AFFINE
-    found[affine, 1:] += np.repeat(np.array(first, dtype=np.uint32), lengths)[affine, None]
-    return found
 
 
 def _ranges(lengths: Sequence[int], start: int = 0) -> np.ndarray:

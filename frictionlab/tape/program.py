@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.tape.formulas import Formulas, formulas_from_data
@@ -130,6 +131,9 @@ class Program:
     formulas: Formulas  # of the parameters: all constants, then the coefficients of all terms
     _undefined: Callable[[Sequence[float]], str]  # says which number has no value at given parameters
     demand: Demand | None = None  # what is known of all modes where only some are derived
+    shared_terms: NDArray[np.float64] = field(
+        default_factory=lambda: np.zeros(0)
+    )  # coefficients of products, after those of all terms
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
 
     @cached_property
@@ -157,7 +161,8 @@ class Program:
                 "parameters other values, or mend the formula"
             )
         split = len(self.code.ops)
-        return prepare_arrays(Numbers(filled[:split].copy(), filled[split:].copy()))
+        terms = np.concatenate([filled[split:], self.shared_terms])
+        return prepare_arrays(Numbers(filled[:split].copy(), terms))
 
     def cost(self) -> dict[str, dict[str, int]]:
         """What each mode costs: operations by kind, guards, states."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any
 
-from frictionlab.automaton.expressions import integer_exponent, unsorted_product
+from frictionlab.automaton.expressions import integer_exponent, unsorted_product, within_floats
 from frictionlab.automaton.mode import Expr
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.functions import (
@@ -33,10 +33,17 @@ from frictionlab.tape.functions import (
 )
 
 AffineTerms = dict[int, Expr]
+MOST_OWN_TERMS = 200  # of a product of a matrix: the terms of larger ones are shared by tapes
+FIRST_SHARED = 2**31  # terms from this number on are those of products
 
 
 class TapeError(ValueError):
     """An expression that the tape has no operation for."""
+
+
+def is_matrix_row(expr: Any) -> bool:
+    """Whether an expression is a row of a product of a matrix."""
+    return type(expr).__name__ == "MatrixRow"
 
 
 class Range(IntEnum):
@@ -49,12 +56,21 @@ class Range(IntEnum):
     SERIES = 4  # by its own series, which is exact
 
 
+@dataclass(frozen=True, eq=False)
+class ProductTerms:
+    """The terms of all rows of a product of a matrix, with the slots of its factors on a tape."""
+
+    product: Any  # a MatrixProduct, whose module needs sympy
+    slots: Any  # array (terms,)
+
+
 @dataclass(eq=False)
 class Tape:
     """Operations in the order of their execution.
 
-    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``;
-    its constant is ``constants[i]``.  Operation i writes slot ``inputs + i``.  A function f(a), and a power
+    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``, or of
+    those of ``products``, counted from FIRST_SHARED; its constant is ``constants[i]``.  Operation i writes
+    slot ``inputs + i``.  A function f(a), and a power
     with the exponent ``constants[i]``, come directly after the rate t a' of their argument; b is the slot of
     f'(a), which may come later, as it is needed only in lower orders.
     """
@@ -63,6 +79,18 @@ class Tape:
     ops: list[tuple[int, int, int]] = field(default_factory=list)
     constants: list[Expr] = field(default_factory=list)
     terms: list[tuple[int, Expr]] = field(default_factory=list)
+    products: list[ProductTerms] = field(default_factory=list)
+
+    def slots_of(self, a: int, b: int) -> list[int]:
+        """The slots of a range of terms."""
+        if a < FIRST_SHARED:
+            return [slot for slot, _ in self.terms[a:b]]
+        a, b = a - FIRST_SHARED, b - FIRST_SHARED
+        for one in self.products:
+            if a < len(one.slots):
+                return one.slots[a:b].tolist()
+            a, b = a - len(one.slots), b - len(one.slots)
+        raise IndexError(f"there is no term number {a}")
 
     @property
     def slots(self) -> int:
@@ -80,7 +108,7 @@ class Tape:
         degrees = [1.0] * self.inputs
         for kind, a, b in self.ops:
             if kind == AFFINE:
-                degrees.append(max([0.0, *(degrees[slot] for slot, _ in self.terms[a:b])]))
+                degrees.append(max([0.0, *(degrees[slot] for slot in self.slots_of(a, b))]))
             elif kind in (PRODUCT, SQUARE):
                 degrees.append(degrees[a] + degrees[b])
             elif kind == RATE:
@@ -93,7 +121,7 @@ class Tape:
         """Operands of an operation, as slots; none for a rate, which belongs to the next operation."""
         kind, a, b = self.ops[op]
         if kind == AFFINE:
-            return [slot for slot, _ in self.terms[a:b]]
+            return self.slots_of(a, b)
         if kind == RATE:
             return []
         return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
@@ -163,6 +191,9 @@ class TapeBuilder:
         self._affine: dict[Expr, AffineTerms] = {}
         self._slots: dict[object, int] = {}
         self._constants: dict[Expr, bool] = {}
+        self._first_terms: dict[Any, int] = {}
+        self._shared_terms = 0
+        self._has_rows = False
 
     def slot(self, expr: Expr) -> int:
         """Slot that holds `expr`, emitting what is missing."""
@@ -174,9 +205,15 @@ class TapeBuilder:
         if (
             known is None
         ):  # what free_symbols tells, which searches a deep expression again for each of its parts
-            known = all(map(self.constant, expr.args)) if expr.args else expr not in self._states
+            known = all(map(self.constant, expr.args)) if expr.args else self._stands_still(expr)
             self._constants[expr] = known
         return known
+
+    def _stands_still(self, atom: Expr) -> bool:
+        if is_matrix_row(atom):
+            self._has_rows = True
+            return all(map(self.constant, atom.product.factors))
+        return atom not in self._states
 
     def _lower(self, expr: Expr) -> AffineTerms:
         known = self._affine.get(expr)
@@ -194,6 +231,8 @@ class TapeBuilder:
             return {CONSTANT_TERM: expr} if expr != 0 else {}
         if expr in self._states:
             return {self._states[expr]: sp.S.One}
+        if is_matrix_row(expr):
+            return self._row(expr)
         if expr.is_Add:
             return _total([self._term(arg) for arg in expr.args])
         if expr.is_Mul:
@@ -207,6 +246,25 @@ class TapeBuilder:
         if expr.func in function_table():
             return self._function(expr)
         raise TapeError(f"the tape has no operation for {expr}: {_cure(expr)}")
+
+    def _row(self, row: Any) -> AffineTerms:
+        """A row of a product of a matrix, as one operation."""
+        product = row.product
+        if product not in self._first_terms:
+            self._first_terms[product] = self._add_product(product)
+        first, (start, end) = self._first_terms[product], product.starts[row.index : row.index + 2].tolist()
+        return {self.tape.emit(AFFINE, first + start, first + end, self.number(0)): sp.S.One}
+
+    def _add_product(self, product: Any) -> int:
+        """Add the terms of a product to the tape; the number of the first."""
+        slots = product.slots_of_terms([self.slot(within_floats(factor)) for factor in product.factors])
+        if len(slots) <= MOST_OWN_TERMS:
+            first = len(self.tape.terms)
+            self.tape.terms.extend(zip(slots.tolist(), product.entries.tolist(), strict=True))
+            return first
+        first, self._shared_terms = FIRST_SHARED + self._shared_terms, self._shared_terms + len(slots)
+        self.tape.products.append(ProductTerms(product, slots))
+        return first
 
     def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
         """|a|^p as the power p/2 of the square of a, which is not negative."""
@@ -256,11 +314,15 @@ class TapeBuilder:
 
     def _factored(self, expr: Expr) -> tuple[Expr, Expr]:
         """The factors that depend on the parameters alone, and the rest."""
-        if expr in self._states:
+        if expr in self._states or is_matrix_row(expr):
             return sp.S.One, expr
         moving = [f for f in expr.args if not self.constant(f)] if expr.is_Mul else ()
-        if len(moving) == 1 and moving[0] in self._states:
+        if len(moving) == 1 and (moving[0] in self._states or is_matrix_row(moving[0])):
             return unsorted_product([f for f in expr.args if f is not moving[0]]), moving[0]
+        if self._has_rows:  # to sympy rows are atoms of their own
+            fixed = [f for f in expr.args if self.constant(f)] if expr.is_Mul else []
+            rest = [f for f in expr.args if f not in fixed] if fixed else [expr]
+            return unsorted_product(fixed), unsorted_product(rest)
         return expr.as_independent(*self._states, as_Add=False)
 
     def _linear(self, expr: Expr) -> bool:

@@ -115,7 +115,8 @@ class NativeCode:
 
     def _request(self, mode: int) -> None:
         """Start the compilation of a mode, unless it is under way or there is no room for it."""
-        small = len(self.tapes[mode].tape.terms) <= MOST_TERMS
+        tape = self.tapes[mode].tape
+        small = len(tape.terms) <= MOST_TERMS and not tape.products
         if small and mode not in self.requested and free_memory() > ROOM_TO_COMPILE:
             self.requested[mode] = _worker().submit(self.compile, mode)
 

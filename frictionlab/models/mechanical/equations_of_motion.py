@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
+from frictionlab.automaton import Reset
 from frictionlab.automaton.mode import Combination, ModeNames
 from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
 
 from .common_directions import RUBBING, CommonDirection, common_directions
-from .contact_regimes import PHASE, TIME, ContactRegime, regimes_of_contact
+from .contact_regimes import PHASE, TIME, ContactRegime, impact_resets, regimes_of_contact, stick_reset
 from .coupled_masses import CoupledMasses, coupled_masses
 from .dynamic_laws import limit_of_state
 from .meaning import check_linear, check_mechanics, mass_matrix
@@ -245,6 +246,15 @@ class LagrangeSystem:
             *self.further,
             *(one for some in self.of_laws for one in some),
         )
+
+    def stick_reset(self, contact: AnyContact) -> Reset:
+        """The reset of the event at which a contact begins to stick."""
+        return stick_reset(self, contact)
+
+    def impact_resets(self, contact: AnyContact) -> tuple[Reset, Reset]:
+        """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
+        assert not isinstance(contact, Contact)
+        return impact_resets(self, contact)
 
     def law_states(self, contact: AnyContact) -> tuple[Any, ...]:
         """The states of a contact's friction law."""

@@ -6,7 +6,7 @@ contacts at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import prod
@@ -31,9 +31,7 @@ from .contact_regimes import (
     chatter_mode,
     crossing_reset,
     holding_reset,
-    impact_resets,
     period_events,
-    stick_reset,
     unloading_reset,
     yielding_reset,
     zeros_in_contact,
@@ -57,7 +55,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     system, numbers, key = lagrange_system(model), {}, model.structure_key
     if len(system.mechanics.contacts) > 1:
         modes: Any = ModesOnDemand(
-            tuple(tuple(map(_conditions, regimes)) for regimes in system.regimes),
+            tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes),
             lambda combination: mode_of(system, combination),
             system.allows,
             *_again(key),
@@ -93,7 +91,7 @@ def expressions_of(system: LagrangeSystem) -> Iterator[Any]:
             for end in regime.ends(sympy.S.Zero, sympy.S.Zero):
                 yield end.function
                 if end.jump == "impact":
-                    yield from impact_resets(system, contact)[0].jump.values()
+                    yield from system.impact_resets(contact)[0].jump.values()
 
 
 def modes_of_structure(key: StructureKey) -> Any:
@@ -101,7 +99,7 @@ def modes_of_structure(key: StructureKey) -> Any:
     return automaton_of_structure(key).modes
 
 
-def _conditions(regime: ContactRegime) -> Regime:
+def conditions_of_regime(regime: ContactRegime) -> Regime:
     """A regime's conditions that are known without solving for forces: v_r = 0 in stick, its sign in slip."""
     if regime.force is None:
         needs = [sign * c for c in regime.constraints for sign in (1, -1)]
@@ -140,11 +138,16 @@ class HoldingForce:
         return self.force if self.product is None else self.product
 
 
-def solve_contact_forces(system: LagrangeSystem, chosen: Sequence[ContactRegime]) -> ContactForces:
-    """Accelerations and contact forces where each contact is in its regime of `chosen`."""
+def solve_contact_forces(
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], hold: Hold | None = None
+) -> ContactForces:
+    """Accelerations and contact forces where each contact is in its regime of `chosen`.
+
+    `hold` finds the forces that hold; by default sympy and arithmetic with numbers of coupled masses do.
+    """
     names = [regime.name for regime in chosen]
     leading = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
-    accelerations, forces, solved = _hold(system, chosen, leading)
+    accelerations, forces, solved = hold(chosen, leading) if hold else _hold(system, chosen, leading)
     friction, holding = {}, {}
     for i, (one, *other) in solved.items():
         if chosen[i].share is not None:
@@ -174,6 +177,7 @@ def _with_limit(
 
 Held = Sequence[tuple[int, HeldVelocity]]  # what is held at zero, each with the index of its contact
 Solution = tuple[list[Any], list[Any], dict[int, list[HoldingForce]]]
+Hold = Callable[[Sequence[ContactRegime], Sequence[int]], Solution]
 
 
 def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
@@ -287,10 +291,10 @@ def _sparse_product(one: Any, other: Any) -> Any:
     return sympy.Matrix(one.rows, other.cols, lambda i, k: product.get((int(i), int(k)), sympy.S.Zero))
 
 
-def mode_of(system: LagrangeSystem, combination: Combination) -> Mode:
+def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None = None) -> Mode:
     """The mode of one regime for each contact."""
     chosen = system.chosen(combination)
-    solved = solve_contact_forces(system, chosen)
+    solved = solve_contact_forces(system, chosen, hold)
     names = [regime.name for regime in chosen]
     name = system.names.name_of(combination)
     events = [
@@ -311,9 +315,9 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     targets = tuple(dict.fromkeys(system.names.name_of(one) for one in changed if system.allows(one)))
     contact, label = system.mechanics.contacts[i], end.name + contact_suffix(system, i)
     if end.jump == "impact":
-        return Event(label, end.function, targets, *impact_resets(system, contact))
+        return Event(label, end.function, targets, *system.impact_resets(contact))
     if end.jump == "project":
-        return Event(label, end.function, targets, stick_reset(system, contact))
+        return Event(label, end.function, targets, system.stick_reset(contact))
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
     if end.jump == "yield" and isinstance(contact, Friction):

@@ -1,0 +1,164 @@
+"""Products of a matrix of numbers with expressions, of which each row is one expression.
+
+The equations of a structure with n freedoms are some 2 n^2 numbers times states.  To sympy each row is an
+atom, whose numbers are an array: it neither sorts nor copies them.  A tape takes a row as one operation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import count
+from typing import Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.automaton.mode import Expr
+
+Array = NDArray[np.float64]
+_NUMBERS = count()
+MOST_PRINTED = 6  # terms that are printed
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixProduct:
+    """A matrix of numbers times expressions.
+
+    Parameters
+    ----------
+    matrix : array (rows, factors)
+    factors : tuple of Expr
+    """
+
+    matrix: Array
+    factors: tuple[Expr, ...]
+    number: int = field(default_factory=lambda: next(_NUMBERS))
+
+    @cached_property
+    def starts(self) -> NDArray[np.int64]:
+        """(rows + 1,) the range of each row's entries that are not zero, in `columns` and `entries`."""
+        return np.concatenate([[0], np.cumsum((self.matrix != 0.0).sum(axis=1))])
+
+    @cached_property
+    def columns(self) -> NDArray[np.intp]:
+        """Columns of the entries that are not zero, row by row."""
+        return np.nonzero(self.matrix)[1]
+
+    @cached_property
+    def entries(self) -> Array:
+        """Entries that are not zero, row by row."""
+        return self.matrix[self.matrix != 0.0]
+
+    @cached_property
+    def symbols(self) -> frozenset[Any]:
+        """All symbols on which the product depends."""
+        return frozenset().union(*(factor.free_symbols for factor in self.factors))
+
+    @cached_property
+    def places(self) -> dict[Expr, int]:
+        """The column of each factor."""
+        return {factor: i for i, factor in enumerate(self.factors)}
+
+    def slots_of_terms(self, slots: Sequence[int]) -> NDArray[np.uint32]:
+        """The slot of each term, row by row, where these are the slots of the factors."""
+        return np.array(slots, dtype=np.uint32)[self.columns]
+
+    def rows(self) -> list[Expr]:
+        """The rows as expressions; one with a single term is this term."""
+        return [self._row(i) for i in range(len(self.matrix))]
+
+    def _row(self, i: int) -> Expr:
+        first, last = self.starts[i : i + 2]
+        if last - first > 1:
+            return MatrixRow(self, i)
+        terms = zip(self.entries[first:last], self.columns[first:last], strict=True)
+        return sum((_times(entry, self.factors[j]) for entry, j in terms), sympy.S.Zero)
+
+
+def matrix_rows(matrix: Any, factors: Sequence[Expr]) -> list[Expr]:
+    """The rows of a matrix (rows, factors) times expressions, as expressions."""
+    return MatrixProduct(np.array(matrix, dtype=float), tuple(factors)).rows()
+
+
+def _times(entry: float, factor: Expr) -> Expr:
+    return factor if entry == 1.0 else sympy.Float(float(entry)) * factor
+
+
+class MatrixRow(sympy.AtomicExpr):
+    """A row of a `MatrixProduct`: the sum of its entries times the factors, an atom to sympy."""
+
+    is_commutative = True
+    is_real = True
+    product: MatrixProduct
+    index: int
+
+    def __new__(cls, product: MatrixProduct, index: int) -> MatrixRow:
+        row = super().__new__(cls)
+        row.product, row.index = product, index
+        return row
+
+    def _hashable_content(self) -> tuple[int, int]:
+        return self.product.number, self.index
+
+    def sort_key(self, order: Any = None) -> Any:
+        """By the product, then by the row: the printed sum would be long."""
+        key = self.class_key(), (1, (f"{self.product.number:09d} {self.index:09d}",)), sympy.S.One.sort_key()
+        return (*key, sympy.S.One)
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return self.product, self.index
+
+    @property
+    def free_symbols(self) -> Any:
+        """Symbols of all factors of the product."""
+        return set(self.product.symbols)
+
+    def terms(self) -> list[tuple[float, Expr]]:
+        """Entries that are not zero, each with its factor."""
+        product = self.product
+        chosen = slice(*product.starts[self.index : self.index + 2])
+        pairs = zip(product.entries[chosen].tolist(), product.columns[chosen].tolist(), strict=True)
+        return [(entry, product.factors[j]) for entry, j in pairs]
+
+    def written_out(self) -> Expr:
+        """The sum in sympy's own terms."""
+        return sympy.Add(*(_times(*term) for term in self.terms()))
+
+    def _eval_derivative(self, s: Any) -> Expr:
+        place = self.product.places.get(s)
+        if place is not None and all(one.is_Symbol for one in self.product.factors):
+            return sympy.Float(float(self.product.matrix[self.index, place]))
+        return sympy.Add(*(_times(entry, sympy.diff(factor, s)) for entry, factor in self.terms()))
+
+    def _eval_derivative_n_times(self, s: Any, n: Any) -> Expr:
+        return super(sympy.AtomicExpr, self)._eval_derivative_n_times(s, n)
+
+    def xreplace(self, rule: Any) -> Expr:
+        """The row with factors replaced, written out; itself where none is."""
+        return self._xreplace(rule)[0]
+
+    def _xreplace(self, rule: Any) -> tuple[Expr, bool]:
+        if self in rule:
+            return rule[self], True
+        if rule and not self.product.symbols.isdisjoint(rule):
+            return sympy.Add(*(_times(entry, factor.xreplace(rule)) for entry, factor in self.terms())), True
+        return self, False
+
+    def _eval_subs(self, old: Any, new: Any) -> Expr:
+        if self.product.symbols.isdisjoint(old.free_symbols):
+            return self
+        return sympy.Add(*(_times(entry, factor.subs(old, new)) for entry, factor in self.terms()))
+
+    def _sympystr(self, printer: Any) -> str:
+        return self._printed(printer)
+
+    def _latex(self, printer: Any) -> str:
+        return self._printed(printer)
+
+    def _printed(self, printer: Any) -> str:
+        terms = [printer.doprint(_times(*term)) for term in self.terms()]
+        more = [f"({len(terms) - MOST_PRINTED} more terms)"] if len(terms) > MOST_PRINTED else []
+        return f"({' + '.join([*terms[:MOST_PRINTED], *more])})"

@@ -1,0 +1,418 @@
+"""The motion of a structure: its matrices and contacts as a hybrid automaton.
+
+M q'' = load - (C + G) q' - (K + N) q - sum of g^T F_N + sum of t^T F_T, each contact in a regime of its own:
+separation, slip in either direction, or stick.  M^-1 times all matrices is computed once, with numbers, and
+each acceleration is one row of a product (:mod:`frictionlab.automaton.matrix_rows`).  Sympy sees the laws of
+the contacts alone.  A mode differs from another in what its contacts add, F_T of those that stick being
+
+    F = -(T M^-1 T^T)^-1 (T a - d v/dt),  a: accelerations without these forces, T: rows t of these contacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode, Reset
+from frictionlab.automaton.matrix_rows import matrix_rows
+from frictionlab.automaton.mode import Combination, ModesOnDemand
+from frictionlab.components.contact import StickSlipSeparation
+from frictionlab.components.friction import FrictionLaw
+from frictionlab.components.impact import ImpactLaw
+from frictionlab.models.mechanical.common_directions import CommonDirection
+from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
+from frictionlab.models.mechanical.coupled_masses import inverse_of, product
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics
+from frictionlab.models.mechanical.modes import HoldingForce, Solution, conditions_of_regime, mode_of
+from frictionlab.models.symbols import expand_products, state_symbols, symbol, symbolic_copy
+from frictionlab.presentation import shorten
+from frictionlab.structures.sliding_contacts import SlidingContacts
+from frictionlab.tape.arguments import parse_expression
+
+if TYPE_CHECKING:
+    from frictionlab.structures.structure import Structure
+
+Array = NDArray[np.float64]
+MOST_FREEDOMS = 1000  # of a structure that moves: matrices are full
+DEPENDENT = 1e-10  # share of the largest compliance below which contacts hold the same velocities
+PARALLEL = 1e-12  # sine of the angle between two rows that are one direction
+
+
+def automaton_of_structure(structure: Structure) -> HybridAutomaton:
+    """The automaton of a structure; those that differ in values of parameters alone share its modes.
+
+    Raises
+    ------
+    ValueError
+        For a structure that is too large, has freedoms without mass, or complex stiffness.
+    """
+    _check_motion(structure)
+    of = _Identity(_identity_of(structure), structure)
+    states, modes = _modes_of(of)
+    parameters = {symbol(name): value for name, value in structure.parameters.items()}
+    return HybridAutomaton(states, modes, parameters, structure.size)
+
+
+def _check_motion(structure: Structure) -> None:
+    if structure.size > MOST_FREEDOMS:
+        raise ValueError(
+            f"a structure must have at most {MOST_FREEDOMS} freedoms to move, got {structure.size}: reduce "
+            "it to its modes"
+        )
+    if structure.massless:
+        listed = shorten(map(str, structure.massless))
+        raise ValueError(
+            f"M must give each freedom a mass to move, got none for {listed}: eliminate or reduce them"
+        )
+    if any(matrix.dtype.kind == "c" for matrix in structure.K.matrices):
+        raise ValueError(
+            "K must be real to move, got hysteretic damping, which is one of vibrations at one frequency: "
+            "give its real part, and viscous damping C"
+        )
+
+
+@dataclass(frozen=True)
+class _Identity:
+    """What the modes of a structure depend on, by content, and a structure that has it."""
+
+    content: Hashable
+    structure: Any
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Identity) and self.content == other.content
+
+    def __hash__(self) -> int:
+        return hash(self.content)
+
+
+def _identity_of(structure: Structure) -> Hashable:
+    """The matrices, rows and kinds of laws; values of parameters only where M depends on them."""
+    matrices = [one for terms in (*structure.terms, (structure.load,)) for one in terms if one is not None]
+    mass = tuple(structure.parameters[name] for name in structure.M.parameters)
+    contacts = tuple(_identity_of_contacts(one) for one in structure.contacts)
+    content = tuple((one.coefficients, tuple(map(_bytes, one.matrices))) for one in matrices)
+    kinds = tuple(len(terms) for terms in structure.terms)
+    return tuple(structure.parameters), kinds, content, mass, contacts
+
+
+def _identity_of_contacts(one: SlidingContacts) -> Hashable:
+    keys = tuple(law if law is None else law.structure_key for law in (one.contact, one.friction, one.impact))
+    rows = tuple(None if given is None else _bytes(given) for given in (one.normal, one.tangential))
+    return keys, rows, one.penetration.tobytes(), one.area.tobytes(), one.N is None
+
+
+def _bytes(matrix: Any) -> Hashable:
+    return matrix.shape, matrix.indptr.tobytes(), matrix.indices.tobytes(), matrix.data.tobytes()
+
+
+@lru_cache(maxsize=16)
+def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
+    structure: Structure = of.structure
+    system = structure_system(structure)
+
+    def derive(combination: Combination) -> Mode:
+        return mode_of(system, combination, system.hold)
+
+    if len(system.mechanics.contacts) <= 1:
+        return system.states, tuple(map(derive, system.names.combinations()))
+    parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes)
+    again = modes_of_structure, (structure,)
+    return system.states, ModesOnDemand(parts, derive, system.allows, again)
+
+
+def modes_of_structure(structure: Structure) -> Any:
+    """The modes of a structure, the same object throughout a process."""
+    return structure.automaton().modes
+
+
+def structure_system(structure: Structure) -> StructureSystem:
+    """The equations of motion of a structure, with symbols for its parameters."""
+    contacts = [one for group in structure.contacts for one in _contacts(group, structure)]
+    n = structure.size
+    states = state_symbols(structure.coordinates)
+    rows = {
+        name: np.vstack([np.zeros((0, n)), *(_full(getattr(one, name), one) for one in structure.contacts)])
+        for name in ("normal", "tangential")
+    }
+    inverse = inverse_of(structure.M.at(structure.parameters).toarray())
+    return StructureSystem(
+        Mechanics(0, contacts=tuple(contacts)),
+        states[:n],
+        states[n:],
+        None,
+        (),
+        (),
+        of_laws=((),) * len(contacts),
+        linear=_linear_parts(structure, inverse),
+        constant=_constant_part(structure, inverse),
+        normals=rows["normal"],
+        tangents=rows["tangential"],
+        masses_inverse=inverse,
+    )
+
+
+def _full(rows: Any, one: SlidingContacts) -> Array:
+    return np.zeros((one.count, one.size)) if rows is None else rows.toarray()
+
+
+def _linear_parts(structure: Structure, inverse: Array) -> dict[Any, Array]:
+    """-M^-1 [K + N, C + G] as full matrices (n, 2n), by the coefficients in front of them."""
+    n = structure.size
+    parts: dict[Any, Array] = {}
+    _, damping, stiffness = structure.terms
+    for first, terms in ((0, stiffness), (n, damping)):
+        for one in terms:
+            for coefficient, matrix in _coefficients(one):
+                into = parts.setdefault(coefficient, np.zeros((n, 2 * n)))
+                into[:, first : first + n] -= product(inverse, matrix.toarray())
+    return parts
+
+
+def _constant_part(structure: Structure, inverse: Array) -> list[Any]:
+    """M^-1 times the load (n,), as expressions of the parameters."""
+    total = [sympy.S.Zero] * structure.size
+    for coefficient, column in () if structure.load is None else _coefficients(structure.load):
+        pushed = product(inverse, column.toarray())[:, 0]
+        total = [one + coefficient * float(a) if a else one for one, a in zip(total, pushed, strict=True)]
+    return total
+
+
+def _coefficients(one: Any) -> Iterator[tuple[Any, Any]]:
+    symbols = {name: symbol(name) for name in one.parameters}
+    for text, matrix in zip(one.coefficients, one.matrices, strict=True):
+        yield parse_expression(text, symbols), matrix
+
+
+def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyContact]:
+    """The contacts of a group, in symbols."""
+    q, v = _split(state_symbols(structure.coordinates))
+    depths = [None] * group.count if group.normal is None else matrix_rows(group.normal.toarray(), q)
+    rates = [None] * group.count
+    if group.tangential is not None and group.friction is not None:
+        rates = matrix_rows(group.tangential.toarray(), v)
+    law = symbolic_copy(group.contact.structure_key)
+    friction = None if group.friction is None else symbolic_copy(group.friction.structure_key)
+    impact = None if group.impact is None else symbolic_copy(group.impact.structure_key)
+    for i in range(group.count):
+        depth, area = depths[i], float(group.area[i])
+        names = StickSlipSeparation().modes
+        if depth is None:
+            names = tuple(name for name in names if name != "separation")
+            force: Any = symbol("N") * area if area != 1.0 else symbol("N")
+        else:
+            depth = depth + float(group.penetration[i]) if group.penetration[i] else depth
+            force = _per_area(law, area)
+        if friction is None:
+            yield Contact(depth, force, interface=_regimes(("contact", "separation")))
+            continue
+        shared: Any = friction if area == 1.0 else FrictionOnArea(friction, area)
+        yield Friction(symbol("v") - rates[i], force, shared, depth, impact=impact, interface=_regimes(names))
+
+
+def _split(states: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
+    n = len(states) // 2
+    return states[:n], states[n:]
+
+
+def _regimes(names: tuple[str, ...]) -> Any:
+    return Regimes(names)
+
+
+def _per_area(law: Any, area: float) -> Any:
+    return law.force if area == 1.0 else lambda depth: area * law.force(depth)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionOnArea:
+    """A friction law of pressures, as one of forces on an area."""
+
+    law: FrictionLaw
+    area: float
+    states = ()
+
+    def kinetic(self, normal_force: Any, speed: Any) -> Any:
+        """F_T in slip."""
+        return self.area * self.law.kinetic(normal_force / self.area, speed)
+
+    def static_limit(self, normal_force: Any) -> Any:
+        """The largest F_T in stick."""
+        return self.area * self.law.static_limit(normal_force / self.area)
+
+
+@dataclass(frozen=True, eq=False)
+class StructureSystem(LagrangeSystem):
+    """The equations of motion of a structure: q'' = linear x + constant + M^-1 (T^T F_T - G^T F_N).
+
+    Parameters
+    ----------
+    linear : mapping of Expr to array (n, 2n)
+        By the coefficients in front of the matrices.
+    constant : sequence of Expr (n,)
+    normals, tangents : array (contacts, n)
+        Rows g and t; zero where a contact has none.
+    masses_inverse : array (n, n)
+        M^-1.
+    """
+
+    linear: Mapping[Any, Array] = field(default_factory=dict)
+    constant: Sequence[Any] = ()
+    normals: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    tangents: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    masses_inverse: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @cached_property
+    def _pushed_by_normals(self) -> Array:
+        """-M^-1 G^T (n, contacts)."""
+        return -product(self.masses_inverse, self.normals.T)
+
+    @cached_property
+    def _pushed_by_tangents(self) -> Array:
+        """M^-1 T^T (n, contacts)."""
+        return product(self.masses_inverse, self.tangents.T)
+
+    @cached_property
+    def _compliance(self) -> Array:
+        """T M^-1 T^T (contacts, contacts), 1/kg."""
+        return product(self.tangents, self._pushed_by_tangents)
+
+    @cached_property
+    def _free(self) -> list[Any]:
+        """Accelerations without contacts, (n,)."""
+        return self._combined(np.eye(len(self.q)), self.constant)
+
+    @cached_property
+    def _free_along_tangents(self) -> list[Any]:
+        """T times these accelerations, (contacts,)."""
+        constants = [
+            sum((float(t) * c for t, c in zip(row, self.constant, strict=True) if t and c != 0), sympy.S.Zero)
+            for row in self.tangents
+        ]
+        return self._combined(self.tangents, constants)
+
+    def _combined(self, rows: Array, constants: Sequence[Any]) -> list[Any]:
+        states = (*self.q, *self.v)
+        total = list(constants)
+        for coefficient, matrix in self.linear.items():
+            chosen = matrix if rows.shape[0] == rows.shape[1] else product(rows, matrix)
+            parts = matrix_rows(chosen, states)
+            total = [one + coefficient * part for one, part in zip(total, parts, strict=True)]
+        return total
+
+    def hold(self, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
+        """Accelerations, the force of each contact, and those of the contacts `leading`, which stick."""
+        forces = [regime.force for regime in chosen]
+        normal = [i for i, one in enumerate(chosen) if one.pressing != 0]
+        slipping = [i for i, force in enumerate(forces) if force is not None and force != 0]
+        held = list(leading)
+        factors = [chosen[i].pressing for i in normal] + [forces[i] for i in slipping]
+        pushed = np.hstack([self._pushed_by_normals[:, normal], self._pushed_by_tangents[:, slipping]])
+        holding: list[Any] = []
+        if held:
+            along = matrix_rows(product(self.tangents[held], pushed), factors)
+            missing = [self._free_along_tangents[i] + one for i, one in zip(held, along, strict=True)]
+            softness = self._compliance[np.ix_(held, held)]
+            holding = matrix_rows(-inverse_of(softness), missing)
+            factors += holding
+            pushed = np.hstack([pushed, self._pushed_by_tangents[:, held]])
+            for i, force in zip(held, holding, strict=True):
+                forces[i] = force
+        added = matrix_rows(pushed, factors)
+        accelerations = [one + other for one, other in zip(self._free, added, strict=True)]
+        known = zip(held, holding, strict=True)
+        return accelerations, forces, {i: [HoldingForce(force)] for i, force in known}
+
+    def stick_reset(self, contact: AnyContact) -> Reset:
+        """v_r is zero after the event that begins stick; what rounding leaves of it does not grow."""
+        i = self.mechanics.contacts.index(contact)
+        direction = self.direction_of(i)
+        together = (
+            [i]
+            if direction is None
+            else [j for j in direction.contacts if j == i or direction.at_one_speed(j, i)]
+        )
+        speeds = [self.mechanics.contacts[j].relative_velocity for j in together]
+        return Reset(vanishing={sign * speed: 1 for speed in speeds for sign in (1, -1)})
+
+    def impact_resets(self, contact: AnyContact) -> tuple[Reset, Reset]:
+        """The impact by the contact's law, and the one that closes a Zeno accumulation of impacts."""
+        assert isinstance(contact, Friction)
+        assert contact.impact is not None
+        if contact not in self._impacts:
+            self._impacts[contact] = self._impact(contact, contact.impact), self._impact(contact, CLOSING)
+        return self._impacts[contact]
+
+    @cached_property
+    def _impacts(self) -> dict[Any, tuple[Reset, Reset]]:
+        return {}
+
+    def _impact(self, contact: Friction, law: ImpactLaw) -> Reset:
+        """The reset by an impact law: an impulse along the normal, and one of friction if it has any."""
+        i = self.mechanics.contacts.index(contact)
+        along_normal, along_tangent = self._pushed_by_normals[:, i], self._pushed_by_tangents[:, i]
+        normal = self.normals[i]
+        (rate,) = matrix_rows(normal[None], self.v)
+        softness = sympy.Float(-float(normal @ along_normal))
+        before = symbol("rate")
+        impulse = law.impulse(before, before, softness)
+        order = 2 if expand_products(before - softness * impulse) == 0 else 1
+        stopping = contact.relative_velocity / sympy.Float(float(self._compliance[i, i]))
+        rubbing = law.friction(impulse.xreplace({before: rate}), stopping)
+        after_rubbing = rate + float(normal @ along_tangent) * rubbing
+        pressing = impulse.xreplace({before: after_rubbing})
+        jump = {
+            v: v + float(p) * pressing + float(r) * rubbing
+            for v, p, r in zip(self.v, along_normal, along_tangent, strict=True)
+            if p or (r and rubbing != 0)
+        }
+        return Reset(jump, {contact.penetration: order, -contact.penetration: order})
+
+    @cached_property
+    def directions(self) -> tuple[CommonDirection, ...]:
+        """Contacts that rub along one direction, in groups."""
+        groups: list[list[tuple[int, Any, Any]]] = []
+        for i, row in enumerate(self.tangents):
+            if not row.any():
+                continue
+            for group in groups:
+                first = self.tangents[group[0][0]]
+                ratio = float(row @ first / (first @ first))
+                if np.linalg.norm(row - ratio * first) <= PARALLEL * np.linalg.norm(row):
+                    number = sympy.Integer(round(ratio)) if ratio in (1.0, -1.0) else sympy.Float(ratio)
+                    offset = expand_products(symbol("v") - number * symbol("v"))
+                    group.append((i, number, offset))
+                    break
+            else:
+                groups.append([(i, sympy.S.One, sympy.S.Zero)])
+        return tuple(CommonDirection(*zip(*group, strict=True)) for group in groups if len(group) > 1)
+
+    def allows(self, combination: Combination) -> bool:
+        """Whether contacts of one direction agree, and all velocities held at zero are independent."""
+        names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
+        if not all(direction.allows(names) for direction in self.directions):
+            return False
+        held = [i for i, name in enumerate(names) if name == "stick" and self.leader(i, names) == i]
+        return _independent(self._compliance[np.ix_(held, held)])
+
+    def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
+        """The regimes; a contact whose v_r follows from those that stick is at its limit of stick."""
+        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
+        held = [i for i, one in enumerate(chosen) if one.held]
+        for i, one in enumerate(chosen) if held else ():
+            if one.resting is not None and not _independent(self._compliance[np.ix_([*held, i], [*held, i])]):
+                chosen[i] = one.resting
+        return tuple(chosen)
+
+
+def _independent(compliance: Array) -> bool:
+    """Whether forces of contacts with this compliance (held, held) can hold each its own velocity."""
+    if len(compliance) < 2:
+        return True
+    size = np.sqrt(compliance.diagonal())
+    return bool(np.linalg.eigvalsh(compliance / size[:, None] / size)[0] > DEPENDENT)

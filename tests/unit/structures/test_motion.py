@@ -1,0 +1,245 @@
+"""The motion of structures: the classics as matrices, an independent integrator, what is refused."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from scipy.integrate import solve_ivp
+
+import frictionlab as fl
+from frictionlab.automaton.matrix_rows import matrix_rows
+
+
+def slider_on_belt(impact: Any, **values: float) -> tuple[fl.SliderOnBelt, fl.Structure]:
+    """The paper's slider on a belt that does not tilt, as a model and as a structure."""
+    model = fl.SliderOnBelt(geometry=fl.FixedLoad(), impact=impact, **values)
+    p = model.parameters
+    springs = np.diag([p["k1"], 0.0, p["k4"], p["k5"] + p["k6"]])
+    springs[:2, :2] += p["k3"] / 2 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    dampers = np.diag([p["c1"], p["c2"], p["c4"], p["c5"] + p["c6"]])
+    contacts = fl.SlidingContacts(
+        [[1.0, 0.0, -1.0, 0.0]],
+        [[0.0, -1.0, 0.0, 1.0]],
+        contact=model.contact,
+        friction=model.friction,
+        v=p["v"],
+        impact=impact,
+    )
+    masses = np.diag([p["M"], p["M"], p["m"], p["m"]])
+    preload = [("F", [0.0, -1.0, 0.0, 0.0])]
+    return model, fl.Structure(
+        masses, springs, dampers, contacts=contacts, load=preload, parameters={"F": p["F"]}
+    )
+
+
+def agree(model: Any, structure: fl.Structure, t_end: float, x0: Any) -> None:
+    """The motions of a model and a structure have the same events and states, to rounding."""
+    one, other = (fl.simulate(each, t_end, x0=x0, progress=False) for each in (model, structure))
+    assert len(one.events) > 5
+    for name in ("source", "target", "guard"):
+        np.testing.assert_array_equal(getattr(one.events, name), getattr(other.events, name))
+    np.testing.assert_allclose(one.events.t, other.events.t, atol=1e-10)
+    np.testing.assert_allclose(one.events.state, other.events.state, atol=1e-10)
+    np.testing.assert_allclose(one.final_state, other.final_state, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    "impact",
+    [
+        fl.PlasticImpact(),
+        pytest.param(fl.RestitutionImpact(e=0.3), marks=pytest.mark.slow(reason="another impact law")),
+        pytest.param(
+            fl.FrictionalImpact(e=0.2, mu_i=0.3), marks=pytest.mark.slow(reason="another impact law")
+        ),
+    ],
+)
+def test_slider_on_belt_from_matrices_moves_as_the_model(impact):
+    agree(*slider_on_belt(impact, mu_k=2.5), 0.5, "rest")
+
+
+def test_two_blocks_from_matrices_move_as_the_model():
+    contacts = fl.SlidingContacts(np.eye(2), N=1.0, friction=fl.Coulomb(0.5, 1.0), v=0.2)
+    structure = fl.Structure(np.eye(2), [[2.2, -1.2], [-1.2, 2.2]], contacts=contacts)
+    agree(fl.TwoBlocks(), structure, 20.0, [0.1, 0.3, 0.0, 0.1])
+
+
+def test_pads_on_one_body_share_its_friction():
+    model = fl.MassOnBelt(N=3.0)
+    rows = [[1.0], [1.0 + 1e-15]]  # the same rows twice are refused
+    contacts = fl.SlidingContacts(rows, N=1.0, area=[1.0, 2.0], v=0.2, friction=fl.Coulomb(0.5, 1.0))
+    one = fl.simulate(model, 30.0, progress=False)
+    other = fl.simulate(fl.Structure([[1.0]], [[1.0]], contacts=contacts), 30.0, progress=False)
+    assert len(one.events) > 2
+    np.testing.assert_allclose(one.final_state, other.final_state, atol=1e-10)
+    np.testing.assert_allclose(one.events.t, other.events.t, atol=1e-10)
+    np.testing.assert_allclose(2 * other.friction_force_1, other.friction_force_2, atol=1e-12)
+
+
+def chain(contacts: int = 2) -> fl.Structure:
+    """Four masses in a chain, coupled in both directions, the last ones pressed on a belt."""
+    rng = np.random.default_rng(7)
+    basis = np.linalg.qr(rng.standard_normal((4, 4)))[0]
+    K = basis @ np.diag([1.0, 2.0, 3.5, 5.0]) @ basis.T
+    M = np.eye(4) + 0.1 * np.ones((4, 4))
+    rows = rng.standard_normal((2, contacts, 4))
+    sliding = fl.SlidingContacts(
+        rows[0],
+        0.3 * rows[1],
+        contact=fl.CubicContact(k2=2.0, k_nl=1.0),
+        friction=fl.Stribeck(mu_k=0.3, mu_s=0.6, v_s=0.5),
+        v=0.4,
+        penetration=0.5,
+    )
+    return fl.Structure(
+        (M + M.T) / 2, (K + K.T) / 2, fl.RayleighDamping(alpha=0.01, beta=0.02), contacts=sliding
+    )
+
+
+class EventByEvent:
+    """The chain's motion by DOP853 from event to event, with laws and regimes written again.
+
+    A contact slips with v_r of the sign 1 or -1, sticks (0), or is open (None).
+    """
+
+    def __init__(self, structure: fl.Structure) -> None:
+        (group,), self.p = structure.contacts, structure.parameters
+        self.M, self.K = (matrix.at(self.p).toarray() for matrix in (structure.M, structure.K))
+        self.C = self.p["alpha"] * self.M + self.p["beta"] * self.K
+        self.T, self.G, self.gap = group.tangential.toarray(), group.normal.toarray(), group.penetration
+
+    def normal(self, q):
+        depth = np.maximum(self.G @ q + self.gap, 0.0)
+        return self.p["k2"] * depth + self.p["k_nl"] * depth**3
+
+    def speed(self, x):
+        return self.p["v"] - self.T @ x[len(self.M) :]
+
+    def forces(self, x, regimes):
+        p, (q, w) = self.p, np.split(x, 2)
+        pressing = self.normal(q)
+        speed = np.abs(self.speed(x))
+        falling = p["mu_k"] + (p["mu_s"] - p["mu_k"]) * np.exp(-((speed / p["v_s"]) ** 2)) + p["mu_v"] * speed
+        friction = np.array([float(r or 0) for r in regimes]) * falling * pressing
+        rest = -self.C @ w - self.K @ q - self.G.T @ pressing + self.T.T @ friction
+        held = [i for i, r in enumerate(regimes) if r == 0]
+        if held:
+            reach = self.T[held] @ np.linalg.inv(self.M)
+            friction[held] = np.linalg.solve(reach @ self.T[held].T, -reach @ rest)
+            rest = rest + self.T[held].T @ friction[held]
+        return pressing, friction, rest
+
+    def rates(self, x, regimes):
+        return np.concatenate([x[len(x) // 2 :], np.linalg.solve(self.M, self.forces(x, regimes)[2])])
+
+    def guards(self, regimes):
+        """Functions of the state that are positive while regimes last, each with what follows."""
+        for i, regime in enumerate(regimes):
+            depth = 1 if regime is not None else -1
+            follows = "slip" if regime is None else None
+            yield i, follows, lambda x, i=i, depth=depth: depth * (self.G @ x[: len(x) // 2] + self.gap)[i]
+            if regime == 0:
+                for sign in (1, -1):
+
+                    def cone(x, i=i, sign=sign):
+                        pressing, friction, _ = self.forces(x, regimes)
+                        return self.p["mu_s"] * pressing[i] - sign * friction[i]
+
+                    yield i, sign, cone
+            elif regime is not None:
+                yield i, 0, lambda x, i=i, sign=regime: sign * self.speed(x)[i]
+
+    def run(self, x0, t_end):
+        """Times of the events, and the state at the end."""
+        t, x, times, fresh = 0.0, np.array(x0), [], -1
+        open_ones = self.G @ x[: len(x) // 2] + self.gap < 0.0
+        regimes = [None if o else int(np.sign(s)) for o, s in zip(open_ones, self.speed(x), strict=True)]
+        while True:
+            known = list(self.guards(regimes))
+            watched = []
+            for i, _, guard in known:
+                # v_r is zero where slip begins, and rises from there
+
+                def function(s, y, new=i == fresh, guard=guard, begins=t):
+                    return 1.0 if new and s < begins + 1e-6 else guard(y)
+
+                function.terminal, function.direction = True, -1
+                watched.append(function)
+            solved = solve_ivp(
+                lambda _, y: self.rates(y, regimes),
+                (t, t_end),
+                x,
+                "DOP853",
+                events=watched,
+                rtol=1e-10,
+                atol=1e-12,
+            )
+            t, x = solved.t[-1], solved.y[:, -1]
+            hit = next((n for n, when in enumerate(solved.t_events) if len(when)), None)
+            if hit is None:
+                return times, x
+            times.append(t)
+            i, follows, _ = known[hit]
+            before, fresh = regimes[i], i
+            regimes[i] = int(np.sign(self.speed(x)[i])) if follows == "slip" else follows
+            if follows == 0:
+                pressing, friction, _ = self.forces(x, regimes)
+                if abs(friction[i]) > self.p["mu_s"] * pressing[i]:
+                    regimes[i] = -before
+
+
+@pytest.mark.slow(reason="DOP853 takes seconds; models of the library and the motion agree in the fast ones")
+def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event():
+    structure = chain()
+    x0 = np.array([0.5, -0.3, 0.4, 0.2, 0.3, 0.0, -0.2, 0.1])
+    run = fl.simulate(structure, 12.0, x0=x0, progress=False)
+    times, end = EventByEvent(structure).run(x0, 12.0)
+    words = {word for name in run.events.target for word in name.split(" | ")}
+    assert words == {"stick", "slip+", "slip-", "separation"}
+    assert len(run.events) > 10
+    np.testing.assert_allclose(run.events.t, times, atol=1e-7)
+    np.testing.assert_allclose(run.final_state, end, atol=1e-7)
+
+
+def test_values_of_parameters_derive_nothing():
+    structure = chain()
+    modes = structure.automaton().modes
+    assert structure.replace(mu_k=0.2, v=0.1, alpha=0.5).automaton().modes is modes
+    run = fl.simulate(structure, 2.0, progress=False)
+    again = pickle.loads(pickle.dumps(run))
+    np.testing.assert_array_equal(again.final_state, run.final_state)
+    np.testing.assert_array_equal(again.friction_force_2, run.friction_force_2)
+
+
+def test_near_begins_along_the_least_stable_mode():
+    model, structure = slider_on_belt(fl.PlasticImpact(), mu_k=1.4)
+    run = fl.simulate(structure, 0.02, x0="near", progress=False)
+    rest = fl.equilibrium(model).q
+    shift = run.q[0] - rest
+    assert 0.0 < np.abs(shift).max() < 0.02 * np.abs(rest).max()
+    assert not len(run.events)
+
+
+def test_rows_of_a_matrix_are_expressions():
+    x, y, z = sympy.symbols("x y z", real=True)
+    one, other, single = matrix_rows([[1.0, 2.0], [3.0, -1.0], [0.0, 4.0]], (x, y))
+    assert single == 4.0 * y
+    assert one != other
+    assert one.free_symbols == {x, y}
+    assert sympy.diff(one**2 * z, y).subs({x: 1, y: 1, z: 1}) == 12.0
+    assert sympy.expand(other.xreplace({x: z, y: 0})) == 3.0 * z
+
+
+@pytest.mark.parametrize(
+    ("M", "K", "what"),
+    [
+        (np.diag([1.0, 0.0]), np.eye(2), "M must give each freedom a mass to move"),
+        (np.eye(2), (1 + 0.1j) * np.eye(2), "K must be real to move"),
+    ],
+)
+def test_what_cannot_move_is_refused(M, K, what):
+    with pytest.raises(ValueError, match=what):
+        fl.simulate(fl.Structure(M, K), 1.0)
