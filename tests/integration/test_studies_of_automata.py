@@ -4,6 +4,7 @@ What they must give is closed forms and published numbers.
 """
 
 from math import acos, log, pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ from scipy import stats
 import frictionlab as fl
 from tests.helpers.automata import V, X
 
-QUIET = {"progress": False}
-SETTLED = {"transient": 1.0, "window": 1.0, **QUIET}
+QUIET: dict[str, Any] = {"progress": False}
+SETTLED: dict[str, Any] = {"transient": 1.0, "window": 1.0, **QUIET}
 PERIOD = {I: 0.02 * log(I / (I - 1.0)) for I in (1.2, 1.5)}  # of spikes: tau log(I/(I - threshold))
 
 
@@ -160,7 +161,7 @@ def test_the_buck_converter_doubles_its_period_where_the_literature_says():
     branch = fl.continue_orbit(fl.periodic_orbit(buck_converter(), settled), "E", (22.0, 26.0), **QUIET)
     doubling = next(point for point in branch.special if "doubling" in point.kind)
     assert doubling.value == pytest.approx(24.516, abs=1e-3)  # Fossas and Olivar 1996
-    times = {"transient": 0.3, "window": 0.05, **QUIET}
+    times: dict[str, Any] = {"transient": 0.3, "window": 0.05, **QUIET}
     found = fl.bifurcation(buck_converter(), "E", [22.0, 28.0, 33.0], start, **times)
     assert found.kinds == ("periodic", "periodic", "non-periodic")
     assert found.periods[:2] / 400e-6 == pytest.approx([1.0, 2.0])
