@@ -89,6 +89,7 @@ def test_a_bifurcation_diagram_of_spikes_and_its_file(tmp_path):
     np.testing.assert_allclose(found.periods[1:], [*PERIOD.values()], rtol=1e-8)
     read = fl.load_bifurcation(file)
     assert read.model.values == neuron().values
+    assert read.plot().get_ylabel() == "$v$ at the section"
     assert fl.bifurcation(neuron(), "I", [0.5, 1.2, 1.5], resume=file, **SETTLED).kinds == found.kinds
     with pytest.raises(ValueError, match="differs in model"):
         fl.bifurcation(neuron().replace(tau=0.03), "I", [0.5, 1.2, 1.5], resume=file, **SETTLED)

@@ -77,7 +77,7 @@ def simulate(model, tmp_path):
 
 def animate(model, tmp_path):
     run = fl.simulate(model, 3 * model.period, progress=False)
-    assert len(fl.watch(run).rows) > 0
+    assert len(fl.watch(run).picture["samples"]["times"]) > 0
     assert fl.animate(run, fps=1).to_jshtml().count("data:image/png") > 1
 
 

@@ -39,6 +39,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
+from frictionlab.plotting.time_histories import check_run_with_coordinates
 from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
@@ -84,6 +85,7 @@ def plot_steady_state(
         One for every mode that occurs, or one cross.
     """
     run = steady.trajectory
+    check_run_with_coordinates(run)
     shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, run.names[: run.automaton.coordinates])
     alone, ax = ax is None, axes_or_new(ax)

@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.analysis.steady_state.classification import MotionKind
+from frictionlab.models.model import automaton_of
 from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
@@ -98,7 +99,9 @@ def plot_bifurcation(
     ValueError
         For an unknown state.
     """
-    state: str = name or result.model.automaton().shown_state
+    automaton = automaton_of(result.model)
+    state: str = name or automaton.shown_state
+    unit = f" ({state_unit(state)})" if automaton.coordinates else ""
     groups = {kind: result.section(state, kind) for kind in MOTION_STYLES}
     ax = axes_or_new(ax)
     lines = []
@@ -112,7 +115,7 @@ def plot_bifurcation(
             lines += ax.plot(values, states, label=kind, transform=where, **style)
     ax.set(
         xlabel=_swept_parameter_label(result),
-        ylabel=f"{state_label(state)} at {_section_text(result)} ({state_unit(state)})",
+        ylabel=f"{state_label(state)} at {_section_text(result)}{unit}",
     )
     if legend:
         legend_beside(ax)

@@ -269,6 +269,10 @@ def test_a_woodpecker_pecks_as_moreaus_scheme_says():
     orbit = fl.periodic_orbit(fl.Woodpecker(), settled)
     assert orbit.period == pytest.approx(settled.period, rel=1e-5)
     assert np.abs(orbit.multipliers[1:]).max() < 1
+    along = orbit.trajectory(np.linspace(0.0, orbit.period, 100_000, endpoint=False))
+    near = along[np.argmin(np.abs(along[:, 2] + 0.2788) + (np.abs(along[:, 4]) > 1e-9))]
+    # Glocker (1995) begins there, as the sleeve slips: y' = -0.3411 m/s, phi_S' = -7.4583 rad/s
+    assert near[[3, 5]] == pytest.approx([-0.3411, -7.4583], rel=5e-3)
 
 
 @fl.model
