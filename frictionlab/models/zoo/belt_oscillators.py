@@ -18,6 +18,7 @@ from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, 
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import (
     NO_EQUILIBRIUM,
+    OF_WHAT_LASTS,
     BeltOscillator,
     ZooModel,
     not_negative,
@@ -352,9 +353,7 @@ class BrakedOscillator(BeltOscillator):
 
     about = "a belt that brakes: silence, then a squeal before it stops"
     reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("eigenvalues", "periodic_orbit", "continue_orbit"), HALT)
-    )
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(OF_WHAT_LASTS, HALT))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact."""

@@ -13,7 +13,14 @@ from frictionlab.components.impact import ImpactLaw, RestitutionImpact
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Stop
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import (
+    LINEAR,
+    OF_WHAT_LASTS,
+    ZooModel,
+    not_negative,
+    of_either_sign,
+    positive,
+)
 
 ONCE = "The mass runs over the beam once, so that no motion comes back."
 
@@ -157,9 +164,7 @@ class MassOnBeam(ZooModel):
 
     about = "a mass that runs over a beam, leaves it and comes back"
     reference = "D. Stancioiu, H. Ouyang, J. E. Mottershead, J. Sound and Vibration 310 (2008) 1128-1147"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("eigenvalues", "steady_state", "periodic_orbit", "continue_orbit"), ONCE)
-    )
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(OF_WHAT_LASTS, ONCE))
 
     def check(self) -> None:
         """`modes` is from 1 to 100."""

@@ -16,6 +16,8 @@ MOST_PARTS = 100
 RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
 NO_EQUILIBRIUM = "The force depends on time, so there is no equilibrium."
 LINEAR = "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic."
+# analyses of a state or a motion that lasts
+OF_WHAT_LASTS = ("eigenvalues", "steady_state", "periodic_orbit", "continue_orbit", "bifurcation")
 
 
 class ZooModel(MechanicalModel):
