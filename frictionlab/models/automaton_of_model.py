@@ -152,9 +152,22 @@ def automaton_of_structure(key: StructureKey) -> HybridAutomaton:
     begin = time.perf_counter()
     model = symbolic_copy(key)
     derived = model.derive()
+    _check_states(model, derived)
     seconds = time.perf_counter() - begin
     LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
     return derived
+
+
+def _check_states(model: Model, derived: HybridAutomaton) -> None:
+    """Raise ValueError unless an automaton has the model's coordinates first, then their velocities."""
+    names = tuple(model.coordinates)
+    needed = (*names, *(f"{name}'" for name in names))
+    if derived.coordinates != len(names) or derived.state_names[: len(needed)] != needed:
+        raise ValueError(
+            f"the automaton of {type(model).__name__} must begin with the states {', '.join(needed)}, its "
+            f"coordinates and their velocities, got {', '.join(derived.state_names)} with coordinates="
+            f'{derived.coordinates}: name velocities by a prime, as sympy.Symbol("x\'")'
+        )
 
 
 def automaton_of_model(model: Model) -> HybridAutomaton:

@@ -26,9 +26,16 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.model import Model, require_model
+from frictionlab.models.model import Model
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structure_data, structures, switch_names
-from frictionlab.pages.scene import panels_of, parameter_controls, run_controls, scene_data, switch_control
+from frictionlab.pages.scene import (
+    panels_of,
+    parameter_controls,
+    require_shown_model,
+    run_controls,
+    scene_data,
+    switch_control,
+)
 from frictionlab.tape.formulas import ELEMENTARY
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.validation import check_path, check_t_end, check_text
@@ -107,7 +114,7 @@ def export_page(
     >>> fl.export_page(fl.SliderOnBelt(mu_k=1.4), "slider.html")  # doctest: +SKIP
     PosixPath('slider.html')
     """
-    model = require_model(model, cure="write export_page(model, path)")
+    model = require_shown_model(model, "write export_page(model, path)")
     path = check_path("path", path, (".html", ".htm"))
     if title is not None:
         check_text("title", title, "leave it out for the model's name")

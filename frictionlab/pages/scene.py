@@ -17,7 +17,7 @@ from frictionlab.components.friction import FrictionCurve, FrictionLaw
 from frictionlab.models.composition import parameter_metadata, parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
-from frictionlab.models.model import Model
+from frictionlab.models.model import Model, require_model
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
@@ -35,6 +35,17 @@ WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that h
 BEGINNING = "beginning"  # shows as many periods from the start
 STARTS = {"rest": "at rest", "near": "near the equilibrium", "own": "own numbers"}
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
+
+
+def require_shown_model(model: object, cure: str) -> Model:
+    """Return the model; raise for anything else, and for a model without coordinates, which pictures show."""
+    known = require_model(model, cure=cure)
+    if not known.coordinates:
+        raise ValueError(
+            f"model must have coordinates to be shown, {type(known).__name__} has none: plot run.t and "
+            "run.states"
+        )
+    return known
 
 
 def scene_data(

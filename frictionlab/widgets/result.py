@@ -25,9 +25,9 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.model import require_model
+from frictionlab.models.model import MAKE_ONE
 from frictionlab.models.serialisation import is_public
-from frictionlab.pages.scene import BEGINNING, WHAT_MOVES
+from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, require_shown_model
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 if TYPE_CHECKING:
@@ -97,8 +97,10 @@ def starting_model(model: Model | None) -> Model:
     ------
     TypeError
         If it is not a model.
+    ValueError
+        If it has no coordinates.
     """
-    return SliderOnBelt() if model is None else require_model(model)
+    return SliderOnBelt() if model is None else require_shown_model(model, MAKE_ONE)
 
 
 def limit_steps(method: Method) -> Method:

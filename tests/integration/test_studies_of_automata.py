@@ -122,6 +122,29 @@ def test_a_fit_and_an_optimum_of_an_automaton():
     assert best.value == pytest.approx(12.0)
 
 
+@fl.model
+class Room(fl.Model):
+    """The thermostat as a model, or with a velocity that has a name of its own."""
+
+    moves: bool = False
+    k: float = 0.1
+    coordinates = ()
+
+    def derive(self):
+        states = (X, V) if self.moves else (X,)
+        return fl.HybridAutomaton(
+            states, (fl.Mode("on", (-self.k * X,) * len(states)),), {}, len(states) // 2
+        )
+
+
+def test_a_model_by_its_automaton_has_velocities_with_a_prime_and_pictures_of_coordinates():
+    assert fl.simulate(Room(), 1.0, x0=[1.0], **QUIET).final_state[0] == pytest.approx(np.exp(-0.1))
+    with pytest.raises(ValueError, match="model must have coordinates to be shown, Room has none"):
+        fl.explore(Room())
+    with pytest.raises(ValueError, match="got x, v with coordinates=1: name velocities by a prime"):
+        fl.simulate(Room(moves=True), 1.0, **QUIET)
+
+
 def test_near_is_close_to_the_equilibrium_of_an_automaton():
     found = fl.steady_state(neuron().replace(I=0.5), "near", transient=0.0, window=1.0, **QUIET)
     assert found.trajectory(0.0)[0] == pytest.approx(0.505)
