@@ -12,7 +12,7 @@ from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
-from frictionlab.models.model import Model, ModelOrAutomaton, MovingSystem, automaton_of
+from frictionlab.models.model import REST, Model, ModelOrAutomaton, MovingSystem, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
 
@@ -27,6 +27,14 @@ def initial_state_of(
     model's automaton where it is at hand, to save its assembly.
     """
     automaton = automaton_of(model) if automaton is None else automaton
+    if not (isinstance(x0, str) and x0 == "rest" and isinstance(model, Model)):
+        return _initial_state(model, x0, automaton)
+    if REST not in vars(model):
+        vars(model)[REST] = _initial_state(model, x0, automaton)
+    return vars(model)[REST].copy()
+
+
+def _initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
     start = state_from_x0(automaton, _completed(model, x0, automaton))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)

@@ -110,12 +110,10 @@ class RunOptions:
                 f"source must be the model of the automaton, got {abbreviate(self.source)}: leave it out, or "
                 "give the model itself"
             )
-        for name, example in (
-            ("sections", '{"top": (expression, -1)}'),
-            ("quadratures", '{"work": expression}'),
-        ):
-            if (asked := getattr(self, name)) is not None:
-                check_mapping(name, asked, f"give each a name, such as {example}")
+        if self.sections is not None:
+            check_mapping("sections", self.sections, 'give each a name, such as {"top": (expression, -1)}')
+        if self.quadratures is not None:
+            check_mapping("quadratures", self.quadratures, 'give each a name, such as {"work": expression}')
 
 
 def _has_automaton(source: Any) -> bool:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
-AUTOMATON = "_automaton"  # what a model notes of itself
+AUTOMATON, REST = NOTES = "_automaton", "_state_at_rest"  # what a model notes of itself, as it never changes
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 
 
@@ -283,7 +283,7 @@ class Model(Component):
         """Raise ValueError where masses or contacts are impossible at the values of the parameters."""
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name != AUTOMATON}
+        return {name: value for name, value in super().__getstate__().items() if name not in NOTES}
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.

@@ -12,6 +12,7 @@ import ast
 import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -43,6 +44,11 @@ def check_automaton(automaton: Any) -> None:
         cure = "write solve(automaton, t_end, x0=...)"
         cure = "use fl.simulate for a model" if hasattr(automaton, "automaton") else cure
         raise TypeError(f"automaton must be a HybridAutomaton, got {abbreviate(automaton)}: {cure}")
+    _check_values(automaton)
+
+
+@lru_cache(maxsize=64)  # an automaton never changes
+def _check_values(automaton: HybridAutomaton) -> None:
     for name, value in automaton.values.items():
         if type(value) is float and isfinite(value):  # the quick case, that of models
             continue

@@ -25,8 +25,8 @@ class Challenge(NamedTuple):
     model : Model
         Its parameters are what the controls are set to at first.
     goal : mapping
-        What has to be so: "stable" (steady sliding), "vibrates" (the motion goes on), "strikes" (there are
-        impacts in what is shown), each true or false; "from": the start.
+        What has to be so: "stable" (steady sliding), "vibrates" (the motion goes on, as the words say),
+        "strikes" (there are impacts in what is shown), each true or false; "from": the start.
     may : tuple of str
         Controls that may be changed; none stands for all parameters.
     most : int

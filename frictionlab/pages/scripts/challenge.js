@@ -18,7 +18,7 @@ function challengeAnswer(challenge, scene, state, result) { // {solved, text}
 function meetsGoal(result, goal) {
   const facts = {
     stable: Boolean(result.eigenvalues?.length) && result.eigenvalues.every(([re, im]) => re < -ROUNDING * Math.hypot(re, im)),
-    vibrates: Boolean(result.moving && !result.decays), strikes: result.struck, from: result.from,
+    vibrates: Boolean(result.moving && (motionText(result) || !result.decays)), strikes: result.struck, from: result.from,
   };
   return result.finished && Object.entries(goal).every(([name, value]) => facts[name] === value);
 }

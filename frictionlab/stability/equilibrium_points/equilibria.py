@@ -180,8 +180,8 @@ def equilibrium_branches(
     branch_states: list[Array] = []
     for i, value in enumerate(at):
         changed = {parameter: float(value)}
-        mode, points, *_ = first_mode_equilibria(automaton.replace(**changed), is_sliding(model))
-        for x in points.T:
+        searched = all_mode_equilibria(automaton.replace(**changed), is_sliding(model))
+        for mode, x in ((mode, x) for mode, points, _ in searched for x in points.T):
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
             modes.append(mode)
@@ -304,7 +304,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         zero, and push.  A model's modes with stick are left out: there each place within the friction cone
         is one.  States that enter linearly are eliminated.  If at most four remain, boxes of
         their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
-        threefold one counts once.  If that does not come to an end, Newton's method starts from all decades
+        threefold one counts once; of an angle, on which all depends with the period 2 pi, those within one
+        turn.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
 
     Returns

@@ -14,7 +14,7 @@ from frictionlab.stability.equilibrium_points.low_rank_newton import (
     LowRankNewton,
     low_rank_newton,
 )
-from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, root_boxes
+from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, angles_of, root_boxes
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.state_matrices import MACHINE_EPSILON
 from frictionlab.tape.intervals import Interval, interval
@@ -266,7 +266,7 @@ class Zeros(NamedTuple):
 
 
 def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
-    """The zeros of a flow.
+    """The zeros of a flow; those that differ by whole turns of angles are one.
 
     If bounds of the flow tell in which boxes zeros may lie (`root_boxes`), Newton's method starts there.
     Otherwise it starts from all decades, as it leads to a zero from within some factor of it.  If several
@@ -274,7 +274,8 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
     from the zeros that it has, until it finds no more.
     """
     with np.errstate(all="ignore"):  # a start may lead out of the range of floats; it is dropped then
-        boxes = root_boxes(flow, values)
+        angles = angles_of(flow, values)
+        boxes = root_boxes(flow, values, angles)
         if not boxes.why and not boxes.starts.shape[1]:
             return Zeros(boxes.starts)
         random = np.random.default_rng(0)
@@ -283,7 +284,7 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
         if not boxes.why and not flow.linear:
             inside = _zeros_in_boxes(flow, values, boxes, scale)
             if not inside.why:
-                return inside
+                return Zeros(_within_turn(flow, values, angles, inside.points, scale))
             sure, boxes = inside.points, replace(boxes, why=inside.why)
         cheap = low_rank_newton(flow, values, x)
         candidates = _zeros_from(flow, values, np.hstack([x, boxes.starts]), scale, cheap)
@@ -299,8 +300,23 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
             if not before < candidates.shape[1] < START_COUNT:  # no new zeros, or a continuum of zeros
                 break
         candidates = np.hstack([sure, _credible(flow, values, candidates, scale)])
-    points = distinct_zeros(candidates, SAME_CANDIDATE_RTOL * np.abs(candidates)) if sure.size else candidates
+        points = (
+            distinct_zeros(candidates, SAME_CANDIDATE_RTOL * np.abs(candidates)) if sure.size else candidates
+        )
+        points = _within_turn(flow, values, angles, points, scale)
     return Zeros(points, boxes.why)
+
+
+def _within_turn(
+    flow: Flow, values: Sequence[float], angles: tuple[int, ...], x: Array, scale: Array
+) -> Array:
+    """Zeros (m, K), each once, whose angles are moved by whole turns into (-pi, pi]."""
+    if not angles or not x.size:
+        return x
+    x = x.copy()
+    for i in angles:
+        x[i] -= 2 * np.pi * np.ceil((x[i] - np.pi) / (2 * np.pi) - SAME_CANDIDATE_RTOL)
+    return distinct_zeros(*polish_zeros(flow, x, values, scale))
 
 
 def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale: Array) -> Zeros:

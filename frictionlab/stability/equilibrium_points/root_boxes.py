@@ -5,7 +5,8 @@ in which all that is nonlinear cancels.  Of the remaining states those that ente
 So k equations are left in the k states that enter nonlinearly, one for each coordinate with a spring or law
 of its own.
 
-Then boxes are bisected in decades, from 1e-30 to 1e30, whatever the units.  A box is left out if the bounds
+Then boxes are bisected in decades, from 1e-30 to 1e30, whatever the units; of an angle, on which all depends
+with the period 2 pi, one turn is enough.  A box is left out if the bounds
 of an equation in it do not hold zero.  Krawczyk's operator says that a box holds one zero only, or none.  R.
 Krawczyk, Computing 4 (1969) 187-201.
 
@@ -30,6 +31,8 @@ from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
 LARGEST, SMALLEST = 1e30, 1e-30  # sizes of states that are searched; smaller ones count as zero
+ONE_TURN = -3.3, 2 * np.pi - 3.3  # rad: its ends are no likely equilibria, as -pi and pi are
+PERIODIC_RTOL = 1e-9  # share of its terms by which a function may differ after a turn
 MOST_UNKNOWNS = 4  # with more the boxes that come near to zeros are too many
 MOST_BOXES = 12_000  # divided by the number of unknowns
 FEW_BOXES = 64  # of one unknown are cut in two at once as often as possible: bounds of many cost as much
@@ -102,8 +105,36 @@ class RootBoxes:
     why: str = ""
 
 
-def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
-    """Boxes that hold the zeros of a flow."""
+def angles_of(flow: Flow, values: Sequence[float]) -> tuple[int, ...]:
+    """The states on which all depends with the period 2 pi, as on the angle of a rod."""
+    if flow.linear:
+        return ()
+    random = np.random.default_rng(0)
+    x = random.uniform(-10.0, 10.0, size=(flow.size, SAMPLES))
+    with np.errstate(all="ignore"):
+        before, slopes = _with_margins(flow, x, values), np.abs(flow.jacobian(x, values))
+        size = np.zeros_like(before)
+        size[: flow.size] = (slopes @ np.abs(x).T[:, :, None])[:, :, 0].T
+        return tuple(i for i in flow.nonlinear if _is_periodic(flow, x, values, i, before, size))
+
+
+def _is_periodic(flow: Flow, x: Array, values: Sequence[float], i: int, before: Array, size: Array) -> bool:
+    """Whether rates and margins are the same at states (m, N) whose state `i` is greater by 2 pi."""
+    turned = x.copy()
+    turned[i] += 2 * np.pi
+    after = _with_margins(flow, turned, values)
+    same = np.abs(after - before) <= PERIODIC_RTOL * (size + np.abs(before) + np.abs(after))
+    undefined = np.isnan(before) & np.isnan(after)
+    return bool((same | undefined).all() and same.any())
+
+
+def _with_margins(flow: Flow, x: Array, values: Sequence[float]) -> Array:
+    margins = [np.broadcast_to(one, x.shape[1]) for one in flow.margins.arrays(*x, *values)]
+    return np.vstack([flow.rhs(x, values), *margins])
+
+
+def root_boxes(flow: Flow, values: Sequence[float], angles: tuple[int, ...] = ()) -> RootBoxes:
+    """Boxes that hold the zeros of a flow; of `angles` within one turn."""
     none, never = np.zeros((flow.size, 0)), np.zeros(0, dtype=bool)
     nowhere = RootBoxes(none, none, never, never)
     try:
@@ -113,7 +144,7 @@ def root_boxes(flow: Flow, values: Sequence[float]) -> RootBoxes:
                 return nowhere
             if isinstance(reduced, str):
                 return replace(nowhere, why=reduced)
-            return _search(ReducedFlow(flow, values, reduced))
+            return _search(ReducedFlow(flow, values, reduced, angles))
     except TypeError:  # a power of a negative number, whose exponent varies
         return replace(nowhere, why="a function has no bounds")
 
@@ -315,16 +346,24 @@ class ReducedFlow:
     values : sequence of float or array
         Of the parameters; arrays have a value for each owner of boxes.
     by : Elimination
+    angles : tuple of int
+        States whose size is one turn, whatever their decade.
     """
 
     flow: Flow
     values: Sequence[Any]
     by: Elimination
+    angles: tuple[int, ...] = ()
 
     @property
     def unknowns(self) -> list[int]:
         """The states that the unknowns are."""
         return self.by.unknowns
+
+    @property
+    def turning(self) -> NDArray[np.bool_]:
+        """Which of the unknowns are angles (k,)."""
+        return np.array([i in self.angles for i in self.unknowns], dtype=bool)
 
     def steps(self, w: float) -> list[float]:
         """The values of all steps at a value of the one unknown."""
@@ -444,6 +483,7 @@ def isolate_zeros(
     single, narrow, undecided = [boxes.take([])], [boxes.take([])], [boxes.take([])]
     most, count = MOST_BOXES // max(len(reduced.unknowns), 1), 1 + boxes.owners.max(initial=0)
     spent, settled_at = np.zeros(count, dtype=np.intp), np.full(count, np.inf)
+    turning = reduced.turning
     while len(boxes.owners):
         spent += np.bincount(boxes.owners, minlength=count)
         boxes, one = _prune(reduced, boxes)
@@ -452,15 +492,15 @@ def isolate_zeros(
             enough = one.take(settles(one))
             np.minimum.at(settled_at, enough.owners, enough.ends[1, 0])
         boxes = _below(boxes, settled_at)
-        width = _widths(*boxes.ends)
+        width = _widths(*boxes.ends, turning)
         fine = width.max(axis=0, initial=0.0) <= _finest(reduced.of(boxes.owners), *boxes.ends)
         narrow.append(boxes.take(fine))
         late = ~fine & (spent[boxes.owners] >= most)
         undecided.append(boxes.take(late))
         going = ~fine & ~late
-        boxes = _halves(boxes.take(going), width[:, going])
+        boxes = _halves(boxes.take(going), turning, width[:, going])
         while len(reduced.unknowns) == 1 and 0 < len(boxes.owners) <= FEW_BOXES:
-            boxes = _halves(boxes)
+            boxes = _halves(boxes, turning)
     few, doubtful = (_below(_joined(parts), settled_at) for parts in (narrow, undecided))
     if len(reduced.unknowns) == 1 and len(few.owners):
         few = few.take(~_only_poles(reduced, few))
@@ -537,7 +577,8 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
         start = reduced.full_states(np.zeros((0, 1)))
         neither = np.zeros(1, dtype=bool)
         return RootBoxes(start, np.full(start.shape, np.inf), neither, neither)
-    everywhere = np.full((2, k, 1), LARGEST) * np.array([-1.0, 1.0])[:, None, None]
+    ends = [ONE_TURN if turns else (-LARGEST, LARGEST) for turns in reduced.turning]
+    everywhere = np.array(ends).T[:, :, None]
     search = isolate_zeros(reduced, Boxes(everywhere, np.zeros(1, dtype=np.intp)))
     clusters = _clusters(search.narrow.ends)
     every = np.concatenate([_contracted(reduced, search.single.ends), clusters], axis=2)
@@ -729,18 +770,19 @@ def _is_rounding(reduced: ReducedFlow, low: Array, high: Array) -> NDArray[np.bo
     return alike
 
 
-def _widths(low: Array, high: Array) -> Array:
-    """Widths (k, N) of boxes in decades, about; relative ones where they are narrow."""
+def _widths(low: Array, high: Array, turning: NDArray[np.bool_]) -> Array:
+    """Widths (k, N) of boxes in decades, about; relative ones where they are narrow; of angles in rad."""
     sizes = np.abs(low), np.abs(high)
     least, most = (np.maximum(size, SMALLEST) for size in (np.minimum(*sizes), np.maximum(*sizes)))
     ratio = np.log(most) - np.log(least)
     width = np.where(ratio > 1e-3, ratio, (most - least) / most)
-    return np.where((low < 0) & (high > 0) & (most > SMALLEST), np.inf, width)
+    width = np.where((low < 0) & (high > 0) & (most > SMALLEST), np.inf, width)
+    return np.where(turning[:, None], high - low, width)
 
 
-def _halves(boxes: Boxes, width: Array | None = None) -> Boxes:
+def _halves(boxes: Boxes, turning: NDArray[np.bool_], width: Array | None = None) -> Boxes:
     """The boxes cut in two along their widest side, or their only one: at zero, or so that both have as many
-    decades."""
+    decades; of an angle in the middle."""
     if not len(boxes.owners):
         return boxes
     low, high = boxes.ends
@@ -752,6 +794,7 @@ def _halves(boxes: Boxes, width: Array | None = None) -> Boxes:
         most > 2 * least, np.sqrt(np.maximum(least, SMALLEST)) * np.sqrt(most), (least + most) / 2
     )
     cut = np.where((a < 0) & (b > 0), 0.0, np.where(b > 0, middle, -middle))
+    cut = np.where(turning[widest], (a + b) / 2, cut)
     below, above = high.copy(), low.copy()
     below[side], above[side] = cut, cut
     return _joined(

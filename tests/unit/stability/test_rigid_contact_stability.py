@@ -189,6 +189,16 @@ def test_a_rod_that_slides_on_its_end_has_the_eigenvalues_of_its_pencil():
     assert np.abs(run["distance"]).max() < 1e-14
 
 
+@pytest.mark.slow  # its modes are derived
+def test_a_rod_without_its_spring_has_all_its_equilibria_within_one_turn():
+    """Where the contact's force passes through its centre, tan(theta) = 1/mu, above the belt and below it."""
+    known = fl.equilibria(RodOnBelt(turning=0.0))
+    assert known.complete
+    upright = math.atan(1 / 0.3)
+    assert [point.q[2] for point in known] == pytest.approx([upright, upright - math.pi], rel=1e-14)
+    assert [point.normal_force for point in known] == pytest.approx([40.0, 40.0], rel=1e-13)
+
+
 @pytest.mark.slow
 def test_a_rigid_contact_is_the_limit_of_a_stiff_one():
     rigid = fl.eigenvalues(RodOnBelt()).values

@@ -18,7 +18,7 @@ def beside_equilibrium(name, distance):
 
 
 SOLUTIONS = {
-    "silence": lambda: {"mu_k": 0.6},
+    "silence": lambda: {"mu_k": 0.25},
     "the other fate": lambda: beside_equilibrium("the other fate", 0.003),
     "a knock": lambda: beside_equilibrium("a knock", 0.03),
     "squeal": lambda: {"mu_k": 2.0},

@@ -207,6 +207,34 @@ def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
     np.testing.assert_allclose(point.state, [side, side, 470 / 19 - 1], rtol=1e-11)
 
 
+def test_equilibria_within_one_turn_of_angles_are_all():
+    """A pendulum, and two on one axis that a spring of their difference couples."""
+    hanging, upright = known = fl.equilibria(automaton((V, -sympy.sin(X) - V / 10)))
+    assert known.complete
+    assert [hanging.q[0], upright.q[0]] == [0.0, np.pi]
+    pull = sympy.sin(X - Y) / 10
+    coupled = automaton(
+        (V, W, -sympy.sin(X) - pull, -sympy.sin(Y) + pull), states=(X, Y, V, W), coordinates=2
+    )
+    known = fl.equilibria(coupled)
+    assert known.complete
+    assert sorted(map(tuple, np.round(np.abs([one.q for one in known]) / np.pi).tolist())) == [
+        (0.0, 0.0),
+        (0.0, 1.0),
+        (1.0, 0.0),
+        (1.0, 1.0),
+    ]
+
+
+def test_a_hopf_point_in_a_mode_that_is_not_the_first():
+    p = sympy.Symbol("p")
+    left = fl.Mode("left", (V, -(X + 1) - V), (fl.Event("x", -X, ("right",)),))
+    right = fl.Mode("right", (V, 2 - X + p * V - V**3), (fl.Event("x", X, ("left",)),))
+    point = fl.hopf(fl.HybridAutomaton((X, V), (left, right), {p: -0.3}, 1), "p", (-1, 1))
+    assert point.value == pytest.approx(0.0, abs=1e-12)
+    assert point.state == pytest.approx([2.0, 0.0], abs=1e-12)
+
+
 def test_the_changes_of_any_one_equilibrium():
     model = lorenz(20.0)
     origin, *others = fl.equilibria(model)
