@@ -18,7 +18,9 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
 ``reduction``
     `reduce` and `ReducedStructure`: few freedoms with the modes of a large structure.
 ``mode_paths``
-    Root loci, changes of stability and maps of structures.
+    Root loci and maps of structures.
+``changes_of_stability``
+    Where the stability of a structure changes along a parameter.
 ``window_eigenvalues``
     `WindowEigenvalues`: eigenvalues of a structure with errors, left vectors and sensitivities.
 """

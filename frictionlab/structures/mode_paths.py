@@ -1,7 +1,7 @@
-"""Modes of a structure along a parameter: its root locus, and where its stability changes.
+"""Modes of a structure along a parameter: its root locus, and spectra for maps.
 
 The spectra of a structure of few freedoms are cheap.  A larger one is reduced to few freedoms first
-(`reduction`), and its changes of stability are samples of the reduction in the end, where it is exact.
+(`reduction`).
 
 Only modes in the window of frequencies count.  The growth rate of a mode is put lower the farther the mode is
 beyond the window, so that it changes steadily where a mode enters or leaves.
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
-from frictionlab.stability.boundaries.stability_changes import StabilityChange, changes_on_lines
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
 from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
 from frictionlab.stability.state_matrices import eigenvalues_of_matrices
@@ -28,7 +27,6 @@ from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import (
     DAMPED_SHARE,
     EDGE_SHARE,
-    EXACT,
     Point,
     Sample,
     over_box,
@@ -40,7 +38,7 @@ from frictionlab.structures.window_eigenvalues import (
     has_regular_mass,
     left_vectors_of,
 )
-from frictionlab.validation import abbreviate, check_limits, float_array
+from frictionlab.validation import abbreviate, float_array
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import Structure
@@ -52,9 +50,6 @@ SAME_MODE = 0.6  # product of unit vectors from which two are one mode
 HALVINGS = 8  # of a step, at most
 MOST_ENTRIES = 4_000_000  # of state matrices that are made at once
 OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
-REFINEMENTS = 6
-SETTLED_RTOL = 1e-11  # of the range of the parameter: changes that move by less are settled
-NEAR_SHARE = 1e-3  # of the range: so near to a change it is looked for again
 
 
 def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus:
@@ -65,8 +60,8 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
         raise ValueError(
             f"values must be one number or more, got {abbreviate(values)}: give those of {parameter}"
         )
-    _check_masses(structure, parameter, at)
-    if _is_small(structure) and SmallSpectra(structure).has_matrices:
+    check_masses(structure, parameter, at)
+    if is_small(structure) and SmallSpectra(structure).has_matrices:
         return _full_locus(structure, parameter, at)
     samples = [Sample.of(structure, {parameter: float(p)}) for p in progress_bar(at, "root locus")]
     small = reduced(structure, samples)
@@ -84,88 +79,24 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
     return RootLocus(itself, parameter, at, tracked, (), none.astype(complex), none, unstable)
 
 
-def find_stability_changes(structure: Structure, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
-    """The changes of stability of a structure, see :func:`frictionlab.stability_changes`."""
-    structure.check_parameter(parameter)
-    low, high = check_limits("bounds", bounds, "give (low, high)")
-    _check_masses(structure, parameter, (low, high))
-    if _is_small(structure):
-        return _changes(structure, parameter, (low, high))
-    samples, _ = over_box(structure, {parameter: (low, high)})
-    changes = _changes(reduced(structure, samples), parameter, (low, high))
-    settled = [
-        _settled(structure, parameter, one, (low, high)) for one in progress_bar(changes, "stability changes")
-    ]
-    growing = changes[0].unstable[0] if changes else 0
-    return _with_counts(sorted(settled, key=lambda one: one.value), growing)
-
-
-def _settled(
-    structure: Structure, parameter: str, change: StabilityChange, bounds: tuple[float, float]
-) -> StabilityChange:
-    """A change by a reduction to the modes at its own place, where that is exact."""
-    width = bounds[1] - bounds[0]
-    for _ in range(REFINEMENTS):
-        sample = Sample.of(structure, {parameter: change.value})
-        low, high = change.value - NEAR_SHARE * width, change.value + NEAR_SHARE * width
-        local = reduced(structure, [sample], EXACT)
-        near = _changes(local, parameter, (max(low, bounds[0]), min(high, bounds[1])))
-        alike = [one for one in near if one.direction == change.direction]
-        if not alike:
-            break
-        before, scale = change, structure.window[1] if structure.window else change.frequency or 1.0
-        change = min(
-            alike,
-            key=lambda one: (
-                abs(one.frequency - before.frequency) / scale + abs(one.value - before.value) / width
-            ),
-        )
-        if abs(change.value - before.value) <= SETTLED_RTOL * width:
-            break
-    return change
-
-
 def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -> SmallSpectra:
     """The spectra of a structure within ranges of parameters."""
     small = structure
-    if not _is_small(structure):
+    if not is_small(structure):
         small = reduced(structure, over_box(structure, box)[0])
     return SmallSpectra(small)
 
 
-def _is_small(structure: Structure) -> bool:
+def is_small(structure: Structure) -> bool:
+    """Whether full spectra are cheap."""
     return structure.size <= MOST_SCANNED
 
 
-def _check_masses(structure: Structure, parameter: str, values: Iterable[float]) -> None:
+def check_masses(structure: Structure, parameter: str, values: Iterable[float]) -> None:
     """Refuse values of a parameter at which a mass is not positive."""
     if parameter in structure.M.parameters:
         for value in values:
             structure.at_values({parameter: float(value)})
-
-
-def _changes(
-    structure: Structure, parameter: str, bounds: tuple[float, float]
-) -> tuple[StabilityChange, ...]:
-    """The changes of stability of a structure of few freedoms, in its window."""
-    problem: Any = SmallSpectra(structure)  # of an equilibrium problem only the spectra are needed
-    changes = changes_on_lines(problem, parameter, bounds, {})[0]
-    if structure.window is None:
-        return changes
-    low, high = structure.window
-    inside = [one for one in changes if one.frequency <= high and (one.frequency >= low or not low)]
-    growing = structure.count_growing(parameter, bounds[0])
-    return _with_counts(inside, growing)
-
-
-def _with_counts(changes: Sequence[StabilityChange], growing: int) -> tuple[StabilityChange, ...]:
-    """The changes with the numbers of growing modes below and above each."""
-    counted = []
-    for one in changes:
-        after = growing + (1 if one.direction == "loss" else -1)
-        counted.append(StabilityChange(one.value, one.frequency, one.kind, one.direction, (growing, after)))
-        growing = after
-    return tuple(counted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,7 +219,7 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
 
 
 @dataclass(frozen=True, eq=False)
-class _Place:
+class Place:
     """Modes of a reduced structure at a point, with left vectors.
 
     Parameters
@@ -306,20 +237,20 @@ class _Place:
     left: Spectrum
 
 
-def _place(small: Structure, sample: Sample, basis: Array | None = None) -> _Place:
+def _place(small: Structure, sample: Sample, basis: Array | None = None) -> Place:
     """The modes of a sample in the coordinates of a basis."""
     pencil = small.at_values(sample.point).pencil
     right = Spectrum(sample.values, sample.shapes if basis is None else basis.T @ sample.shapes)
     vectors = left_vectors_of(pencil, right, lambda: dense_spectrum(pencil.transposed()))
-    return _Place(sample.point, pencil, right, Spectrum(sample.values, vectors))
+    return Place(sample.point, pencil, right, Spectrum(sample.values, vectors))
 
 
-def _match(small: Structure, a: _Place, b: _Place, halvings: int) -> NDArray[np.intp]:
+def _match(small: Structure, a: Place, b: Place, halvings: int) -> NDArray[np.intp]:
     """For each mode of `a` its place in `b`, -1 where it has none; the step is halved where it is unclear."""
-    likeness = _likeness(a, b)
-    rows, columns = linear_sum_assignment(-likeness)
-    match = np.full(len(likeness), -1)
-    same = likeness[rows, columns] >= SAME_MODE
+    alike = likeness(a, b)
+    rows, columns = linear_sum_assignment(-alike)
+    match = np.full(len(alike), -1)
+    same = alike[rows, columns] >= SAME_MODE
     match[rows[same]] = columns[same]
     if not halvings or not _is_unclear(small, match, a.right.values, b.right.values):
         return match
@@ -330,7 +261,7 @@ def _match(small: Structure, a: _Place, b: _Place, halvings: int) -> NDArray[np.
     return np.where(first >= 0, second[first], -1)
 
 
-def _likeness(a: _Place, b: _Place) -> Array:
+def likeness(a: Place, b: Place) -> Array:
     """Similarity of the modes of `a` (k,) and `b` (m,), as (k, m).
 
     It is the product of left with right vectors, both ways.  Modes with equal eigenvalues are compared as a

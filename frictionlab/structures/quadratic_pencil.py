@@ -47,6 +47,10 @@ REST_RTOL = 16.0 * float(np.finfo(float).eps)  # of the energies of all springs:
 RIGID_RTOL = 1e-6  # of the forces of all springs: those of a rigid motion, whose vector is less exact
 SLOW_RTOL = 1e3 * REST_RTOL  # of the energies of all springs: that of a motion which rounding lets begin
 DISSECTED = 20_000  # freedoms from which an order by nested dissection is worth its time
+INVERSE_STEPS = 12
+ASIDE = 1e-6  # share of an eigenvalue by which a shift lies beside it
+SETTLED_RTOL = 1e-11  # of an eigenvalue: Rayleigh quotients that move by less are settled
+CLOSE = 1e-5  # of unit vectors: their errors, which are squared in the quotient
 SHIFT_FACTORS = (1.0, 1.17, 0.83)  # where a shift is an eigenvalue, the next is taken
 
 
@@ -55,6 +59,14 @@ class Spectrum(NamedTuple):
 
     values: ComplexArray
     vectors: ComplexArray
+
+
+class Mode(NamedTuple):
+    """An eigenvalue, 1/s, with its right and left vector (n,), y Q'(s) x = 1."""
+
+    value: complex
+    right: ComplexArray
+    left: ComplexArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +150,37 @@ class QuadraticPencil:
         y, x = left.vectors, right.vectors
         return (left.values[:, None] + right.values) * (y.T @ (self.M @ x)) + y.T @ (self.C @ x)
 
+    def mode_at(self, guess: complex) -> Mode | None:
+        """The mode whose eigenvalue is next to a guess, by residual inverse iteration; None where it fails.
+
+        One factorisation serves the right and the left vector; the eigenvalue is their Rayleigh quotient.
+        Source: A. Neumaier, "Residual inverse iteration for the nonlinear eigenvalue problem", SIAM J. Numer.
+        Anal. 22 (1985) 914-923.
+        """
+        solve = factorised(self.at(guess * (1.0 + ASIDE)))  # at an eigenvalue itself it is singular
+        if solve is None:
+            return None
+        start: Any = np.random.default_rng(0).standard_normal(self.size).astype(complex)
+        x: Any = solve(start)
+        y: Any = solve(start, "T")
+        value = guess
+        for _ in range(INVERSE_STEPS):
+            x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+            before, value = value, self._quotient(y, x, value)
+            there = self.at(value)
+            errors = solve(there @ x), solve(there.T @ y, "T")
+            if abs(value - before) <= SETTLED_RTOL * abs(value) and max(map(np.linalg.norm, errors)) < CLOSE:
+                slope = complex(y @ (2.0 * value * (self.M @ x) + self.C @ x))
+                return Mode(value, x, y / slope) if slope else None
+            x, y = x - errors[0], y - errors[1]
+        return None
+
+    def _quotient(self, y: ComplexArray, x: ComplexArray, guess: complex) -> complex:
+        """The root of y Q(s) x = 0 next to a guess."""
+        parts = [y @ (part @ x) for part in self.parts]
+        roots = np.roots(np.array(parts) / max(map(abs, parts)))
+        return complex(roots[np.abs(roots - guess).argmin()])
+
     def near(self, shift: complex, radius: float) -> Spectrum:
         """All eigenvalues within a distance from the shift.
 
@@ -220,8 +263,8 @@ def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _Sh
     )
 
 
-def factorised(matrix: Matrix) -> Callable[[Array], Array] | None:
-    """What solves matrix x = b; None where the matrix is singular to rounding."""
+def factorised(matrix: Matrix) -> Callable[..., Array] | None:
+    """What solves matrix x = b, or with "T" its transpose; None where the matrix is singular to rounding."""
     sample = np.random.default_rng(0).standard_normal(matrix.shape[0]).astype(matrix.dtype)
     symmetric = {"diag_pivot_thresh": PIVOT_SHARE, "options": {"SymmetricMode": True}}
     # An order for symmetric patterns makes half the entries; pivots by size are needed where it is not exact.
@@ -241,13 +284,13 @@ def factorised(matrix: Matrix) -> Callable[[Array], Array] | None:
     return None
 
 
-def _in_order(order: NDArray[np.intp], matrix: Matrix, options: Any) -> Callable[[Array], Array]:
+def _in_order(order: NDArray[np.intp], matrix: Matrix, options: Any) -> Callable[..., Array]:
     """What solves matrix x = b by factors of the matrix in an order (n,) of its rows and columns."""
     factors = sparse_linalg.splu(matrix[order][:, order].tocsc(), **options)
 
-    def solve(b: Array) -> Array:
+    def solve(b: Array, trans: Any = "N") -> Array:
         x = np.empty_like(b)
-        x[order] = factors.solve(b[order])
+        x[order] = factors.solve(b[order], trans)
         return x
 
     return solve
@@ -333,7 +376,7 @@ class _Krylov:
             left = self.known.basis, self._basis[:, : j + 1]
             for _ in range(2):  # once is not enough (Gram and Schmidt's method loses half the digits)
                 for basis, into in zip(left, (self._coupling[:, j], self._action[: j + 1, j])):
-                    part = basis.conj().T @ vector
+                    part = (vector.conj() @ basis).conj()  # not so many numbers are conjugated
                     vector = vector - basis @ part
                     into += part
             rest = np.linalg.norm(vector)

@@ -65,15 +65,27 @@ class Sample:
         """The modes at a point."""
         there = structure.at_values(point)
         modes: WindowEigenvalues = there.find_eigenvalues()
-        chosen = (modes.values.imag > 0.0) | ((modes.values.real > 0.0) & (modes.values.imag == 0.0))
+        chosen = (modes.values.imag > 0.0) | ((modes.values.imag == 0.0) & _is_slow(structure, modes.values))
         shapes = modes.vectors[: structure.size, chosen]
         shapes /= np.linalg.norm(shapes, axis=0)
         return cls(point, modes.values[chosen], shapes, modes.equilibrium.q)
+
+    def weakly_damped(self, structure: Structure) -> Sample:
+        """The modes next to the imaginary axis."""
+        chosen = _is_slow(structure, self.values)
+        return Sample(self.point, self.values[chosen], self.shapes[:, chosen], self.displacements)
 
     @property
     def growing(self) -> int:
         """How many modes grow."""
         return int((self.values.real > 0.0).sum())
+
+
+def _is_slow(structure: Structure, values: Any) -> Any:
+    """Which eigenvalues do not decay fast, as seen from the window's upper end."""
+    return values.real > (
+        -np.inf if structure.window is None else -DAMPED_SHARE * 2 * np.pi * structure.window[1]
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -237,7 +249,7 @@ def _smallest(structure: Structure, samples: Sequence[Sample], tol: float) -> Re
 def reduced(structure: Structure, samples: Sequence[Sample], left_out: float = CLOSE) -> ReducedStructure:
     """The structure in the span of the modes at samples, but for what they have little of."""
     vectors, sizes = proper_orthogonal(structure, samples)
-    return ReducedStructure.of(structure, vectors[:, sizes > left_out * sizes[0]])
+    return ReducedStructure.of(structure, vectors[:, sizes > left_out * sizes.max(initial=0.0)])
 
 
 def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[Array, Array]:
@@ -292,19 +304,23 @@ def over_box(
 ) -> tuple[list[Sample], float]:
     """Samples over ranges of parameters, by which modes there are known, and by what share they may err."""
     points = _points(box)
-    samples = [Sample.of(structure, next(points)) for _ in range(2 ** len(box))]
+    samples = [_sample(structure, next(points)) for _ in range(2 ** len(box))]
     known, errors = 0, [0.0, 0.0]
     for _ in range(MOST_SAMPLES * len(box) - len(samples)):
         small = reduced(structure, samples)
         if small.size == structure.size:
             errors = [0.0, 0.0]
             break
-        samples.append(Sample.of(structure, next(points)))
+        samples.append(_sample(structure, next(points)))
         errors.append(error_at(small, samples[-1]))
         known = known + 1 if errors[-1] <= tol else 0
         if known == 2:
             break
     return samples, max(errors[-2:])
+
+
+def _sample(structure: Structure, point: Point) -> Sample:
+    return Sample.of(structure, point).weakly_damped(structure)
 
 
 def _points(box: Mapping[str, tuple[float, float]]) -> Iterator[Point]:

@@ -301,7 +301,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         return follow_modes(self, parameter, values)
 
     def find_stability_changes(self, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
-        from frictionlab.structures.mode_paths import find_stability_changes
+        from frictionlab.structures.changes_of_stability import find_stability_changes
 
         return find_stability_changes(self, parameter, bounds)
 
@@ -315,6 +315,10 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         eigenvalue depends.
         """
         return self._copied(parameters=MappingProxyType({**self.parameters, **values}))
+
+    def in_window(self, window: tuple[float, float]) -> Self:
+        """The structure with another window, which is right."""
+        return self._copied(window=window)
 
     def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
