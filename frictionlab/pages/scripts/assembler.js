@@ -3,11 +3,15 @@ const KIND = { i32: 0x7f, i64: 0x7e, f64: 0x7c, v128: 0x7b };
 const NUMBER = 8, ALIGNED = 3; // bytes of a number, and log2 of the alignment of its address
 const PLAIN = {
   loop: [0x03, 0x40], block: [0x02, 0x40], if: [0x04, 0x40], end: [0x0b], return: [0x0f],
-  isZero: [0x45], equal: [0x46], atLeast: [0x4e], plus: [0x6a], times: [0x6c], and: [0x71], or: [0x72], shiftRight: [0x75], wrap: [0xa7], // of i32
+  // of i32
+  isZero: [0x45], equal: [0x46], atLeast: [0x4e], plus: [0x6a], times: [0x6c], and: [0x71], or: [0x72],
+    shiftRight: [0x75], wrap: [0xa7],
   add: [0xa0], subtract: [0xa1], multiply: [0xa2], divide: [0xa3], // of f64
-  absolute: [0x99], below: [0x63], above: [0x64], choose: [0x1b], // choose: the first of two values if a third is not 0, else the second
+  // choose: the first of two values if a third is not 0, else the second
+  absolute: [0x99], below: [0x63], above: [0x64], choose: [0x1b],
   asNumber: [0xb7], bits: [0xbd], fromBits: [0xbf], addLong: [0x7c], shiftLongLeft: [0x86],
-  addVectors: [0xfd, 0xf0, 0x01], multiplyVectors: [0xfd, 0xf2, 0x01], exchange: [0xfd, 0x0d, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7],
+  addVectors: [0xfd, 0xf0, 0x01], multiplyVectors: [0xfd, 0xf2, 0x01],
+    exchange: [0xfd, 0x0d, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7],
 };
 
 function unsigned(value) { // LEB128
@@ -42,19 +46,29 @@ class Assembler { // the instructions of a function, one after another
   move(local, bytes) { return this.get(local).whole(bytes).plus().set(local); } // an address or a count
 }
 
-for (const [name, bytes] of Object.entries(PLAIN)) Assembler.prototype[name] = function () { return this.put(...bytes); };
+for (const [name, bytes] of Object.entries(PLAIN)) {
+  Assembler.prototype[name] = function () { return this.put(...bytes); };
+}
 
 function wasmModule({ types, imports, functions, exported }) { // functions: {type, locals: [[count, kind], ...], code}
-  const list = (items) => [...unsigned(items.length), ...items.flat()], sized = (bytes) => [...unsigned(bytes.length), ...bytes];
-  const text = (name) => sized([...new TextEncoder().encode(name)]), calls = imports.filter(({ type }) => type !== undefined).length;
-  const imported = ({ name, type }) => [...text("kernels"), ...text(name), ...(type === undefined ? [0x02, 0x00, 0x00] : [0x00, ...unsigned(type)])]; // a memory or a function
-  const body = ({ locals, code }) => sized([...list(locals.map(([count, kind]) => [...unsigned(count), kind])), ...code.bytes, 0x0b]);
+  const list = (items) => [...unsigned(items.length), ...items.flat()],
+    sized = (bytes) => [...unsigned(bytes.length), ...bytes];
+  const text = (name) => sized([...new TextEncoder().encode(name)]),
+    calls = imports.filter(({ type }) => type !== undefined).length;
+  // a memory or a function
+  const imported = ({ name, type }) =>
+    [...text("kernels"), ...text(name), ...(type === undefined ? [0x02, 0x00, 0x00] : [0x00, ...unsigned(type)])];
+  const body = ({ locals, code }) =>
+    sized([...list(locals.map(([count, kind]) => [...unsigned(count), kind])), ...code.bytes, 0x0b]);
   const sections = [
     [1, list(types.map(([given, made]) => [0x60, ...sized(given), ...sized(made)]))],
     [2, list(imports.map(imported))],
     [3, list(functions.map(({ type }) => unsigned(type)))],
-    [7, list(exported.map((name, i) => [...text(name), 0x00, ...unsigned(calls + functions.length - exported.length + i)]))], // the last functions
+    // the last functions
+    [7, list(exported.map((name, i) =>
+      [...text(name), 0x00, ...unsigned(calls + functions.length - exported.length + i)]))],
     [10, list(functions.map(body))],
   ];
-  return Uint8Array.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00, ...sections.flatMap(([number, content]) => [number, ...sized(content)])]);
+  return Uint8Array.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00,
+    ...sections.flatMap(([number, content]) => [number, ...sized(content)])]);
 }

@@ -22,18 +22,21 @@ class BrowserEngine {
   has(name, state) { return this.structureOf(state).parameters.includes(name); }
 
   ask(state, dragging, explorer) {
-    try { explorer.show(this.compute(state, dragging), dragging); } catch (error) { explorer.fail(error.message, this.limits(state, explorer)); }
+    try { explorer.show(this.compute(state, dragging), dragging);
+    } catch (error) { explorer.fail(error.message, this.limits(state, explorer)); }
   }
 
   limits(state, { moved, result }) { // the last value of what was moved at which the rules of the model hold
-    const structure = this.structureOf(state), values = this.parametersOf(structure, state), place = structure.parameters.indexOf(moved);
+    const structure = this.structureOf(state), values = this.parametersOf(structure, state),
+      place = structure.parameters.indexOf(moved);
     const holds = (value) => !brokenRule(structure, values.map((v, i) => (i === place ? value : v)));
     const good = result?.parameters[moved];
     return place < 0 || !holds(good) || holds(values[place]) ? {} : { [moved]: lastValue(holds, good, values[place]) };
   }
 
   compute(state, dragging) { // the result; an error in words where there is none
-    const structure = this.structureOf(state), values = this.parametersOf(structure, state), broken = brokenRule(structure, values);
+    const structure = this.structureOf(state), values = this.parametersOf(structure, state),
+      broken = brokenRule(structure, values);
     if (broken) throw new RangeError(broken);
     const [known, start] = this.startState(structure, values, state);
     const run = this.solver.run(structure, values, start, state.duration, dragging ? DRAG_PATIENCE : PATIENCE);
@@ -42,7 +45,8 @@ class BrowserEngine {
   }
 
   startState(structure, values, state) { // the equilibrium, or null, and the state in which the run begins
-    const zero = structure.near.map(() => 0), last = this.equilibrium?.length === zero.length ? this.equilibrium : structure.near;
+    const zero = structure.near.map(() => 0),
+      last = this.equilibrium?.length === zero.length ? this.equilibrium : structure.near;
     const known = equilibriumOf(structure, values, [last, structure.near, zero]);
     this.equilibrium = known ? known.z : null;
     if (state.start === "own") return [known, ownState(state.own, structure.states)];
@@ -54,27 +58,35 @@ class BrowserEngine {
   resultOf(run, known, state, dragging) {
     const { structure } = run, [start, stop] = this.span(run, SCENE.windows[state.window]);
     const samples = sampleWithEvents(this.solver, run, start, stop, dragging ? DRAG_SAMPLES : WINDOW_SAMPLES);
-    const coordinate = structure.states.slice(0, structure.coordinates).includes(state.coordinate) ? state.coordinate : structure.states[0];
+    const coordinate = structure.states.slice(0, structure.coordinates).includes(state.coordinate) ? state.coordinate
+      : structure.states[0];
     const facts = dragging ? {} : this.facts(run);
     return {
-      structure, samples, start, stop, coordinate, from: state.start, highest: SCENE.highest, size: largest(structure.states.slice(0, structure.coordinates).map(samples.column)),
+      structure, samples, start, stop, coordinate, from: state.start, highest: SCENE.highest,
+        size: largest(structure.states.slice(0, structure.coordinates).map(samples.column)),
       parameters: Object.fromEntries(structure.parameters.map((name, i) => [name, run.values[i]])),
-      finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode], final: run.state,
+      finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode],
+        final: run.state,
       struck: this.strikes(run, start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
       equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
-      reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or stiffnesses",
-      friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {}, milliseconds: run.milliseconds,
+      reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or "
+        + "stiffnesses",
+      friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {},
+        milliseconds: run.milliseconds,
     };
   }
 
   statusText(run) {
-    const how = run.status === RUNNING ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
+    const how = run.status === RUNNING
+      ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
     return `${sentence(how)}. ${run.steps} steps, ${run.events} events, solved in ${run.milliseconds.toFixed(1)} ms`;
   }
 
   equilibriumData({ z, sliding }, { structure, values }) {
-    const outputs = structure.outputs.functions[sliding.mode](z, values), of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
-    return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"), friction_force: of("friction_force") };
+    const outputs = structure.outputs.functions[sliding.mode](z, values),
+      of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
+    return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"),
+      friction_force: of("friction_force") };
   }
 
   strikes({ structure, eventTimes, eventCodes }, start) { // an event that is no period of a force in time
@@ -82,24 +94,30 @@ class BrowserEngine {
   }
 
   frictionOf(known, { structure, values }) {
-    const speeds = SCENE.points.filter(([speed]) => speed).map(([speed]) => values[structure.parameters.indexOf(speed)]);
+    const speeds = SCENE.points.filter(([speed]) => speed).map(([speed]) =>
+      values[structure.parameters.indexOf(speed)]);
     const { names, functions } = structure.outputs, outputs = known && functions[known.sliding.mode](known.z, values);
-    const sliding = known && { speed: Math.abs(outputs[names.indexOf("relative_velocity")]), normalForce: outputs[names.indexOf("normal_force")] };
+    const sliding = known && { speed: Math.abs(outputs[names.indexOf("relative_velocity")]),
+      normalForce: outputs[names.indexOf("normal_force")] };
     return frictionCurve(structure.friction, Math.max(0, ...speeds), sliding, values);
   }
 
-  coordinatesAt(run, times) { return run.structure.states.slice(0, run.structure.coordinates).map(sample(this.solver, run, times, NO_OUTPUTS).column); }
+  coordinatesAt(run, times) { return run.structure.states.slice(0,
+    run.structure.coordinates).map(sample(this.solver, run, times, NO_OUTPUTS).column); }
 
   isAtRest(run, start, stop) {
-    const columns = this.coordinatesAt(run, sampleTimes(start, stop, REST_SAMPLES)), began = this.coordinatesAt(run, Float64Array.of(0));
+    const columns = this.coordinatesAt(run, sampleTimes(start, stop, REST_SAMPLES)),
+      began = this.coordinatesAt(run, Float64Array.of(0));
     const size = Math.max(largest(columns), largest(columns.map((x, k) => x.map((v) => v - began[k][0]))));
     return spread(columns) <= AT_REST * size;
   }
 
   timeOfRest(run) { // from then on no coordinate visibly differs from its last value
     const times = sampleTimes(0, run.end, SAMPLES), columns = this.coordinatesAt(run, times);
-    const away = times.map((_, i) => Math.max(...columns.map((x) => Math.abs(x[i] - x.at(-1))))), most = SEEN * largest([away]);
-    return Math.max(times[Math.min(away.findLastIndex((v) => v > most) + 1, times.length - 1)], run.eventTimes.at(-1) ?? 0);
+    const away = times.map((_, i) => Math.max(...columns.map((x) => Math.abs(x[i] - x.at(-1))))),
+      most = SEEN * largest([away]);
+    return Math.max(times[Math.min(away.findLastIndex((v) => v > most) + 1, times.length - 1)],
+      run.eventTimes.at(-1) ?? 0);
   }
 
   span(run, window) { // the part that is shown
@@ -119,41 +137,58 @@ class BrowserEngine {
   spectrum(run, name) { // of the run's second half, or of the last periods
     const span = Math.min(run.end / 2, PERIODS_HEARD * SCENE.period);
     if (span * SCENE.highest < 5) return null;
-    const signal = sample(this.solver, run, sampleTimes(run.end - span, run.end, SPECTRUM_SAMPLES), NO_OUTPUTS).column(name), step = span / (SPECTRUM_SAMPLES - 1);
+    const signal = sample(this.solver, run, sampleTimes(run.end - span, run.end, SPECTRUM_SAMPLES),
+      NO_OUTPUTS).column(name), step = span / (SPECTRUM_SAMPLES - 1);
     const found = amplitudes(signal), frequencies = Float64Array.from(found, (_, i) => i / (SPECTRUM_SAMPLES * step));
-    const count = Math.max(8, frequencies.findIndex((f) => f > SCENE.highest)), shown = found.subarray(1, count), place = shown.indexOf(largest([shown]));
-    return { frequencies: frequencies.subarray(1, count), amplitudes: shown, strongest: frequencies[1 + place], largest: shown[place] };
+    const count = Math.max(8, frequencies.findIndex((f) => f > SCENE.highest)), shown = found.subarray(1, count),
+      place = shown.indexOf(largest([shown]));
+    return { frequencies: frequencies.subarray(1, count), amplitudes: shown, strongest: frequencies[1 + place],
+      largest: shown[place] };
   }
 
-  instant(t) { return [sample(this.solver, this.run, Float64Array.of(t)), 0]; } // from the dense output, not between samples
+  // from the dense output, not between samples
+  instant(t) { return [sample(this.solver, this.run, Float64Array.of(t)), 0]; }
 
   hear() { // the end of the run: at most three seconds, played `pitch` times as fast as it happened
-    const { run, solver } = this, { signal, pitch } = SCENE.sound, rate = 44100, count = Math.floor(Math.min(3, run.end / pitch) * rate), data = new Float32Array(Math.max(count, 1));
+    const { run, solver } = this, { signal, pitch } = SCENE.sound, rate = 44100,
+      count = Math.floor(Math.min(3, run.end / pitch) * rate), data = new Float32Array(Math.max(count, 1));
     for (let i = 0; i < count; i += SAMPLES) {
-      const times = Float64Array.from({ length: Math.min(SAMPLES, count - i) }, (_, k) => run.end - (count - i - k) / rate * pitch), found = sample(solver, run, times);
+      const times = Float64Array.from({ length: Math.min(SAMPLES, count - i) },
+        (_, k) => run.end - (count - i - k) / rate * pitch), found = sample(solver, run, times);
       data.set(found.byName[signal] ?? found.column(run.structure.states[run.structure.coordinates]), i);
     }
-    const mean = data.reduce((a, b) => a + b, 0) / count, peak = data.reduce((a, b) => Math.max(a, Math.abs(b - mean)), 1e-300);
+    const mean = data.reduce((a, b) => a + b, 0) / count,
+      peak = data.reduce((a, b) => Math.max(a, Math.abs(b - mean)), 1e-300);
     const samples = data.map((v, i) => 0.9 * (v - mean) / peak * Math.min(1, i / 480, (count - i) / 480));
     return { samples, rate, text: `${signal.replace("_", " ")}, ${shortNumber(pitch, 3)} times as high as it is` };
   }
 
   python(state) {
-    const { parameters } = this.structureOf(state), names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
-    const off = switchesOff(state), without = off.length ? `.without(${off.map((name) => `"${name}"`).join(", ")})` : "";
+    const { parameters } = this.structureOf(state),
+      names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
+    const off = switchesOff(state),
+      without = off.length ? `.without(${off.map((name) => `"${name}"`).join(", ")})` : "";
     const values = names.map(({ name }) => `${name}=${formatted(state[name])}`).join(", ");
-    const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]` : `"${state.start}"`;
+    const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]`
+      : `"${state.start}"`;
     const model = without ? `${SCENE.call}()${without}.replace(${values})` : `${SCENE.call}(${values})`;
-    return `import frictionlab as fl\n\nmodel = ${model}\nrun = fl.simulate(model, ${formatted(state.duration)}, x0=${start})\nprint(run.final_state.tolist())\n`;
+    const run = `fl.simulate(model, ${formatted(state.duration)}, x0=${start})`;
+    return `import frictionlab as fl\n\nmodel = ${model}\nrun = ${run}\nprint(run.final_state.tolist())\n`;
   }
 }
 
-const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])]))); // of the coordinate that varies most
+// of the coordinate that varies most
+const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])])));
 
 function ownState(text, names = null) {
   const values = text.split(/[,;]/).filter((part) => part.trim()).map(Number);
-  if (!values.every(Number.isFinite)) throw new RangeError(`the own state must be numbers with commas between, got '${text}': write for example 0.01, 0, ...`);
-  if (names && values.length !== names.length) throw new RangeError(`the own state must have ${names.length} numbers, got ${values.length}: ${names.join(", ")}`);
+  const refuse = (rule) => { throw new RangeError(`the own state must ${rule}`); };
+  if (!values.every(Number.isFinite)) {
+    refuse(`be numbers with commas between, got '${text}': write for example 0.01, 0, ...`);
+  }
+  if (names && values.length !== names.length) {
+    refuse(`have ${names.length} numbers, got ${values.length}: ${names.join(", ")}`);
+  }
   return values;
 }
 
@@ -161,10 +196,13 @@ function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes th
   return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
 }
 
-// The curve as data, as friction_data in front_end.py has it; `force` gives friction and its slope by speed and normal force.
+// The curve as data, as friction_data in front_end.py has it; `force` gives friction and its slope by speed and
+// normal force.
 function frictionCurve(force, last, sliding, values) {
-  const { speed, normalForce } = sliding ?? { speed: 0, normalForce: 1 }, reach = FRICTION_REACH * (Math.max(last, speed) || 1);
-  const speeds = sampleTimes(0, reach, FRICTION_SAMPLES), mu = speeds.map((v) => force([v, normalForce], values)[0] / normalForce);
+  const { speed, normalForce } = sliding ?? { speed: 0, normalForce: 1 },
+    reach = FRICTION_REACH * (Math.max(last, speed) || 1);
+  const speeds = sampleTimes(0, reach, FRICTION_SAMPLES),
+    mu = speeds.map((v) => force([v, normalForce], values)[0] / normalForce);
   if (!sliding) return { speeds, mu, at: null };
   const [friction, damper] = force([speed, normalForce], values);
   return { speeds, mu, at: [speed, friction / normalForce, damper / normalForce, damper] };
@@ -181,7 +219,8 @@ function brokenRule({ rules }, values) { // the model's message for the first ru
   let found, at = 0;
   try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
   for (const { relations, values: count, message } of rules.words) {
-    const broken = found.slice(at, at + relations).every(Boolean), shown = found.slice(at + relations, at + relations + count);
+    const broken = found.slice(at, at + relations).every(Boolean),
+      shown = found.slice(at + relations, at + relations + count);
     at += relations + count;
     if (broken) return message.map((part, i) => i % 2 ? formatted(shown[(i - 1) / 2], part) : part).join("");
   }
@@ -195,7 +234,8 @@ function withExponent(v, digits) { // as Python writes it
 
 function formatted(v, format) { // as Python's format "g" writes it; else all digits, as repr does
   const size = Math.abs(v);
-  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0` : String(v);
+  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0`
+    : String(v);
   const rounded = Number(v.toPrecision(6));
   return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
 }

@@ -1,12 +1,14 @@
 // Controls of one value each, made from their data: numbers, switches, choices, texts, ranges.
 //
-// A control is {name, node, show(value), positions}; it calls `changed(name, value, dragging)` when it is moved, and never
-// because it is shown.
+// A control is {name, node, show(value), positions}; it calls `changed(name, value, dragging)` when it is moved, and
+// never because it is shown.
 const MOST_STEPS = 300; // of a slider from one end to the other
 const STEPS_PER_DECADE = 50;
+let numberControls = 0; // made so far: their identifiers in the page
 const roundNumber = (v, digits = 9) => Number(v.toPrecision(digits));
 
-function sliderPositions(low, high, value, log) { // both ends, round numbers between them, and the value itself to the last bit
+// both ends, round numbers between them, and the value itself to the last bit
+function sliderPositions(low, high, value, log) {
   const inner = log ? logarithmicPositions(low, high) : linearPositions(low, high);
   const apart = inner.filter((v) => low < v && v < high && Math.abs(v - value) > 1e-11 * Math.abs(value));
   return [...new Set([low, ...apart, value, high])].sort((a, b) => a - b);
@@ -33,29 +35,43 @@ function nearest(positions, value) {
 
 function typedNumber(text) { // with a point or a comma before its decimals; an error where it is none
   const typed = text.trim().replace("−", "-");
-  if (/^[+-]?[1-9]\d{0,2}(,\d{3})+$/.test(typed)) throw new RangeError(`${text} has a comma of two meanings: write ${typed.replaceAll(",", "")} or ${typed.replace(",", ".")}`);
-  if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(typed.replace(",", "."))) throw new RangeError(`must be one number, got ${text || "nothing"}: write for example 0.5 or 2e4`);
-  return Number(typed.replace(",", "."));
+  if (/^[+-]?[1-9]\d{0,2}(,\d{3})+$/.test(typed)) {
+    const cure = `write ${typed.replaceAll(",", "")} or ${typed.replace(",", ".")}`;
+    throw new RangeError(`${text} has a comma of two meanings: ${cure}`);
+  }
+  const number = typed.replace(",", ".");
+  if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(number)) {
+    throw new RangeError(`must be one number, got ${text || "nothing"}: write for example 0.5 or 2e4`);
+  }
+  return Number(number);
 }
 
-const row = (about, children, kind) => html("div", { className: `fl-control fl-${kind} fl-${about.name}`, title: about.hint ?? "" }, children);
+const row = (about, children, kind) =>
+  html("div", { className: `fl-control fl-${kind} fl-${about.name}`, title: about.hint ?? "" }, children);
 
 function numberControl(about, changed) { // it counts positions: a browser that computed values would round them
-  const { name, label, unit, meaning, log } = about, id = `fl-${name}-${numberControl.count = (numberControl.count ?? 0) + 1}`;
-  const control = { name, about, positions: sliderPositions(about.low, about.high, about.value, log), value: about.value };
+  const { name, label, unit, meaning, log } = about,
+    id = `fl-${name}-${++numberControls}`;
+  const control = { name, about, positions: sliderPositions(about.low, about.high, about.value, log),
+    value: about.value };
   const range = html("input", { type: "range", id, min: 0, step: 1, ariaLabel: meaning || name });
-  const field = html("input", { type: "text", inputMode: "decimal", className: "fl-field", ariaLabel: `${meaning || name}, value`, spellcheck: false });
+  const field = html("input", { type: "text", inputMode: "decimal", className: "fl-field",
+    ariaLabel: `${meaning || name}, value`, spellcheck: false });
   const message = html("div", { className: "fl-message", role: "alert", hidden: true });
   const shown = unit ? [html("span", { className: "fl-unit", textContent: shownUnit(unit) })] : [];
-  control.node = row({ ...about, hint: `${meaning || name}${unit && `, ${shownUnit(unit)}`} (${name}, ${shortNumber(about.low)} to ${shortNumber(about.high)}${log ? ", logarithmic" : ""})` },
-    [html("label", { htmlFor: id, className: "fl-label" }, [html("span", {}, labelNodes(label)), ...shown]), range, field, message], "number");
+  control.node = row({ ...about, hint: `${meaning || name}${unit
+    && `, ${shownUnit(unit)}`} (${name}, ${shortNumber(about.low)} to ${shortNumber(about.high)}${log
+    ? ", logarithmic" : ""})` },
+    [html("label", { htmlFor: id, className: "fl-label" }, [html("span", {}, labelNodes(label)), ...shown]), range,
+      field, message], "number");
   const refuse = control.refuse = (text) => { // why a value is not taken
     message.textContent = text;
     message.hidden = !text;
     text ? field.setAttribute("aria-invalid", "true") : field.removeAttribute("aria-invalid");
   };
   control.show = (value) => {
-    if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value), Math.max(about.high, value), value, log && value > 0);
+    if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value),
+      Math.max(about.high, value), value, log && value > 0);
     control.value = value;
     range.max = control.positions.length - 1;
     range.value = nearest(control.positions, value);
@@ -90,27 +106,34 @@ function numberControl(about, changed) { // it counts positions: a browser that 
 }
 
 function switchControl(about, changed) {
-  const box = html("input", { type: "checkbox" }), node = row(about, [html("label", {}, [box, ` ${about.text}`])], "switch");
+  const box = html("input", { type: "checkbox" }),
+    node = row(about, [html("label", {}, [box, ` ${about.text}`])], "switch");
   box.onchange = () => changed(about.name, box.checked, false);
   return { name: about.name, about, node, show: (value) => { box.checked = value; } };
 }
 
 function choiceControl(about, changed) {
-  const labels = about.labels ?? about.options, options = about.options.map((value, i) => html("option", { value, textContent: labels[i] }));
+  const labels = about.labels ?? about.options,
+    options = about.options.map((value, i) => html("option", { value, textContent: labels[i] }));
   const list = html("select", {}, options);
   list.onchange = () => changed(about.name, list.value, false);
-  return { name: about.name, about, node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), list])], "choice"), show: (value) => { list.value = value; } };
+  return { name: about.name, about,
+    node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), list])],
+    "choice"), show: (value) => { list.value = value; } };
 }
 
 function textControl(about, changed) {
   const field = html("input", { type: "text", spellcheck: false });
   field.onchange = () => changed(about.name, field.value, false);
-  return { name: about.name, about, node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), field])], "text-field"), show: (value) => { field.value = value; } };
+  return { name: about.name, about,
+    node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), field])],
+    "text-field"), show: (value) => { field.value = value; } };
 }
 
 function rangeControl(about, changed) { // two numbers, from and to
   const control = { name: about.name, about, value: about.value };
-  const fields = ["from", "to"].map((which) => html("input", { type: "text", inputMode: "decimal", className: "fl-field", ariaLabel: `${about.text}, ${which}` }));
+  const fields = ["from", "to"].map((which) =>
+    html("input", { type: "text", inputMode: "decimal", className: "fl-field", ariaLabel: `${about.text}, ${which}` }));
   const message = html("div", { className: "fl-message", role: "alert", hidden: true });
   for (const field of fields) {
     field.onchange = () => {
@@ -125,9 +148,12 @@ function rangeControl(about, changed) { // two numbers, from and to
       }
     };
   }
-  control.node = row(about, [html("span", { className: "fl-label" }, labelNodes(about.text)), ...fields, message], "range");
-  control.show = (value) => { control.value = value; fields.forEach((field, i) => { field.value = shortNumber(value[i], 7); }); };
+  control.node = row(about, [html("span", { className: "fl-label" }, labelNodes(about.text)), ...fields, message],
+    "range");
+  control.show = (value) => { control.value = value;
+    fields.forEach((field, i) => { field.value = shortNumber(value[i], 7); }); };
   return control;
 }
 
-const CONTROLS = { number: numberControl, switch: switchControl, choice: choiceControl, text: textControl, range: rangeControl };
+const CONTROLS = { number: numberControl, switch: switchControl, choice: choiceControl, text: textControl,
+  range: rangeControl };

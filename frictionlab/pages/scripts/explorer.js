@@ -1,16 +1,18 @@
 // The front end: controls, panels and words of one scene, whose results an engine computes.
 //
-// An engine has ask(state, dragging, explorer), which comes back with explorer.show(result) or explorer.fail(text), now or
-// later; instant(t), the samples of an instant and its place in them; has(name, state), whether the model has a parameter;
-// python(state), the code that computes the same; hear(explorer), what the run sounds like.
+// An engine has ask(state, dragging, explorer), which comes back with explorer.show(result) or explorer.fail(text),
+// now or later; instant(t), the samples of an instant and its place in them; has(name, state), whether the model has
+// a parameter; python(state), the code that computes the same; hear(explorer), what the run sounds like.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
 const BUSY_AFTER = 300; // milliseconds
 const GROUPS = { main: "", structure: "more parameters", run: "how it is run and shown" };
-const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber(pace, 3)} times faster` : `${shortNumber(1 / pace, 3)} times slower`);
+const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber(pace, 3)} times faster`
+  : `${shortNumber(1 / pace, 3)} times slower`);
 
 class Explorer {
   constructor(root, scene, engine, options = {}) { // options: {address: whether the page's address holds the state}
-    Object.assign(this, { root, engine, options, turn: 0, playing: null, last: null, share: 0, settled: null, request: null, kept: null, held: null });
+    Object.assign(this, { root, engine, options, turn: 0, playing: null, last: null, share: 0, settled: null,
+      request: null, kept: null, held: null });
     root.classList.add("fl-explorer");
     root.addEventListener("keydown", (event) => this.key(event));
     this.observer = new ResizeObserver(() => { if (this.result) this.redraw(); });
@@ -25,48 +27,62 @@ class Explorer {
     this.showState();
   }
 
-  // --- what is on the page -----------------------------------------------------------------------------------------------
+  // --- what is on the page -----------------------------------------------------------------------------------------
 
   build() {
     this.panels = {};
     const { scene } = this, part = (name, tag = "div") => (this[name] = html(tag, { className: `fl-${name}` }));
-    const button = (name, text, hint, does) => (this[`${name}Button`] = html("button", { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
+    const button = (name, text, hint, does) =>
+      (this[`${name}Button`] = html("button",
+      { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
     const buttons = html("div", { className: "fl-buttons" }, [
       button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
       button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
       button("reset", "reset", "All controls back to the values of the start", () => this.set(this.beginning)),
       button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
       button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
-      button("copy", "copy as Python", "Copy as Python (c)", () => this.copy(this.engine.python(this.state), "copied as Python")),
+      button("copy", "copy as Python", "Copy as Python (c)",
+        () => this.copy(this.engine.python(this.state), "copied as Python")),
       button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
       this.fileMenu(),
       button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),
-      button("full", "full screen", "Full screen (f)", () => (document.fullscreenElement ? document.exitFullscreen() : this.root.requestFullscreen?.())),
+      button("full", "full screen", "Full screen (f)",
+        () => (document.fullscreenElement ? document.exitFullscreen() : this.root.requestFullscreen?.())),
     ]);
     this.linkButton.hidden = this.themeButton.hidden = !this.options.address;
     this.swapButton.disabled = true;
     const title = html("h1", { className: "fl-title", textContent: scene.title });
     const about = html("p", { className: "fl-about", textContent: scene.about });
-    const side = html("section", { className: "fl-side", ariaLabel: "controls" }, [(this.challengeBox = html("div", { className: "fl-challenge" })), this.statusBox(), part("words"), part("numbers"), part("comparison"), ...this.controlGroups()]);
-    const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" }, scene.panels.map((name) => this.panel(name)));
-    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), ...this.challengeMenu(), buttons]), body = html("main", { className: "fl-body" }, [side, pictures]);
-    this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures])); // a run that is watched has no controls
+    const side = html("section", { className: "fl-side", ariaLabel: "controls" },
+      [(this.challengeBox = html("div", { className: "fl-challenge" })), this.statusBox(), part("words"),
+      part("numbers"), part("comparison"), ...this.controlGroups()]);
+    const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" },
+      scene.panels.map((name) => this.panel(name)));
+    const head = html("header", { className: "fl-head" },
+      [title, about, ...this.menu(), ...this.challengeMenu(), buttons]),
+      body = html("main", { className: "fl-body" }, [side, pictures]);
+    // a run that is watched has no controls
+    this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures]));
     this.observer.disconnect();
     this.observer.observe(pictures);
     if (this.playing && this.playButton) this.playButton.textContent = "pause";
-    if (!this.options.address) this.followTheme(); else this.setTheme((this.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) ? "dark" : "light");
+    if (!this.options.address) this.followTheme();
+    else this.setTheme((this.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) ? "dark" : "light");
   }
 
   statusBox() {
     this.status = html("p", { className: "fl-status", role: "status" });
-    this.busy = html("p", { className: "fl-busy", hidden: true }, [html("progress", { ariaLabel: "computing" }), " computing …"]);
+    this.busy = html("p", { className: "fl-busy", hidden: true },
+      [html("progress", { ariaLabel: "computing" }), " computing …"]);
     return html("div", { className: "fl-told" }, [this.status, this.busy]);
   }
 
   menu() { // of scenes
     const { menu } = this.scene;
     if (!menu?.length) return [];
-    const list = html("select", { ariaLabel: "scene" }, menu.map(({ name, label }) => html("option", { value: name, textContent: label ?? name, selected: name === this.scene.name })));
+    const list = html("select", { ariaLabel: "scene" },
+      menu.map(({ name, label }) => html("option",
+      { value: name, textContent: label ?? name, selected: name === this.scene.name })));
     list.onchange = () => this.choose(list.value);
     return [html("label", { className: "fl-scene" }, ["scene ", list])];
   }
@@ -76,8 +92,10 @@ class Explorer {
   challengeMenu() {
     const { challenges } = this.scene;
     if (!challenges.length) return [];
-    this.challengeList = html("select", { ariaLabel: "challenge" }, [{ name: "" }, ...challenges].map(({ name }) => html("option", { value: name, textContent: name || "none" })));
-    this.challengeList.onchange = () => this.take(challenges.find(({ name }) => name === this.challengeList.value) ?? null);
+    this.challengeList = html("select", { ariaLabel: "challenge" },
+      [{ name: "" }, ...challenges].map(({ name }) => html("option", { value: name, textContent: name || "none" })));
+    this.challengeList.onchange = () =>
+      this.take(challenges.find(({ name }) => name === this.challengeList.value) ?? null);
     return [html("label", { className: "fl-scene" }, ["challenge ", this.challengeList])];
   }
 
@@ -100,9 +118,13 @@ class Explorer {
   }
 
   fileMenu() {
-    const name = this.scene.model.replace(/\(.*/s, ""), load = html("input", { type: "file", accept: ".json", hidden: true });
+    const name = this.scene.model.replace(/\(.*/s, ""),
+      load = html("input", { type: "file", accept: ".json", hidden: true });
     const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: does });
-    load.onchange = async () => { try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); } load.value = ""; };
+    load.onchange = async () => {
+      try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); }
+      load.value = "";
+    };
     return html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), html("div", {}, [
       entry("figure svg", () => this.save(`${name}.svg`, "image/svg+xml", this.figure())),
       entry("data csv", () => this.save(`${name}.csv`, "text/csv", csvText(this.result))),
@@ -112,18 +134,24 @@ class Explorer {
   }
 
   controlGroups() {
-    this.controls = this.scene.controls.map((about) => CONTROLS[about.kind](about, (...moved) => this.change(...moved)));
-    const groups = [...new Set(this.controls.map(({ about }) => about.group))], of = (group) => this.controls.filter(({ about }) => about.group === group).map(({ node }) => node);
+    this.controls = this.scene.controls.map((about) =>
+      CONTROLS[about.kind](about, (...moved) => this.change(...moved)));
+    const groups = [...new Set(this.controls.map(({ about }) => about.group))],
+      of = (group) => this.controls.filter(({ about }) => about.group === group).map(({ node }) => node);
     return groups.map((group) => {
       const title = GROUPS[group] ?? group;
-      return title ? html("details", { className: `fl-group fl-group-${group}`, open: group !== "structure" }, [html("summary", { textContent: title }), ...of(group)]) : html("div", { className: "fl-group" }, of(group));
+      return title ? html("details", { className: `fl-group fl-group-${group}`, open: group !== "structure" },
+        [html("summary", { textContent: title }), ...of(group)]) : html("div", { className: "fl-group" }, of(group));
     });
   }
 
   panel(name) {
-    const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: TITLES[name] ?? name }), over = html("canvas", { className: "fl-over" });
-    const caption = html("figcaption", { textContent: TITLES[name] ?? name.replaceAll("_", " ") }), stack = html("div", { className: "fl-stack" }, [canvas, over]);
-    const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]), panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
+    const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: TITLES[name] ?? name }),
+      over = html("canvas", { className: "fl-over" });
+    const caption = html("figcaption", { textContent: TITLES[name] ?? name.replaceAll("_", " ") }),
+      stack = html("div", { className: "fl-stack" }, [canvas, over]);
+    const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]),
+      panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
     if (name === "mechanism") figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
@@ -133,14 +161,22 @@ class Explorer {
   }
 
   player() { // play, pause, instant, pace, sound
-    const usual = this.scene.speed ?? roundDown125(this.scene.period / 2), paces = [...new Set([...PACES, usual])].sort((a, b) => b - a), button = (name, text, hint, does) => (this[`${name}Button`] = html("button", { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
-    this.scrub = html("input", { type: "range", min: 0, max: 1000, value: 0, className: "fl-scrub", ariaLabel: "time", oninput: () => { this.share = Number(this.scrub.value) / 1000; this.frame(); } });
-    this.pace = html("select", { className: "fl-pace", ariaLabel: "pace" }, paces.map((pace) => html("option", { value: pace, textContent: paceText(pace), selected: pace === usual })));
+    const usual = this.scene.speed ?? roundDown125(this.scene.period / 2),
+      paces = [...new Set([...PACES, usual])].sort((a, b) => b - a),
+      button = (name, text, hint, does) =>
+      (this[`${name}Button`] = html("button",
+      { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
+    this.scrub = html("input", { type: "range", min: 0, max: 1000, value: 0, className: "fl-scrub", ariaLabel: "time",
+      oninput: () => { this.share = Number(this.scrub.value) / 1000; this.frame(); } });
+    this.pace = html("select", { className: "fl-pace", ariaLabel: "pace" },
+      paces.map((pace) => html("option", { value: pace, textContent: paceText(pace), selected: pace === usual })));
     this.now = html("span", { className: "fl-now" });
     this.modes = html("div", { className: "fl-modes" });
     this.heard = html("span", { className: "fl-heard", role: "status" });
-    const bar = [button("play", "play", "Play or pause (space)", () => this.toggle()), this.scrub, this.pace, button("sound", "sound", "Hear it (s)", () => this.playSound())];
-    return [html("div", { className: "fl-player" }, bar), html("div", { className: "fl-instant" }, [this.now, this.heard]), this.modes];
+    const bar = [button("play", "play", "Play or pause (space)", () => this.toggle()), this.scrub, this.pace,
+      button("sound", "sound", "Hear it (s)", () => this.playSound())];
+    return [html("div", { className: "fl-player" }, bar),
+      html("div", { className: "fl-instant" }, [this.now, this.heard]), this.modes];
   }
 
   showState() { // in the controls; those that the model is without are hidden
@@ -148,9 +184,10 @@ class Explorer {
       show(this.state[name]);
       if (this.clamped?.name === name) refuse(this.clamped.text);
       const [other, value] = about.when ?? [];
-      node.hidden = other !== undefined && this.state[other] !== value || about.kind === "number" && about.parameter && !this.engine.has(name, this.state);
+      node.hidden = other !== undefined && this.state[other] !== value || about.kind === "number" && about.parameter
+        && !this.engine.has(name, this.state);
     }
-    const runs = this.root.querySelector(".fl-group-run");
+    const runs = /** @type {HTMLElement} */ (this.root.querySelector(".fl-group-run"));
     if (runs && this.result) runs.hidden = !this.result.samples; // where no panel shows a run
     if (this.challengeList) this.challengeList.value = this.challenge?.name ?? "";
     this.undoButton.disabled = !this.history.place;
@@ -158,7 +195,7 @@ class Explorer {
     this.resetButton.disabled = sameValue(this.state, this.beginning);
   }
 
-  // --- from a control to the pictures ------------------------------------------------------------------------------------
+  // --- from a control to the pictures ------------------------------------------------------------------------------
 
   change(name, value, dragging, slid = false) { this.changeAll({ [name]: value }, dragging, slid); }
 
@@ -259,7 +296,8 @@ class Explorer {
 
   look() {
     const style = getComputedStyle(this.root), read = (name) => style.getPropertyValue(`--fl-${name}`).trim();
-    return { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"), line: read("line"), letters: 0.82 * parseFloat(style.fontSize) };
+    return { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"),
+      line: read("line"), letters: 0.82 * parseFloat(style.fontSize) };
   }
 
   redraw() {
@@ -283,9 +321,11 @@ class Explorer {
     if (panel.drawing.title) panel.caption.textContent = panel.drawing.title;
     panel.canvas.ariaLabel = [panel.caption.textContent, panel.drawing.note].filter(Boolean).join(": ");
     panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick || panel.drawing.touch));
-    if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img", { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
+    if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img",
+      { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
-    if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory, this.kept?.drawings[panel.name]);
+    if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory,
+      this.kept?.drawings[panel.name]);
   }
 
   showModes() {
@@ -294,22 +334,27 @@ class Explorer {
       node.style.setProperty("--colour", colour);
       return node;
     });
-    this.modes.replaceChildren(...key, ...(this.picture ? [html("span", { textContent: this.picture.note }), html("span", { textContent: this.drag ? TOUCH_HINT : "" })] : []));
+    this.modes.replaceChildren(...key,
+      ...(this.picture ? [html("span", { textContent: this.picture.note }),
+      html("span", { textContent: this.drag ? TOUCH_HINT : "" })] : []));
   }
 
-  // --- the instant -------------------------------------------------------------------------------------------------------
+  // --- the instant -------------------------------------------------------------------------------------------------
 
   get time() { return this.result.start + this.share * (this.result.stop - this.result.start); }
 
-  shownSample() { return this.held ? [this.held, 0] : this.engine.instant(this.time, this.result); } // samples, and the place in them
+  // samples, and the place in them
+  shownSample() { return this.held ? [this.held, 0] : this.engine.instant(this.time, this.result); }
 
   frame() {
     if (!this.result?.samples) return;
-    const look = this.look(), t = this.held ? 0 : this.time, { structure, coordinate } = this.result, [samples, i] = this.shownSample();
+    const look = this.look(), t = this.held ? 0 : this.time, { structure, coordinate } = this.result,
+      [samples, i] = this.shownSample();
     if (this.now) {
       this.scrub.value = Math.round(1000 * this.share);
       this.scrub.ariaValueText = `${t.toFixed(4)} s`;
-      this.now.textContent = this.held ? this.drag.text() : `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
+      this.now.textContent = this.held ? this.drag.text()
+        : `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
     }
     if (this.picture) this.paintMechanism(look, samples, i);
     if (this.picture) this.drag?.paint(look);
@@ -319,21 +364,25 @@ class Explorer {
       const [c, width] = fit(over);
       if (!width) continue;
       if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
-      else this.paintDot(c, look, axes.X.at(samples.column(coordinate)[i]), axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);
+      else this.paintDot(c, look, axes.X.at(samples.column(coordinate)[i]),
+        axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);
     }
   }
 
   paintMechanism(look, samples, i) {
     const [c, width, height] = fit(this.panels.mechanism.canvas);
     if (!width) return;
-    if (!this.kept?.picture) return this.picture.draw(c, width, height, this.picture.scene, this.picture.row(samples, i));
-    const { picture, result } = this.kept, half = width / 2, [before, k] = this.kept.instant(result.start + this.share * (result.stop - result.start));
+    if (!this.kept?.picture) return this.picture.draw(c, width, height, this.picture.scene,
+      this.picture.row(samples, i));
+    const { picture, result } = this.kept, half = width / 2,
+      [before, k] = this.kept.instant(result.start + this.share * (result.stop - result.start));
     this.picture.draw(c, half, height, this.picture.scene, this.picture.row(samples, i));
     c.save();
     c.translate(half, 0);
     picture.draw(c, half, height, picture.scene, picture.row(before, k));
     c.restore();
-    Object.assign(c, { fillStyle: look.ink, font: `${look.letters}px system-ui`, textBaseline: "top", textAlign: "left" });
+    Object.assign(c, { fillStyle: look.ink, font: `${look.letters}px system-ui`, textBaseline: "top",
+      textAlign: "left" });
     c.fillText("now", 4, 4);
     c.fillText("kept", half + 4, 4);
   }
@@ -347,12 +396,16 @@ class Explorer {
   }
 
   toggle() {
-    if (this.playing) { cancelAnimationFrame(this.playing); this.playing = this.last = null; } else this.playing = requestAnimationFrame((now) => this.tick(now));
+    if (this.playing) {
+      cancelAnimationFrame(this.playing);
+      this.playing = this.last = null;
+    } else this.playing = requestAnimationFrame((now) => this.tick(now));
     this.playButton.textContent = this.playing ? "pause" : "play";
   }
 
   tick(now) {
-    if (this.result && this.last !== null) this.share = (this.share + (now - this.last) / 1000 * Number(this.pace.value) / (this.result.stop - this.result.start)) % 1;
+    if (this.result && this.last !== null) this.share = (this.share
+      + (now - this.last) / 1000 * Number(this.pace.value) / (this.result.stop - this.result.start)) % 1;
     this.last = now;
     this.frame();
     this.playing = requestAnimationFrame((later) => this.tick(later));
@@ -360,7 +413,8 @@ class Explorer {
 
   async playSound() {
     this.audio ??= new AudioContext();
-    try { this.heard.textContent = ""; this.sound(await this.engine.hear()); } catch (error) { this.heard.textContent = error.message; }
+    this.heard.textContent = "";
+    try { this.sound(await this.engine.hear()); } catch (error) { this.heard.textContent = error.message; }
   }
 
   sound({ samples, rate, text }) {
@@ -372,10 +426,11 @@ class Explorer {
     this.heard.textContent = text;
   }
 
-  // --- states ------------------------------------------------------------------------------------------------------------
+  // --- states ------------------------------------------------------------------------------------------------------
 
   step(by) {
-    if (this.error && by < 0) return this.set(this.history.present); // values that gave no picture are not in the history
+    // values that gave no picture are not in the history
+    if (this.error && by < 0) return this.set(this.history.present);
     const state = this.history.step(by);
     if (state) this.set(state);
   }
@@ -389,8 +444,10 @@ class Explorer {
   }
 
   keep() {
-    const { result } = this, drawings = Object.fromEntries(this.scene.panels.map((name) => [name, this.panels[name].drawing])), { samples } = result;
-    this.kept = { result, drawings, picture: this.picture, state: { ...this.state }, verdict: verdict(result), instant: (t) => [samples, nearestTime(samples.times, t)] };
+    const { result } = this, drawings = Object.fromEntries(this.scene.panels.map((name) =>
+      [name, this.panels[name].drawing])), { samples } = result;
+    this.kept = { result, drawings, picture: this.picture, state: { ...this.state }, verdict: verdict(result),
+      instant: (t) => [samples, nearestTime(samples.times, t)] };
   }
 
   swap() {
@@ -400,9 +457,12 @@ class Explorer {
   }
 
   comparisonTexts() { // in what the two scenes differ, and what the kept one does
-    const before = this.kept.state, names = differences(before, this.state), values = (state) => names.map((name) => `${name} = ${shownValue(state[name])}`).join(", ");
-    if (!names.length) return [html("p", { textContent: "The scene is kept, dotted: move a control, and both are seen." })];
-    return [`dotted, kept: ${values(before)}`, `solid, now: ${values(this.state)}`, `Kept: ${this.kept.verdict}`].map((text) => html("p", { textContent: text }));
+    const before = this.kept.state, names = differences(before, this.state),
+      values = (state) => names.map((name) => `${name} = ${shownValue(state[name])}`).join(", ");
+    if (!names.length) return [html("p",
+      { textContent: "The scene is kept, dotted: move a control, and both are seen." })];
+    return [`dotted, kept: ${values(before)}`, `solid, now: ${values(this.state)}`,
+      `Kept: ${this.kept.verdict}`].map((text) => html("p", { textContent: text }));
   }
 
   link() { return `${location.href.split("#")[0]}#${linkText(this.state, this.scene, this.challenge)}`; }
@@ -410,7 +470,8 @@ class Explorer {
   load(text) {
     const { model, scene, changed } = stateFromText(text);
     if (model !== this.scene.model) {
-      if (this.scene.menu?.some(({ name, state }) => name === scene && !state)) return this.engine.choose(scene, changed);
+      if (this.scene.menu?.some(({ name, state }) => name === scene && !state)) return this.engine.choose(scene,
+        changed);
       throw new RangeError(`the state must be that of ${this.scene.model}, got that of ${model}: open it there`);
     }
     this.set({ ...this.scene.initial, ...changed });
@@ -424,21 +485,25 @@ class Explorer {
   }
 
   pick(panel, event) { // a click into a diagram
-    const box = panel.over.getBoundingClientRect(), { X, Y } = panel.axes, x = X.value(event.clientX - box.left), y = Y.value(event.clientY - box.top);
+    const box = panel.over.getBoundingClientRect(), { X, Y } = panel.axes, x = X.value(event.clientX - box.left),
+      y = Y.value(event.clientY - box.top);
     if (x < X.low || x > X.high || y < Y.low || y > Y.high) return;
     if (panel.drawing.touch) return this.startAt(panel.drawing.touch(x, y), this.result.coordinate);
     const picked = Object.fromEntries(panel.drawing.pick.map((name, i) => [name, [x, y][i]]).filter(([name]) => name));
     for (const [name, value] of Object.entries(picked)) {
-      const { about } = this.controls.find((control) => control.name === name), step = sliderStep(about.low, about.high);
+      const { about } = this.controls.find((control) => control.name === name),
+        step = sliderStep(about.low, about.high);
       picked[name] = Math.min(Math.max(roundNumber(step * Math.round(value / step)), about.low), about.high);
     }
     this.set({ ...this.state, ...picked });
   }
 
   figure() { // all plots as one picture to print, on white paper
-    const shown = this.scene.panels.map((name) => this.panels[name]).filter(({ name, figure, drawing }) => !figure.hidden && drawing?.curves);
+    const shown = this.scene.panels.map((name) => this.panels[name]).filter(({ figure, drawing }) =>
+      !figure.hidden && drawing?.curves);
     const [width, height] = [420, 300], columns = Math.min(2, shown.length), rows = Math.ceil(shown.length / columns);
-    const look = { dark: false, ink: "#000000", paper: "#ffffff", grey: "#767676", line: "#dddddd", letters: 12 }, c = new SvgContext(columns * width, rows * height, look.paper);
+    const look = { dark: false, ink: "#000000", paper: "#ffffff", grey: "#767676", line: "#dddddd", letters: 12 },
+      c = new SvgContext(columns * width, rows * height, look.paper);
     shown.forEach(({ name, drawing, memory }, i) => {
       c.save();
       c.translate(width * (i % columns), height * Math.floor(i / columns));
@@ -466,14 +531,17 @@ class Explorer {
     this.say(said);
   }
 
-  // --- keys and looks ----------------------------------------------------------------------------------------------------
+  // --- keys and looks ----------------------------------------------------------------------------------------------
 
   key(event) {
     event.stopPropagation(); // a notebook takes keys for its own commands
     const { tagName, type } = event.target;
-    if (/^(INPUT|SELECT|TEXTAREA)$/.test(tagName) && type !== "range" && type !== "checkbox" || event.ctrlKey || event.metaKey || event.altKey) return;
-    const name = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound", u: "undo", r: "redo", k: "compare" }[event.key], button = this[`${name}Button`];
-    if (button && !button.hidden && !(event.key === " " && tagName !== "BODY" && tagName !== "DIV")) { event.preventDefault(); button.click(); }
+    if (/^(INPUT|SELECT|TEXTAREA)$/.test(tagName) && type !== "range" && type !== "checkbox" || event.ctrlKey
+      || event.metaKey || event.altKey) return;
+    const name = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound", u: "undo", r: "redo",
+      k: "compare" }[event.key], button = this[`${name}Button`];
+    if (button && !button.hidden && !(event.key === " " && tagName !== "BODY"
+      && tagName !== "DIV")) { event.preventDefault(); button.click(); }
   }
 
   setTheme(name) {
@@ -484,7 +552,9 @@ class Explorer {
   }
 
   followTheme() { // of the page around
-    const shade = (element) => { const [r, g, b, a = 1] = getComputedStyle(element).backgroundColor.match(/[\d.]+/g).map(Number); return a ? (r + g + b) / 765 : null; };
+    const shade = (element) => { const [r, g, b,
+      a = 1] = getComputedStyle(element).backgroundColor.match(/[\d.]+/g).map(Number);
+      return a ? (r + g + b) / 765 : null; };
     let around = this.root, light = null;
     for (; around && light === null; around = around.parentElement) if (around !== this.root) light = shade(around);
     const dark = light === null ? matchMedia("(prefers-color-scheme: dark)").matches : light < 0.5;
@@ -502,6 +572,9 @@ class Explorer {
 
 function nearestTime(times, t) { // the place of the last time that is not after t
   let [low, high] = [0, times.length - 1];
-  while (low < high) { const middle = (low + high + 1) >> 1; if (times[middle] <= t) low = middle; else high = middle - 1; }
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t) low = middle; else high = middle - 1;
+  }
   return low;
 }

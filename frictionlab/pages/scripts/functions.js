@@ -12,6 +12,7 @@ F.integer_power = (x, n) => { // by repeated squaring, from the exponent's lowes
 
 function bindFunctions(solver) {
   F.real_power = (x, y) => Number.isInteger(y) ? F.integer_power(x, y) : solver.exports.frictionlab_power(x, y);
-  for (const [name, kind] of Object.entries(SCENE.method.kinds)) F[name] = (x) => solver.exports.frictionlab_function_value(BigInt(kind), x);
+  for (const [name, kind] of Object.entries(SCENE.method.kinds)) F[name] = (x) =>
+    solver.exports.frictionlab_function_value(BigInt(kind), x);
   for (const name of SCENE.method.elementary) F[name] = (x) => solver.exports[`frictionlab_${name}`](x);
 }

@@ -1,18 +1,24 @@
-// Machine code of the jets of a structure's modes: the operations of a tape in sequence, within a loop over the orders, as
-// hybrid/codegen/jet_codegen.py writes them.  It does the operations of the interpreter (hybrid/kernels/jets.py) in the same
-// sequence: a run may change from one to the other at any step, and its numbers stay the same to the last bit.  Kernels call
-// a mode's code by its index in their table.
+// Machine code of the jets of a structure's modes: the operations of a tape in sequence, within a loop over the
+// orders, as hybrid/codegen/jet_codegen.py writes them. It does the operations of the interpreter
+// (hybrid/kernels/jets.py) in the same sequence: a run may change from one to the other at any step, and its numbers
+// stay the same to the last bit. Kernels call a mode's code by its index in their table.
 const [AFFINE, PRODUCT, SQUARE, QUOTIENT, RATE, POWER] = [0, 1, 2, 3, 4, 5];
 const { i32, i64, f64, v128 } = KIND;
-const [VALUE, POWER_VALUE, SUM, LEAST_RATIO] = [0, 1, 2, 3]; // indices of functions: two kernels, which are imported, then two that are written here
-const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i32, i32, i64], []], [[f64, f64], [f64]], [[f64], [f64]]];
+// indices of functions: two kernels, which are imported, then two that are written here
+const [VALUE, POWER_VALUE, SUM, LEAST_RATIO] = [0, 1, 2, 3];
+const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i32, i32, i64], []],
+  [[f64, f64], [f64]], [[f64], [f64]]];
 const MODE_TYPE = 2, POWER_TYPE = 3, RATIO_TYPE = 4;
 const TO_INTEGER = 1.5 * 2 ** 52; // adding it to a number rounds this to an integer, which is then in the last bits
 
 function writeSum() { // the sum of a[j] b[-j] over j < n, in four partial sums that do not wait for each other
   const code = new Assembler(), [a, b, n, first, second, one, two, three] = [0, 1, 2, 3, 4, 5, 6, 7];
-  const pairs = (sum, ahead, behind) => code.get(a).loadVector(ahead).get(b).loadVector(behind).get(b).loadVector(behind).exchange().multiplyVectors().get(sum).addVectors().set(sum);
-  const further = (part, j) => code.get(n).whole(j + 1).atLeast().if().get(part).get(a).load(NUMBER * j).get(b).load(NUMBER * (3 - j)).multiply().add().set(part).end();
+  const pairs = (sum, ahead, behind) =>
+    code.get(a).loadVector(ahead).get(b).loadVector(behind).get(b).loadVector(behind)
+      .exchange().multiplyVectors().get(sum).addVectors().set(sum);
+  const further = (part, j) => code.get(n).whole(j
+    + 1).atLeast().if().get(part).get(a).load(NUMBER * j).get(b).load(NUMBER * (3
+    - j)).multiply().add().set(part).end();
   code.move(b, -3 * NUMBER).block().loop().get(n).whole(4).atLeast().isZero().branchIf(1);
   pairs(first, 0, 2 * NUMBER);
   pairs(second, 2 * NUMBER, 0);
@@ -23,7 +29,8 @@ function writeSum() { // the sum of a[j] b[-j] over j < n, in four partial sums 
   return { type: 1, locals: [[2, v128], [3, f64]], code };
 }
 
-function writeLeastRatio() { // 2^(least_ratio/order): a power has a series of this order if its base is more than so many times its rate
+// 2^(least_ratio/order): a power has a series of this order if its base is more than so many times its rate
+function writeLeastRatio() {
   const code = new Assembler(), { least_ratio, exp2 } = SCENE.method, [x, shifted, part, sum] = [0, 1, 2, 3];
   code.number(least_ratio).get(x).divide().keep(x).number(0.5).subtract().number(TO_INTEGER).add().keep(shifted);
   code.number(TO_INTEGER).subtract().set(part).get(x).get(part).subtract().set(part);
@@ -37,11 +44,12 @@ function writeLeastRatio() { // 2^(least_ratio/order): a power has a series of t
 class ModeWriter { // function (z, constants, terms, J, order)
   constructor(tape) { // {inputs, row, first, ops: [kind, a, b], terms: slots, flow}
     Object.assign(this, tape, { code: new Assembler() });
-    [this.z, this.constants, this.terms, this.J, this.order, this.last, this.k, this.column, this.kNumber, this.share, this.total, this.leastRatio, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
+    [this.z, this.constants, this.terms, this.J, this.order, this.last, this.k, this.column, this.kNumber, this.share,
+      this.total, this.leastRatio, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
   }
 
   write() {
-    const { code, inputs, z, J, k, kNumber, column, last, order, share, flow, row } = this;
+    const { code, inputs, z, J, k, kNumber, column, last, order, share, flow } = this;
     for (let i = 0; i < inputs; i++) this.put(J, i, () => code.get(z).load(NUMBER * i));
     this.ops.forEach((op, i) => this.put(J, inputs + i, () => this.value(i, ...op)));
     code.get(order).wrap().keep(last).isZero().if().return().end();
@@ -63,7 +71,8 @@ class ModeWriter { // function (z, constants, terms, J, order)
 
   of(slot) { return this.code.get(this.values + slot); } // the coefficient of the present order
   start(slot) { return this.code.get(this.J).load(this.row * slot); }
-  behind(slot) { return this.code.get(this.column).whole(this.row * slot - NUMBER).plus(); } // address of coefficient k - 1
+  // address of coefficient k - 1
+  behind(slot) { return this.code.get(this.column).whole(this.row * slot - NUMBER).plus(); }
 
   sum(a, b, count) { // the sum of a[j] b[k - j] over 1 <= j < 1 + count
     this.code.get(this.J).whole(this.row * a + NUMBER).plus();
@@ -118,7 +127,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
   }
 
   powerCoefficient(a, out, constant, all) { // 0 or the limit where there is no series, see hybrid/kernels/jets.py
-    const { code, kNumber } = this;
+    const { kNumber } = this;
     this.exponent(constant).number(1).add();
     this.sum(out - 1, out, all).multiply().get(kNumber);
     this.sum(a, out, all).multiply().subtract().get(kNumber);
@@ -151,7 +160,8 @@ class ModeWriter { // function (z, constants, terms, J, order)
 
 function tapesOf(structure) { // a tape for each mode
   const array = (name) => structure.arrays.find((each) => each.name === name);
-  const read = (name) => { const { type, data } = array(`code.${name}`); return data ? Array.from(new KINDS[type](bytesOf(data).buffer), Number) : []; };
+  const read = (name) => { const { type, data } = array(`code.${name}`);
+    return data ? Array.from(new KINDS[type](bytesOf(data).buffer), Number) : []; };
   const [ops, slots, ranges, flow] = ["ops", "term_slots", "mode_ops", "flow"].map(read);
   const inputs = structure.states.length, row = NUMBER * array("scratch.jets").shape[1];
   return structure.modes.map((_, mode) => {

@@ -37,12 +37,16 @@ function newton({ flow, jacobian }, start, values) { // a state at which the flo
   return null;
 }
 
-function equilibriumOf(structure, values, starts) { // {z, sliding}: in a mode without constraints, where all its event functions are positive; or null
+// {z, sliding}: in a mode without constraints, where all its event functions are positive; or null
+function equilibriumOf(structure, values, starts) {
   for (const sliding of structure.sliding) {
     for (const start of starts) {
       const z = newton(sliding, start, values);
       if (!z) continue;
-      try { if (sliding.guards(z, values).every((g) => g > 0) && contactHolds(structure, sliding.mode, z, values)) return { z, sliding }; } catch { continue; }
+      try {
+        const inside = sliding.guards(z, values).every((g) => g > 0);
+        if (inside && contactHolds(structure, sliding.mode, z, values)) return { z, sliding };
+      } catch {} // a formula without a value there
     }
   }
   return null;
@@ -50,7 +54,8 @@ function equilibriumOf(structure, values, starts) { // {z, sliding}: in a mode w
 
 function contactHolds(structure, mode, z, values) { // in slip the normal force is positive
   const place = structure.outputs.names.indexOf("normal_force");
-  return place < 0 || !structure.modes[mode].startsWith("slip") || structure.outputs.functions[mode](z, values)[place] > 0;
+  return place < 0 || !structure.modes[mode].startsWith("slip")
+    || structure.outputs.functions[mode](z, values)[place] > 0;
 }
 
 function eigenvaluesAt({ z, sliding }, values) {
@@ -77,7 +82,8 @@ function eigenvaluesOf(matrix) { // [[real, imaginary], ...], after EISPACK's ba
     const y = a[last - 1][last - 1], w = a[last][last - 1] * a[last - 1][last];
     if (l === last - 1) {
       const p = 0.5 * (y - x), q = p * p + w, root = Math.sqrt(Math.abs(q)), base = x + shift;
-      if (q >= 0) { const d = p + (p >= 0 ? root : -root); found.push([base + d, 0], [d ? base - w / d : base + d, 0]); }
+      if (q >= 0) { const d = p + (p >= 0 ? root : -root);
+        found.push([base + d, 0], [d ? base - w / d : base + d, 0]); }
       else found.push([base + p, root], [base + p, -root]);
       last -= 2;
       rounds = 0;
@@ -145,7 +151,8 @@ function doubleStep(a, l, last, shift, rounds) { // one QR step with two shifts;
     [p, q, r] = [p / s, q / s, r / s];
     if (m === l) break;
     const small = Math.abs(a[m][m - 1]) * (Math.abs(q) + Math.abs(r));
-    if (small <= Number.EPSILON * Math.abs(p) * (Math.abs(a[m - 1][m - 1]) + Math.abs(z) + Math.abs(a[m + 1][m + 1]))) break;
+    if (small <= Number.EPSILON * Math.abs(p) * (Math.abs(a[m - 1][m - 1]) + Math.abs(z)
+      + Math.abs(a[m + 1][m + 1]))) break;
   }
   for (let i = m; i < last - 1; i++) { a[i + 2][i] = 0; if (i !== m) a[i + 2][i - 1] = 0; }
   for (let k = m; k < last; k++) {

@@ -4,7 +4,8 @@ let explorer;
 async function begin() {
   const root = document.getElementById("explorer");
   let solver;
-  try { solver = await loadSolver(); } catch (error) { root.textContent = `this browser cannot run the solver: ${error.message}`; return; }
+  try { solver = await loadSolver();
+  } catch (error) { root.textContent = `this browser cannot run the solver: ${error.message}`; return; }
   bindFunctions(solver);
   explorer = new Explorer(root, SCENE, new BrowserEngine(solver), { address: true });
   const { state, plays, challenge } = readLink(location.hash, SCENE);
@@ -12,12 +13,14 @@ async function begin() {
   explorer.showState();
   explorer.compute(false);
   if (plays && explorer.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) explorer.toggle();
-  onhashchange = () => {
+  window.onhashchange = () => {
     if (location.hash.slice(1) === linkText(explorer.state, SCENE, explorer.challenge)) return;
     const asked = readLink(location.hash, SCENE);
     explorer.take(asked.challenge, asked.state);
   };
-  addEventListener("message", ({ data }) => { if (["light", "dark"].includes(data?.theme)) explorer.setTheme(data.theme); }); // from the page that embeds this one
+  // from the page that embeds this one
+  addEventListener("message", ({ data }) =>
+    { if (["light", "dark"].includes(data?.theme)) explorer.setTheme(data.theme); });
   document.addEventListener("keydown", (event) => { if (event.target === document.body) explorer.key(event); });
   document.body.dataset.ready = "yes";
   if (parent !== window) parent.postMessage("frictionlab page", "*");

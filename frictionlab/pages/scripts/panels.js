@@ -1,7 +1,8 @@
 // The panels that have names: functions of a result that return a drawing, or null where they have nothing to show.
 //
-// A result is what an engine computes: {structure, samples, start, stop, equilibrium, eigenvalues, spectrum, ...}.  Its structure
-// names states, modes and outputs, with labels, units and colours; its samples are arrays of the part that is shown.
+// A result is what an engine computes: {structure, samples, start, stop, equilibrium, eigenvalues, spectrum, ...}.
+// Its structure names states, modes and outputs, with labels, units and colours; its samples are arrays of the part
+// that is shown.
 const PALETTE = ["#000000", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"];
 const GREY = "#999999", ROUNDING = 1e-12; // share of an eigenvalue's size below which its real part is a rounding error
 const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
@@ -15,7 +16,8 @@ const isAngle = (result, name) => result.structure.units[name].startsWith("rad")
 const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;
 const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
 
-function curvesByMode({ structure, samples: { modes } }, x, y, look) { // a curve for each mode that occurs, up to the sample after
+// a curve for each mode that occurs, up to the sample after
+function curvesByMode({ structure, samples: { modes } }, x, y, look) {
   return wholeModes(structure, modes).map(({ label, colour, members }) => {
     const shown = (i) => members.has(modes[i]) || i > 0 && members.has(modes[i - 1]);
     return { label, x, y: Float64Array.from(y, (v, i) => (shown(i) ? v : NaN)), colour, ...look };
@@ -25,7 +27,8 @@ function curvesByMode({ structure, samples: { modes } }, x, y, look) { // a curv
 function wholeModes(structure, modes) { // the modes that occur; those that a law in pieces splits are one again
   const wholes = new Map();
   for (const mode of [...new Set(modes)].sort((a, b) => a - b)) {
-    const colour = structure.colours[mode], name = structure.modes[mode], [first] = name.split(" | "), key = `${colour} ${first}`;
+    const colour = structure.colours[mode], name = structure.modes[mode], [first] = name.split(" | "),
+      key = `${colour} ${first}`;
     if (wholes.has(key)) Object.assign(wholes.get(key), { label: first }).members.add(mode);
     else wholes.set(key, { label: name, colour, members: new Set([mode]) });
   }
@@ -42,37 +45,49 @@ function coordinateCurves(result, names) {
   return names.map((name, i) => {
     const angle = isAngle(result, name), axis = mixed && angle ? "right" : "left";
     const colour = PALETTE[i % PALETTE.length], dash = angle || i >= PALETTE.length;
-    return { label: result.structure.labels[name], x: result.samples.times, y: result.samples.column(name), colour, dash, axis };
+    return { label: result.structure.labels[name], x: result.samples.times, y: result.samples.column(name), colour,
+      dash, axis };
   });
 }
 
 function historyDrawing(result, names, words) {
-  const curves = coordinateCurves(result, names), units = [...new Set(names.map((name) => result.structure.units[name]))];
-  const left = names.find((_, i) => curves[i].axis === "left"), right = names.find((_, i) => curves[i].axis === "right");
-  const label = (name, dashed) => (name ? `${words[isAngle(result, name) ? 1 : 0]} (${result.structure.units[name]})${dashed ? ", dashed" : ""}` : "");
-  return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves, xlim: [result.start, result.stop] };
+  const curves = coordinateCurves(result, names),
+    units = [...new Set(names.map((name) => result.structure.units[name]))];
+  const left = names.find((_, i) => curves[i].axis === "left"),
+    right = names.find((_, i) => curves[i].axis === "right");
+  const label = (name, dashed) =>
+    (name ? `${words[isAngle(result, name) ? 1 : 0]} (${result.structure.units[name]})${dashed ? ", dashed" : ""}`
+    : "");
+  return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves,
+    xlim: [result.start, result.stop] };
 }
 
 function response(result) {
   const drawing = historyDrawing(result, coordinatesOf(result), ["displacement", "angle"]);
-  return { ...drawing, curves: [...drawing.curves, ...modeStrip(result).map((curve) => ({ ...curve, label: `_${curve.label}` }))] };
+  return { ...drawing, curves: [...drawing.curves,
+    ...modeStrip(result).map((curve) => ({ ...curve, label: `_${curve.label}` }))] };
 }
 
 function forces(result) {
-  const { structure: { forces: drawn }, samples: { times, column } } = result, names = Object.keys(drawn).filter(column);
+  const { structure: { forces: drawn }, samples: { times, column } } = result,
+    names = Object.keys(drawn).filter(column);
   if (!names.length) { // the rates, where a model has no contact forces
-    const drawing = historyDrawing(result, coordinatesOf(result).map((name) => `${name}'`), ["velocity", "angular velocity"]);
+    const drawing = historyDrawing(result, coordinatesOf(result).map((name) => `${name}'`),
+      ["velocity", "angular velocity"]);
     return { ...drawing, title: "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
   }
   const curves = names.map((name) => ({ label: drawn[name][0], x: times, y: column(name), colour: drawn[name][1] }));
-  return { xlabel: "time (s)", ylabel: "contact force (N)", curves: [...curves, ...modeStrip(result)], xlim: [result.start, result.stop] };
+  return { xlabel: "time (s)", ylabel: "contact force (N)", curves: [...curves, ...modeStrip(result)],
+    xlim: [result.start, result.stop] };
 }
 
 function phase(result) {
   const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
   const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
-  if (equilibrium) curves.push({ label: "equilibrium", x: [equilibrium.q[place]], y: [0], marker: "+", size: 11, line: false });
-  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves, touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
+  if (equilibrium) curves.push({ label: "equilibrium", x: [equilibrium.q[place]], y: [0], marker: "+", size: 11,
+    line: false });
+  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves,
+    touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
 }
 
 function spectrum(result) {
@@ -87,8 +102,12 @@ function spectrum(result) {
 
 function eigenvaluePanel(result) {
   if (!result.eigenvalues) return null; // the words say why there are none
-  const upper = result.eigenvalues.filter(([, im]) => im >= 0), neutral = upper.every(([re, im]) => Math.abs(re) <= ROUNDING * Math.hypot(re, im));
-  const grows = ([re, im]) => re > ROUNDING * Math.hypot(re, im), some = (chosen, label, look) => ({ label, x: chosen.map(([re]) => re), y: chosen.map(([, im]) => im / (2 * Math.PI)), line: false, size: 8, ...look });
+  const upper = result.eigenvalues.filter(([, im]) => im >= 0),
+    neutral = upper.every(([re, im]) => Math.abs(re) <= ROUNDING * Math.hypot(re, im));
+  const grows = ([re, im]) => re > ROUNDING * Math.hypot(re, im),
+    some = (chosen, label, look) =>
+    ({ label, x: chosen.map(([re]) => re), y: chosen.map(([, im]) => im / (2 * Math.PI)), line: false, size: 8,
+    ...look });
   const curves = [
     { label: "_no growth", x: [0, 0], y: [0, 1], colour: GREY, width: 1, axis: "strip" },
     some(upper.filter((value) => !grows(value)), "decays", { colour: "#0072B2", marker: "o" }),
@@ -98,4 +117,5 @@ function eigenvaluePanel(result) {
 }
 
 const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel, friction: frictionDrawing };
-const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces", spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding", friction: "friction curve" };
+const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces",
+  spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding", friction: "friction curve" };

@@ -1,8 +1,8 @@
 // A drawing, painted: axes with ticks, labels and a legend, and its curves.
 //
-// A drawing is {xlabel, ylabel, right, curves, log, note, xlim, ylim}; a curve {label, x, y, colour, width, dash, marker,
-// line, axis}.  A label that begins with "_" is not in the legend.  The axis is "left", "right" or "strip", on which 0 is the
-// bottom of the panel and 1 its top.  A number that is not finite breaks a line.
+// A drawing is {xlabel, ylabel, right, curves, log, note, xlim, ylim}; a curve {label, x, y, colour, width, dash,
+// marker, line, axis}. A label that begins with "_" is not in the legend. The axis is "left", "right" or "strip", on
+// which 0 is the bottom of the panel and 1 its top. A number that is not finite breaks a line.
 const LEAST_FILL = 0.35; // share of an axis that the data have to fill, or else the axis shrinks
 const LIMIT_MARGIN = 0.06, LEAST_RANGE = 1e-12;
 const LEAST_RELATIVE_RANGE = 1e-2; // of the largest value: what varies less is drawn as the constant it is
@@ -26,7 +26,8 @@ function roundStep(step) {
 
 function linearLimits(now, needed) { // the present limits, if the data are inside and fill them; else new round ones
   if (!needed) return now ?? [0, 1];
-  const missing = Math.max(0, Math.max(LEAST_RELATIVE_RANGE * Math.max(...needed.map(Math.abs)), LEAST_RANGE) - (needed[1] - needed[0])) / 2;
+  const missing = Math.max(0, Math.max(LEAST_RELATIVE_RANGE * Math.max(...needed.map(Math.abs)), LEAST_RANGE)
+    - (needed[1] - needed[0])) / 2;
   const [low, high] = [needed[0] - missing, needed[1] + missing];
   if (now && now[0] <= needed[0] && needed[1] <= now[1] && high - low >= LEAST_FILL * (now[1] - now[0])) return now;
   const margin = LIMIT_MARGIN * (high - low), step = roundStep((high - low + 2 * margin) / 5);
@@ -47,7 +48,8 @@ class Axis { // from data to pixels, and back
     this.span = (log ? Math.log10(high) : high) - this.from || 1;
   }
 
-  at(v) { return this.start + (this.stop - this.start) * ((this.log ? Math.log10(Math.max(v, 1e-300)) : v) - this.from) / this.span; }
+  at(v) { return this.start + (this.stop - this.start) * ((this.log ? Math.log10(Math.max(v, 1e-300)) : v)
+    - this.from) / this.span; }
 
   value(pixel) {
     const v = this.from + this.span * (pixel - this.start) / (this.stop - this.start);
@@ -56,19 +58,25 @@ class Axis { // from data to pixels, and back
 
   ticks(space) { // {values, texts, power}: round numbers some `space` pixels apart, written in units of 10^power
     if (this.log) {
-      const count = Math.round(this.span), values = Array.from({ length: count + 1 }, (_, i) => 10 ** Math.round(this.from + i));
+      const count = Math.round(this.span),
+        values = Array.from({ length: count + 1 }, (_, i) => 10 ** Math.round(this.from + i));
       return { values, texts: values.map((v) => `10${raised(Math.round(Math.log10(v)))}`), power: 0 };
     }
     const step = roundStep(this.span / Math.max(2, Math.floor(Math.abs(this.stop - this.start) / space)));
     const first = Math.ceil(this.low / step - 1e-9), last = Math.floor(this.high / step + 1e-9);
     const values = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
-    const size = Math.floor(Math.log10(Math.max(...values.map(Math.abs), step))), power = size > 4 || size < -2 ? size : 0;
-    const digits = [0, 1, 2, 3, 4, 5, 6, 7, 8].find((n) => Math.abs(step / 10 ** power - Number((step / 10 ** power).toFixed(n))) < 1e-6 * step / 10 ** power) ?? 9;
-    return { values, texts: values.map((v) => (v / 10 ** power).toFixed(digits).replace(/^-(?=.*[1-9])/, "−").replace(/^-/, "")), power };
+    const size = Math.floor(Math.log10(Math.max(...values.map(Math.abs), step))),
+      power = size > 4 || size < -2 ? size : 0;
+    const digits = [0, 1, 2, 3, 4, 5, 6, 7,
+      8].find((n) => Math.abs(step / 10 ** power
+      - Number((step / 10 ** power).toFixed(n))) < 1e-6 * step / 10 ** power) ?? 9;
+    return { values, texts: values.map((v) =>
+      (v / 10 ** power).toFixed(digits).replace(/^-(?=.*[1-9])/, "−").replace(/^-/, "")), power };
   }
 }
 
-const withPower = (label, power) => !power ? label : label.endsWith(")") ? label.replace(/\(([^()]*)\)$/, `(10${raised(power)} $1)`) : `${label} (10${raised(power)})`;
+const withPower = (label, power) => !power ? label : label.endsWith(")")
+  ? label.replace(/\(([^()]*)\)$/, `(10${raised(power)} $1)`) : `${label} (10${raised(power)})`;
 
 function paintLine(c, x, y, X, Y) { // breaks where a number is not finite
   let begun = false;
@@ -101,16 +109,22 @@ function paintMarker(c, marker, size, x, y) {
 }
 
 function paintCurve(c, curve, X, Y, look, dotted = false) {
-  const colour = dotted && curve.colour === "#999999" ? look.ink : legible(curve.colour, look), width = curve.width ?? 1.3;
-  Object.assign(c, { strokeStyle: colour, fillStyle: colour, lineWidth: dotted ? Math.max(1.6, width) : width, lineJoin: "round" });
+  const colour = dotted && curve.colour === "#999999" ? look.ink : legible(curve.colour, look),
+    width = curve.width ?? 1.3;
+  Object.assign(c, { strokeStyle: colour, fillStyle: colour, lineWidth: dotted ? Math.max(1.6, width) : width,
+    lineJoin: "round" });
   c.setLineDash(dotted ? [2, 3] : curve.dash ? [6, 3] : []);
   if (curve.line !== false) paintLine(c, curve.x, curve.y, X, Y);
   c.setLineDash([]);
-  if (curve.marker) for (let i = 0; i < curve.x.length; i++) if (Number.isFinite(curve.y[i])) paintMarker(c, curve.marker, curve.size ?? 7, X.at(curve.x[i]), Y.at(curve.y[i]));
+  if (curve.marker) for (let i = 0; i < curve.x.length;
+    i++) if (Number.isFinite(curve.y[i])) paintMarker(c, curve.marker, curve.size ?? 7, X.at(curve.x[i]),
+    Y.at(curve.y[i]));
 }
 
-const DARK = { "#000000": "#e8e8e8", "#0072B2": "#56B4E9", "#999999": "#a8a8a8", "#D55E00": "#ff8c42", "#009E73": "#2fc79b" };
-const legible = (colour = "#000000", look) => (look.dark ? DARK[colour.toUpperCase()] ?? colour : colour === "#000000" ? look.ink : colour);
+const DARK = { "#000000": "#e8e8e8", "#0072B2": "#56B4E9", "#999999": "#a8a8a8", "#D55E00": "#ff8c42",
+  "#009E73": "#2fc79b" };
+const legible = (colour = "#000000", look) =>
+  (look.dark ? DARK[colour.toUpperCase()] ?? colour : colour === "#000000" ? look.ink : colour);
 
 function legendRows(c, curves, width, size) { // rows of [curve, x]
   const rows = [[]];
@@ -128,29 +142,34 @@ function paintLegend(c, rows, left, size, look) {
   rows.forEach((row, i) => row.forEach(([curve, x]) => {
     const y = (0.8 + 1.35 * i) * size, thick = (curve.width ?? 1.3) > 4, at = left + x;
     const colour = legible(curve.colour, look);
-    Object.assign(c, { strokeStyle: colour, fillStyle: colour, lineWidth: thick ? 0.6 * size : Math.max(2, curve.width ?? 1.3) });
+    Object.assign(c, { strokeStyle: colour, fillStyle: colour,
+      lineWidth: thick ? 0.6 * size : Math.max(2, curve.width ?? 1.3) });
     c.setLineDash(curve.dash ? [4, 2] : []);
     c.beginPath();
     c.moveTo(at, y);
     c.lineTo(at + 1.2 * size, y);
     if (curve.line !== false) c.stroke();
     c.setLineDash([]);
-    if (curve.line === false || !thick && curve.marker) paintMarker(c, curve.marker, Math.max(5, curve.size ?? 7), at + 0.6 * size, y);
+    if (curve.line === false || !thick && curve.marker) paintMarker(c, curve.marker, Math.max(5, curve.size ?? 7),
+      at + 0.6 * size, y);
     c.fillStyle = look.ink;
     paintLabel(c, curve.label, at + 1.6 * size, y, size);
   }));
 }
 
-// Paint a drawing, over one that is kept for comparison, dotted.  `memory` keeps the limits of the axes.  Returns the axes.
+// Paint a drawing, over one that is kept for comparison, dotted.  `memory` keeps the limits of the axes.  Returns the
+// axes.
 function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
   const em = look.letters, small = 0.86 * em, curves = drawing.curves, all = [...curves, ...(kept?.curves ?? [])];
   const of = (axis) => all.filter((curve) => (curve.axis ?? "left") === axis), hasRight = Boolean(drawing.right);
   const scale = drawing.log ? logarithmicLimits : linearLimits;
   memory.x = drawing.xlim ?? linearLimits(memory.x, dataRange(all.map(({ x }) => x)));
-  memory.left = drawing.ylim ?? scale(drawing.log === memory.log ? memory.left : null, dataRange(of("left").map(({ y }) => y)));
+  memory.left = drawing.ylim ?? scale(drawing.log === memory.log ? memory.left : null,
+    dataRange(of("left").map(({ y }) => y)));
   if (hasRight) memory.right = linearLimits(memory.right, dataRange(of("right").map(({ y }) => y)));
   memory.log = drawing.log;
-  const rows = legendRows(c, curves, width - 2 * em, small), top = 0.8 * em + 1.35 * small * rows.length, bottom = height - 2.9 * em;
+  const rows = legendRows(c, curves, width - 2 * em, small), top = 0.8 * em + 1.35 * small * rows.length,
+    bottom = height - 2.9 * em;
   const Y = new Axis(memory.left, [bottom, top], drawing.log), yTicks = Y.ticks(2.4 * em);
   const R = hasRight ? new Axis(memory.right, [bottom, top]) : null, rTicks = R?.ticks(2.4 * em);
   c.font = `${small}px system-ui, sans-serif`;
@@ -167,7 +186,8 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
   c.rect(left, top, right - left, bottom - top);
   c.clip();
   const strip = new Axis([0, 1], [bottom, top]), side = { left: Y, right: R ?? Y, strip };
-  for (const curve of kept?.curves ?? []) if (curve.axis !== "strip") paintCurve(c, curve, X, side[curve.axis ?? "left"], look, true);
+  for (const curve of kept?.curves ?? []) if (curve.axis !== "strip") paintCurve(c, curve, X,
+    side[curve.axis ?? "left"], look, true);
   for (const curve of curves) paintCurve(c, curve, X, side[curve.axis ?? "left"], look);
   c.restore();
 

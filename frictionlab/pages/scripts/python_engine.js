@@ -1,10 +1,14 @@
-// The front end as a widget: its engine is the Python process.  The state goes there, and the result comes back, now or later.
+// The front end as a widget: its engine is the Python process. The state goes there, and the result comes back, now
+// or later.
 const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
 
 class PythonEngine {
-  constructor(model) { Object.assign(this, { model, parameters: null, images: {} }); }
+  parameters = null;
+  images = {};
 
-  ask(state, dragging, explorer) {
+  constructor(model) { this.model = model; }
+
+  ask(state, _dragging, explorer) {
     if (sameValue(state, this.model.get("state"))) return explorer.rest(); // nothing that Python would answer
     this.model.set("state", state);
     this.model.save_changes();
@@ -15,12 +19,19 @@ class PythonEngine {
   python() { return this.model.get("picture").python; }
 
   result() { // the picture, with its arrays as numbers
-    const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture, result = { ...picture, highest: this.model.get("scene").highest };
+    const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture,
+      result = { ...picture, highest: this.model.get("scene").highest };
     this.parameters = picture.parameters;
-    if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes), Object.keys(samples.columns), Object.values(samples.columns).map(floats));
-    if (picture.friction) result.friction = { ...picture.friction, speeds: floats(picture.friction.speeds), mu: floats(picture.friction.mu) };
-    if (spectrum) result.spectrum = { ...spectrum, frequencies: floats(spectrum.frequencies), amplitudes: floats(spectrum.amplitudes) };
-    result.drawings = Object.fromEntries(Object.entries(drawings).map(([name, drawing]) => [name, drawing.image ? { image: this.imageOf(name, drawing.image) } : { ...drawing, curves: drawing.curves.map((curve) => ({ ...curve, x: floats(curve.x), y: floats(curve.y) })) }]));
+    if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes),
+      Object.keys(samples.columns), Object.values(samples.columns).map(floats));
+    if (picture.friction) result.friction = { ...picture.friction, speeds: floats(picture.friction.speeds),
+      mu: floats(picture.friction.mu) };
+    if (spectrum) result.spectrum = { ...spectrum, frequencies: floats(spectrum.frequencies),
+      amplitudes: floats(spectrum.amplitudes) };
+    result.drawings = Object.fromEntries(Object.entries(drawings).map(([name, drawing]) =>
+      [name, drawing.image ? { image: this.imageOf(name, drawing.image) }
+      : { ...drawing, curves: drawing.curves.map((curve) =>
+      ({ ...curve, x: floats(curve.x), y: floats(curve.y) })) }]));
     return result;
   }
 
@@ -44,7 +55,8 @@ class PythonEngine {
 }
 
 function render({ model, el }) {
-  const root = html("div"), engine = new PythonEngine(model), explorer = new Explorer(root, model.get("scene"), engine, { address: model.get("scene").address });
+  const root = html("div"), engine = new PythonEngine(model),
+    explorer = new Explorer(root, model.get("scene"), engine, { address: model.get("scene").address });
   let link = model.get("scene").address ? location.hash : "", due = false;
   el.append(root);
   function show() { // several values change in one message: they are shown once
@@ -59,7 +71,8 @@ function render({ model, el }) {
     if (link) follow(readLink(link, model.get("scene")));
   };
   const take = () => { // controls that were set in Python
-    if (!sameValue(explorer.state, model.get("state")) && Object.keys(explorer.state).every((name) => name in model.get("state"))) {
+    if (!sameValue(explorer.state, model.get("state"))
+      && Object.keys(explorer.state).every((name) => name in model.get("state"))) {
       explorer.state = { ...model.get("state") };
       explorer.showState();
     }
@@ -68,7 +81,8 @@ function render({ model, el }) {
     link = "";
     explorer.take(challenge, state);
   }
-  const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon, "msg:custom": (...message) => engine.heard?.(...message) };
+  const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon,
+    "msg:custom": (...message) => engine.heard?.(...message) };
   for (const [name, does] of Object.entries(changes)) model.on(name, does);
   model.set("shown", true);
   model.save_changes();

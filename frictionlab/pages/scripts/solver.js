@@ -1,7 +1,6 @@
-// The solver: calls of the kernels, compiled to WebAssembly, and the loop that goes on whenever a record is full, as in
-// methods/taylor.py.
-// Every kernel takes the address of a table of 64-bit words: places for its results, then its arguments; those of an array
-// are its address and its lengths.
+// The solver: calls of the kernels, compiled to WebAssembly, and the loop that goes on whenever a record is full, as
+// in methods/taylor.py. Every kernel takes the address of a table of 64-bit words: places for its results, then its
+// arguments; those of an array are its address and its lengths.
 const [RUNNING, FINISHED] = [0, 1];
 const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
   "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
@@ -52,7 +51,8 @@ class Solver {
 
   array(name, type, shape, room = 1) {
     const length = shape.reduce((a, b) => a * b, 1);
-    this.arrays[name] = { type, shape, length: length * room, place: this.allocate(room * length * KINDS[type].BYTES_PER_ELEMENT) };
+    this.arrays[name] = { type, shape, length: length * room,
+      place: this.allocate(room * length * KINDS[type].BYTES_PER_ELEMENT) };
   }
 
   makeRoom(kind) { // for twice as many records of steps or events; false if these would be too many
@@ -105,12 +105,14 @@ class Solver {
       if (a.name === "code.ops") numbers.constants = a.shape[0];
       if (a.name === "code.term_slots") numbers.terms = a.shape[0];
     }
-    for (const set of ["numbers", "magnitudes"]) for (const [part, length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
+    for (const set of ["numbers", "magnitudes"]) for (const [part,
+      length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
     this.array("which", "i8", [SAMPLES]);
     this.array("times", "f8", [SAMPLES]);
     this.array("out", "f8", [SAMPLES, n]);
     this.views();
-    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0); // the arrays of another structure were there
+    // the arrays of another structure were there
+    new Uint8Array(this.exports.memory.buffer, this.start, this.heap - this.start).fill(0);
     Object.assign(this.fixed, { order, "truncation.order": order, "truncation.tol": tol });
     for (const a of structure.arrays) if (a.data) this.write(a);
     this.structure = structure;
@@ -129,20 +131,25 @@ class Solver {
 
   begin(values, state, end) { // set numbers, state and clock of a new run; whether its first mode was found
     const { structure, arrays } = this, chatter = values[structure.parameters.indexOf("chatter")] ?? 0;
-    const all = structure.numbers(values), constants = all.slice(0, structure.constants), terms = all.slice(structure.constants);
+    const all = structure.numbers(values), constants = all.slice(0, structure.constants),
+      terms = all.slice(structure.constants);
     if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
     for (const [part, list] of [["constants", constants], ["terms", terms]]) {
       arrays[`numbers.${part}`].view.set(list);
       arrays[`magnitudes.${part}`].view.set(list.map(Math.abs));
     }
     for (const a of structure.arrays) {
-      if (a.shape && (a.name.startsWith("run.") || a.name.startsWith("scratch."))) { arrays[a.name].view.fill(KINDS[a.type] === BigInt64Array ? 0n : 0); if (a.data) this.write(a); }
+      if (a.shape && (a.name.startsWith("run.")
+        || a.name.startsWith("scratch."))) { arrays[a.name].view.fill(KINDS[a.type] === BigInt64Array ? 0n : 0);
+        if (a.data) this.write(a); }
     }
     arrays["run.state"].view.set(state);
     arrays["run.sizes"].view.set(state.map(Math.abs));
     arrays["run.times"].view.set([0, end, 0, chatter, 0]);
     arrays["scratch.ended"].view[0] = NO_MODE;
-    const found = this.call("select_mode", { z: arrays["run.state"], "rounding.sizes": arrays["run.state"], "rounding.share": SCENE.method.rounding, ...this.rounding(arrays["run.state"]) });
+    const found = this.call("select_mode",
+      { z: arrays["run.state"], "rounding.sizes": arrays["run.state"], "rounding.share": SCENE.method.rounding,
+      ...this.rounding(arrays["run.state"]) });
     arrays["run.counts"].view[MODE] = found.integers[0];
     return found.integers[0] >= 0n;
   }
@@ -179,12 +186,15 @@ class Solver {
       events += Number(counts[EVENTS]);
       if (performance.now() - began > patience) break;
     }
-    const part = (name, count, width) => arrays[`record.${name}`].view.subarray(0, count * width), n = structure.states.length;
+    const part = (name, count, width) => arrays[`record.${name}`].view.subarray(0, count * width),
+      n = structure.states.length;
     return {
-      structure, values, status, steps, events, end: arrays["run.times"].view[0], state: Array.from(arrays["run.state"].view),
+      structure, values, status, steps, events, end: arrays["run.times"].view[0],
+        state: Array.from(arrays["run.state"].view),
       mode: Number(arrays["run.counts"].view[MODE]), milliseconds: performance.now() - began,
       stepTimes: part("step_times", steps, 2), stepModes: part("step_modes", steps, 1),
-      eventTimes: part("event_times", events, 1), eventCodes: part("event_codes", events, 3), eventStates: part("event_states", events, 2 * n),
+      eventTimes: part("event_times", events, 1), eventCodes: part("event_codes", events, 3),
+        eventStates: part("event_states", events, 2 * n),
     };
   }
 }

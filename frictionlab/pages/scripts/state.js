@@ -13,7 +13,8 @@ class StateHistory {
   record(state) { // a new one drops those that had been undone
     const now = performance.now(), changed = differences(this.present, state);
     if (!changed.length) return;
-    const together = changed.length === 1 && changed[0] === this.moved && now - this.since < SAME_MOVE && this.place > 0;
+    const together = changed.length === 1 && changed[0] === this.moved && now - this.since < SAME_MOVE
+      && this.place > 0;
     this.states.splice(this.place + (together ? 0 : 1));
     this.states = [...this.states, state].slice(-MOST_STATES);
     Object.assign(this, { place: this.states.length - 1, moved: changed.length === 1 ? changed[0] : "", since: now });
@@ -30,29 +31,37 @@ class StateHistory {
 function linkText(state, scene, challenge = null) { // what differs from the beginning
   const changed = differences(scene.initial, state), parts = scene.name ? [["scene", scene.name]] : [];
   if (challenge) parts.push(["challenge", challenge.name]);
-  const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter), add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
+  const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter),
+    add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
   changed.filter(isParameter).forEach(add);
   if (changed.some(isSwitch)) parts.push(["without", switchesOff(state).join(",")]);
   changed.filter((name) => !isParameter(name) && !isSwitch(name)).forEach(add);
-  return parts.map(([name, text]) => `${encodeURIComponent(name)}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%20", "+")}`).join("&");
+  return parts.map(([name, text]) =>
+    `${encodeURIComponent(name)}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%20", "+")}`).join("&");
 }
 
 const isSwitch = (name) => name.startsWith("switch-");
-const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name) && !state[name]).map((name) => name.slice("switch-".length));
+const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name)
+  && !state[name]).map((name) => name.slice("switch-".length));
 
 function readLink(text, scene) { // {state, scene, plays}; what no control can be set to is left out
-  const state = { ...scene.initial }, words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
+  const state = { ...scene.initial },
+    words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
   const found = { state, scene: "", plays: false, challenge: null, given: {} };
   for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (word === "scene") found.scene = value;
     else if (word === "challenge") found.challenge = scene.challenges.find(({ name }) => name === value) ?? null;
-    else if (word === "play") found.plays = value === "1"; // it plays as soon as it is loaded, for pages embedded in others
+    // it plays as soon as it is loaded, for pages embedded in others
+    else if (word === "play") found.plays = value === "1";
     else found.given[word] = value;
     const about = scene.controls.find(({ name }) => name === (words[word] ?? word)), number = Number(value);
     if (word === "without") {
-      for (const name of Object.keys(state).filter(isSwitch)) state[name] = !value.split(",").includes(name.slice("switch-".length));
-    } else if (about?.kind === "number" && value !== "" && Number.isFinite(number) && (word !== "t_end" || number > 0)) state[about.name] = number;
-    else if (about?.kind === "choice" && about.options.includes(value) || about?.kind === "text") state[about.name] = value;
+      const off = value.split(",").map((name) => `switch-${name}`);
+      for (const name of Object.keys(state).filter(isSwitch)) state[name] = !off.includes(name);
+    } else if (about?.kind === "number" && value !== "" && Number.isFinite(number)
+      && (word !== "t_end" || number > 0)) state[about.name] = number;
+    else if (about?.kind === "choice" && about.options.includes(value)
+      || about?.kind === "text") state[about.name] = value;
     else if (about?.kind === "range") state[about.name] = value.split(",").map(Number);
   }
   return found;
@@ -67,12 +76,15 @@ function stateFromText(text) { // {model, scene, changed}
   let data;
   try { data = JSON.parse(text); } catch { data = null; }
   if (!data?.changed || !data.format) throw new RangeError("the file must be one that an explorer saved");
-  if (data.format !== FORMAT) throw new RangeError(`the file must be one that an explorer saved, got the format '${data.format}'`);
+  if (data.format !== FORMAT) {
+    throw new RangeError(`the file must be one that an explorer saved, got the format '${data.format}'`);
+  }
   return data;
 }
 
 function csvText({ structure, samples }) { // a line of names, then one for each time; numbers have all their digits
   const columns = Object.keys(samples.byName), values = columns.map(samples.column);
-  const lines = Array.from(samples.times, (t, i) => [t, ...values.map((v) => v[i]), structure.modes[samples.modes[i]]].join(","));
+  const lines = Array.from(samples.times,
+    (t, i) => [t, ...values.map((v) => v[i]), structure.modes[samples.modes[i]]].join(","));
   return [["t", ...columns, "mode"].join(","), ...lines, ""].join("\n");
 }

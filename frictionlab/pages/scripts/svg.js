@@ -9,7 +9,8 @@ class SvgContext {
     this.clips = 0;
     this.clipped = "";
     this.pen = document.createElement("canvas").getContext("2d"); // it measures letters
-    this.head = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`
+    const size = `width="${width}" height="${height}" viewBox="0 0 ${width} ${height}"`;
+    this.head = `<svg xmlns="http://www.w3.org/2000/svg" ${size}>`
       + `<rect width="${width}" height="${height}" fill="${paper}"/>`;
   }
 
@@ -35,8 +36,11 @@ class SvgContext {
   moveTo(x, y) { this.path += `M${this.at(x, y)}`; }
   lineTo(x, y) { this.path += `${this.path ? "L" : "M"}${this.at(x, y)}`; }
   closePath() { this.path += "Z"; }
-  rect(x, y, w, h) { this.path += `M${this.at(x, y)}L${this.at(x + w, y)}L${this.at(x + w, y + h)}L${this.at(x, y + h)}Z`; }
-  arc(x, y, r) { this.path += `M${this.at(x + r, y)}A${r} ${r} 0 1 0 ${this.at(x - r, y)}A${r} ${r} 0 1 0 ${this.at(x + r, y)}`; } // a circle
+  rect(x, y, w, h) { this.path += `M${this.at(x, y)}L${this.at(x + w, y)}L${this.at(x + w, y + h)}L${this.at(x,
+    y + h)}Z`; }
+  // a circle
+  arc(x, y, r) { this.path += `M${this.at(x + r, y)}A${r} ${r} 0 1 0 ${this.at(x - r,
+    y)}A${r} ${r} 0 1 0 ${this.at(x + r, y)}`; }
 
   clip() {
     this.clipped = `clip${this.clips++}`;
@@ -50,16 +54,20 @@ class SvgContext {
 
   stroke() {
     const dash = this.dash.length ? ` stroke-dasharray="${this.dash.join(" ")}"` : "";
-    this.shape(`fill="none" stroke="${this.strokeStyle}" stroke-width="${this.lineWidth}" stroke-linejoin="round"${dash}`);
+    const pen = `stroke="${this.strokeStyle}" stroke-width="${this.lineWidth}" stroke-linejoin="round"`;
+    this.shape(`fill="none" ${pen}${dash}`);
   }
 
   fill() { this.shape(`fill="${this.fillStyle}"`); }
   measureText(text) { this.pen.font = this.font; return this.pen.measureText(text); }
 
   fillText(text, x, y) {
-    const [, style, size] = this.font.match(/^(italic )?([\d.]+)px/), escaped = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
+    const [, style, size] = this.font.match(/^(italic )?([\d.]+)px/),
+      escaped = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
+    const baseline = Number(y) + 0.35 * Number(size);
     const [a, b, c, d, e, f] = this.matrix, anchor = { center: "middle", right: "end" }[this.textAlign] ?? "start";
-    this.nodes.push(`<text transform="matrix(${a} ${b} ${c} ${d} ${e} ${f})" x="${x}" y="${y + 0.35 * size}" font-size="${size}" text-anchor="${anchor}"`
+    this.nodes.push(`<text transform="matrix(${a} ${b} ${c} ${d} ${e} ${f})" x="${x}" y="${baseline}"`
+      + ` font-size="${size}" text-anchor="${anchor}"`
       + ` font-family="sans-serif"${style ? ' font-style="italic"' : ""} fill="${this.fillStyle}">${escaped}</text>`);
   }
 

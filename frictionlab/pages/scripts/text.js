@@ -25,10 +25,13 @@ function mathParts(math) {
     const shift = { _: -1, "^": 1 }[place] ?? 0, upright = command === "mathrm" || command === "text";
     let inner;
     if (group !== undefined) inner = mathParts(group);
-    else if (command && OVER[command]) inner = mathParts(argument ?? "").map((p, i) => (i ? p : { ...p, text: p.text + OVER[command] }));
+    else if (command && OVER[command]) inner = mathParts(argument
+      ?? "").map((p, i) => (i ? p : { ...p, text: p.text + OVER[command] }));
     else if (upright) inner = [{ text: argument ?? "", italic: false, shift: 0 }];
-    else if (command) inner = [{ text: SYMBOLS[command] ?? command, italic: /^[a-z]/.test(command), shift: 0 }, ...(argument ? mathParts(argument) : [])];
-    else if (letter) inner = [{ text: letter.replace("'", "′").replace("-", "−"), italic: /[A-Za-z]/.test(letter), shift: 0 }];
+    else if (command) inner = [{ text: SYMBOLS[command] ?? command, italic: /^[a-z]/.test(command), shift: 0 },
+      ...(argument ? mathParts(argument) : [])];
+    else if (letter) inner = [{ text: letter.replace("'", "′").replace("-", "−"), italic: /[A-Za-z]/.test(letter),
+      shift: 0 }];
     else continue;
     parts.push(...inner.map((part) => ({ ...part, shift: shift || part.shift })));
   }
@@ -45,10 +48,12 @@ function labelNodes(label) { // for the page
   });
 }
 
-const partFont = ({ italic, shift }, size) => `${italic ? "italic " : ""}${shift ? SMALL * size : size}px system-ui, sans-serif`;
+const partFont = ({ italic, shift }, size) =>
+  `${italic ? "italic " : ""}${shift ? SMALL * size : size}px system-ui, sans-serif`;
 
 function labelWidth(c, label, size) {
-  return labelParts(label).reduce((sum, part) => { c.font = partFont(part, size); return sum + c.measureText(part.text).width; }, 0);
+  return labelParts(label).reduce((sum, part) =>
+    { c.font = partFont(part, size); return sum + c.measureText(part.text).width; }, 0);
 }
 
 function paintLabel(c, label, x, y, size, align = "left") { // y is the middle of the letters
@@ -68,5 +73,6 @@ const shownUnit = (unit) => unit.replace(/\^(-?\d+)/g, (_, power) => raised(powe
 function shortNumber(v, digits = 5) { // as Python writes it with the format "g"
   if (!Number.isFinite(v)) return String(v);
   const rounded = Number(v.toPrecision(digits)), size = Math.abs(rounded);
-  return size && (size < 1e-4 || size >= 10 ** Math.max(digits, 5)) ? rounded.toExponential().replace("e+", "e") : String(rounded);
+  return size && (size < 1e-4 || size >= 10 ** Math.max(digits, 5)) ? rounded.toExponential().replace("e+", "e")
+    : String(rounded);
 }

@@ -1,7 +1,7 @@
 // A body of the mechanism is dragged, by a mouse, a finger or the arrow keys: the motion starts where it is let go.
 //
-// A body is {box: [x, y, width, height], along: [[coordinate, share of a step to the right, share of one up], ...]}, in
-// units of the picture.
+// A body is {box: [x, y, width, height], along: [[coordinate, share of a step to the right, share of one up], ...]},
+// in units of the picture.
 const FINGER = 18; // pixels around a body that count as the body
 const LEAST_DRAG = 3; // pixels; less is a click
 const KEY_STEP = 0.01; // share of the picture's height by which an arrow key moves a body
@@ -73,7 +73,8 @@ class BodyDrag {
 
   text() { // "x1 = 0.1 m": where the body is held
     const { labels, units } = this.explorer.result.structure;
-    return Object.entries(this.touched).map(([name, v]) => `${plainLabel(labels[name])} = ${shortNumber(v, 3)} ${units[name]}`).join(", ");
+    return Object.entries(this.touched).map(([name, v]) =>
+      `${plainLabel(labels[name])} = ${shortNumber(v, 3)} ${units[name]}`).join(", ");
   }
 
   release() {
@@ -123,7 +124,8 @@ class BodyDrag {
 }
 
 function heldSample(result, touched, mode) { // the state of a body that is held, as the sample of an instant
-  const { structure: { states }, samples } = result, start = startState(result, touched), outputs = Object.keys(samples.byName);
+  const { structure: { states }, samples } = result, start = startState(result, touched),
+    outputs = Object.keys(samples.byName);
   const values = outputs.map((name) => Float64Array.of(states.includes(name) ? start[states.indexOf(name)] : 0));
   return samplesByName(Float64Array.of(0), Int32Array.of(mode), outputs, values);
 }

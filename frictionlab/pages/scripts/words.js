@@ -1,7 +1,8 @@
 // What a result says in words: whether steady sliding is stable, what the run does, why it ended.
 const VERBS = { stick: "sticks", "slip+": "slips", "slip-": "slips", slip: "slips", separation: "separates" };
 const STARTS = { rest: "from rest", near: "from near the equilibrium", own: "from your own state" };
-const NOTHING_SLIDES = "Nothing in this model slides steadily on something that moves, so there is no steady sliding to be stable or unstable.";
+const NOTHING_SLIDES = "Nothing in this model slides steadily on something that moves, so there is no steady sliding "
+  + "to be stable or unstable.";
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
 function verdict(result) {
@@ -17,7 +18,8 @@ function verdict(result) {
 function stabilityText(values) {
   const upper = values.filter(([, im]) => im >= 0), share = ([re, im]) => re / (Math.hypot(re, im) || 1);
   const growing = upper.filter((value) => share(value) > ROUNDING).sort((a, b) => b[0] - a[0]);
-  if (!growing.length) return upper.every((value) => share(value) < -ROUNDING) ? "stable" : "neither stable nor unstable: a mode neither grows nor decays";
+  if (!growing.length) return upper.every((value) => share(value) < -ROUNDING) ? "stable"
+    : "neither stable nor unstable: a mode neither grows nor decays";
   const [re, im] = growing[0], modes = growing.length === 1 ? "1 mode grows" : `${growing.length} modes grow`;
   return `unstable: ${modes}, at ${shortNumber(re, 4)} 1/s and ${shortNumber(im / (2 * Math.PI), 4)} Hz`;
 }
@@ -25,10 +27,12 @@ function stabilityText(values) {
 function runText(result) { // a clause: what the run does at its end; empty where it settles to the equilibrium
   if (!result.samples || !result.finished) return "";
   const from = STARTS[result.from];
-  if (!result.moving) return result.mode.includes("slip") ? "" : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
+  if (!result.moving) return result.mode.includes("slip") ? ""
+    : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
   const what = motionText(result);
   if (!what && result.decays) return "";
-  const { largest, strongest } = result.spectrum ?? {}, pitch = largest > SILENT * result.size ? ` at ${shortNumber(strongest, 3)} Hz` : "";
+  const { largest, strongest } = result.spectrum ?? {},
+    pitch = largest > SILENT * result.size ? ` at ${shortNumber(strongest, 3)} Hz` : "";
   return `${from} this run ${what || "vibrates"}${pitch}`;
 }
 
@@ -42,13 +46,18 @@ function motionText({ structure, samples, struck }) { // as its modes tell; empt
 
 function equilibriumTexts({ structure, equilibrium }) { // "x1 = 0.15 m" ..., with LaTeX
   if (!equilibrium) return [];
-  const rows = coordinatesOf({ structure }).map((name, i) => [structure.labels[name], equilibrium.q[i], structure.units[name]]);
-  rows.push(["penetration", equilibrium.penetration, "m"], ["$F_N$", equilibrium.normal_force, "N"], ["$F_T$", equilibrium.friction_force, "N"]);
-  return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) => `${label} = ${shortNumber(value)} ${unit}`);
+  const rows = coordinatesOf({ structure }).map((name, i) =>
+    [structure.labels[name], equilibrium.q[i], structure.units[name]]);
+  rows.push(["penetration", equilibrium.penetration, "m"], ["$F_N$", equilibrium.normal_force, "N"],
+    ["$F_T$", equilibrium.friction_force, "N"]);
+  return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) =>
+    `${label} = ${shortNumber(value)} ${unit}`);
 }
 
 function differences(before, now) { // names of the controls that two states do not share
-  return Object.keys({ ...before, ...now }).filter((name) => JSON.stringify(before[name]) !== JSON.stringify(now[name]));
+  return Object.keys({ ...before, ...now }).filter((name) =>
+    JSON.stringify(before[name]) !== JSON.stringify(now[name]));
 }
 
-const shownValue = (value) => (value === true ? "on" : value === false ? "off" : typeof value === "number" ? shortNumber(value, 7) : String(value));
+const shownValue = (value) => (value === true ? "on" : value === false ? "off" : typeof value === "number"
+  ? shortNumber(value, 7) : String(value));

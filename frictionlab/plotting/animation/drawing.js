@@ -1,5 +1,6 @@
-// How mechanisms are drawn on a canvas by the front end (frictionlab/pages).  The slider on the tilting belt, with lengths in metres, is drawn as draw_mechanism in
-// tilting_belt.py draws it; a scene that has scene.shapes as parts.py draws it.  y points up.  Colours are those of the scene.
+// How mechanisms are drawn on a canvas by the front end (frictionlab/pages). The slider on the tilting belt, with
+// lengths in metres, is drawn as draw_mechanism in tilting_belt.py draws it; a scene that has scene.shapes as
+// parts.py draws it. y points up. Colours are those of the scene.
 const TURNS = 6, MARKS = 16;
 
 function html(tag, properties = {}, children = []) {
@@ -18,7 +19,8 @@ function line(c, points, width, colour) {
 function spring(c, [ax, ay], [bx, by], width, px, colour) {
   const [dx, dy] = [bx - ax, by - ay], length = Math.hypot(dx, dy) || 1;
   const at = (along, across) => [ax + along * dx - across * dy / length, ay + along * dy + across * dx / length];
-  const turns = Array.from({ length: 2 * TURNS }, (_, i) => at(0.2 + 0.6 * (i + 1) / (2 * TURNS + 1), (i % 2 ? -width : width) / 2));
+  const turns = Array.from({ length: 2 * TURNS },
+    (_, i) => at(0.2 + 0.6 * (i + 1) / (2 * TURNS + 1), (i % 2 ? -width : width) / 2));
   line(c, [at(0, 0), at(0.2, 0), ...turns, at(0.8, 0), at(1, 0)], px, colour);
 }
 
@@ -71,25 +73,27 @@ function mechanism(c, width, height, scene, row) {
   line(c, [[0.9 * x0, ground], [scene.wheels[1] + scene.reach + r, ground]], 4 * px, scene.grey);
   line(c, [[ax - e, ay - e], [ax + e, ay + e]], 4 * px, scene.grey);
   const [first, second] = belt(c, scene, row, px);
-  const springs = { k1: [[left, middle], [x - w / 2, middle]], k2: [[row.foot_x, row.foot_y], [x, y]],
+  const springs = /** @type {Record<string, any>} */ ({ k1: [[left, middle], [x - w / 2, middle]], k2: [[row.foot_x, row.foot_y], [x, y]],
     k3: [[ax, ay], [x - w / 2, y + h]], k4: [second, [right, second[1]]],
-    k5: [[first[0], ground], first], k6: [[second[0], ground], second] };
+    k5: [[first[0], ground], first], k6: [[second[0], ground], second] });
   for (const [from, to] of Object.values(springs)) spring(c, from, to, e, px, scene.ink);
   line(c, [[row.foot_x - 5 * px, row.foot_y], [row.foot_x + 5 * px, row.foot_y]], 3 * px, scene.ink);
   c.fillStyle = scene.colours[row.mode];
   c.fillRect(x - w / 2, y, w, h);
-  line(c, [[x - w / 2, y], [x + w / 2, y], [x + w / 2, y + h], [x - w / 2, y + h], [x - w / 2, y]], 1.2 * px, scene.ink);
+  line(c, [[x - w / 2, y], [x + w / 2, y], [x + w / 2, y + h], [x - w / 2, y + h], [x - w / 2, y]], 1.2 * px,
+    scene.ink);
   const [normal, friction, preload] = scene.force_colours, top = y + h + scene.preload / scene.scale;
   arrow(c, x + 0.35 * w, top, 0, -scene.preload / scene.scale, preload, px);
   arrow(c, x, middle, 0, row.normal_force / scene.scale, normal, px);
   arrow(c, x, middle, row.friction_force / scene.scale, 0, friction, px);
-  Object.assign(c, { fillStyle: scene.ink, font: `italic ${scene.letters ?? 13}px serif`, textAlign: "center", textBaseline: "middle" });
+  Object.assign(c, { fillStyle: scene.ink, font: `italic ${scene.letters ?? 13}px serif`, textAlign: "center",
+    textBaseline: "middle" });
   for (const [name, [from, to]] of Object.entries(springs)) {
     const [dx, dy] = scene.names[name];
     c.save();
     c.translate((from[0] + to[0]) / 2 + dx * size, (from[1] + to[1]) / 2 + dy * size);
     c.scale(px, -px);
-    c.fillText(name === "k2" ? "k₂, kₙₗ" : "k" + "₁₂₃₄₅₆"[name[1] - 1], 0, 0);
+    c.fillText(name === "k2" ? "k₂, kₙₗ" : "k" + "₁₂₃₄₅₆"[Number(name[1]) - 1], 0, 0);
     c.restore();
   }
   c.restore();
@@ -120,15 +124,19 @@ function shapes(c, width, height, scene, row) { // arrows last, over the bodies
   c.save();
   c.translate((width - k * (x1 - x0)) / 2 - k * x0, (height + k * (y1 - y0)) / 2 + k * y0);
   c.scale(k, -k);
-  const arrows = scene.shapes.filter(({ kind }) => kind === "arrow"), others = scene.shapes.filter(({ kind }) => kind !== "arrow");
+  const arrows = scene.shapes.filter(({ kind }) => kind === "arrow"),
+    others = scene.shapes.filter(({ kind }) => kind !== "arrow");
   for (const one of [...others, ...arrows]) shape(c, scene, one, row, 1 / k);
   c.restore();
 }
 
-function fit(canvas) { // empties it; one unit is a CSS pixel, sharp on dense screens; at the same size it is wiped, which is quicker
-  const dense = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = canvas, context = canvas.getContext("2d");
+// empties it; one unit is a CSS pixel, sharp on dense screens; at the same size it is wiped, which is quicker
+function fit(canvas) {
+  const dense = window.devicePixelRatio || 1, { clientWidth: width, clientHeight: height } = canvas,
+    context = canvas.getContext("2d");
   const size = { width: Math.round(width * dense), height: Math.round(height * dense) };
-  if (context.reset && canvas.width === size.width && canvas.height === size.height) context.reset(); else Object.assign(canvas, size);
+  if (context.reset && canvas.width === size.width && canvas.height === size.height) context.reset();
+    else Object.assign(canvas, size);
   context.scale(dense, dense);
   return [context, width, height];
 }

@@ -37,7 +37,18 @@ def run_in_node(script):
     return json.loads(done.stdout)
 
 
-FUNCTIONS = Path(__file__).parents[3] / "frictionlab" / "pages" / "scripts" / "functions.js"
+SCRIPTS = Path(__file__).parents[3] / "frictionlab" / "pages" / "scripts"
+FUNCTIONS = SCRIPTS / "functions.js"
+
+
+def test_lines_of_scripts_are_at_most_120_letters_long():
+    long = {
+        f"{path.name}: {line}"
+        for path in SCRIPTS.glob("*.js")
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if len(line) > 120
+    }
+    assert long == set()
 
 
 def test_numbers_have_the_same_bits_as_in_python():

@@ -1,0 +1,20 @@
+// What `nox -s javascript` checks the scripts with: the data of a page, and fields that constructors set together.
+declare const SCENE: any, SOLVER: any, STRUCTURES: any;
+interface Assembler { [instruction: string]: any }
+interface Axis { low: number; high: number; start: number; stop: number; log: boolean }
+interface BodyDrag { explorer: Explorer; over: HTMLCanvasElement; body: any; mode: number; now: Record<string, number> }
+interface BrowserEngine { solver: Solver }
+interface Explorer {
+  root: HTMLElement; scene: any; engine: any; options: { address?: boolean }; audio: AudioContext | undefined;
+  words: HTMLElement; numbers: HTMLElement; comparison: HTMLElement;
+  compareButton: HTMLButtonElement; linkButton: HTMLButtonElement; playButton: HTMLButtonElement;
+  redoButton: HTMLButtonElement; resetButton: HTMLButtonElement; swapButton: HTMLButtonElement;
+  themeButton: HTMLButtonElement; undoButton: HTMLButtonElement;
+}
+interface ModeWriter {
+  J: any; code: any; column: any; constants: any; first: any; flow: any; inputs: any; k: any; kNumber: any; last: any;
+  leastRatio: any; ops: any; order: any; row: any; share: any; slots: any; terms: any; total: any; values: any; z: any;
+}
+interface PointDrag { explorer: Explorer; panel: any }
+interface StateHistory { place: number; since: number }
+interface SvgContext { fillStyle: string; font: string; lineWidth: number; strokeStyle: string; textAlign: string }
