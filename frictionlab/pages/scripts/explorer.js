@@ -96,7 +96,7 @@ class Explorer {
       [{ name: "" }, ...challenges].map(({ name }) => html("option", { value: name, textContent: name || "none" })));
     this.challengeList.onchange = () =>
       this.take(challenges.find(({ name }) => name === this.challengeList.value) ?? null);
-    return [html("label", { className: "fl-scene" }, ["challenge ", this.challengeList])];
+    return [html("label", { className: "fl-challenges" }, ["challenge ", this.challengeList])];
   }
 
   take(challenge, state = challenge ? challengeState(this.scene, challenge) : this.state) { // up a challenge, or none
