@@ -252,7 +252,7 @@ class Packer:
         self.listed: list[Combination] = []  # the targets of all events, where modes are on demand,
         self.listed_lengths: list[int] = []  # and how many each event has
         self.products = SharedTerms()
-        self._reset_numbers: dict[Reset, int] = {}
+        self._reset_numbers: dict[int, int] = {}  # by the identity of the jumps
         self._conditions: Mode | None = None
 
     def add(self, mode: Mode) -> None:
@@ -287,9 +287,9 @@ class Packer:
         if not reset.jump:
             return NO_RESET
         # Modes on demand have many resets in common; elsewhere each event has its own.
-        number = self._reset_numbers.get(reset) if self.demand is not None else None
+        number = self._reset_numbers.get(id(reset.jump)) if self.demand is not None else None
         if number is None:
-            number = self._reset_numbers[reset] = len(self.resets)
+            number = self._reset_numbers[id(reset.jump)] = len(self.resets)
             self.resets.append(lower_reset(reset, self.states))
         return number
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.impacts import impact
-from frictionlab.hybrid.kernels.jets import copy_vector
+from frictionlab.hybrid.kernels.impacts import FLIGHTS, impact, is_short, stay_limit
+from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
     Rounding,
@@ -99,6 +99,16 @@ def select_target(system, queue, guard, z, rounding, order, scratch):
     return select_combination(system, queue, guard, z, rounding, order, scratch)
 
 
+@kernel
+def widen_by_clock(system, run, scratch):
+    """Note that rounding errors of the state are as large as what its rates give in a stay that the clock
+    hardly resolves: so the stays of an accumulation that end by stick are its end."""
+    J, time = scratch.jets, FLIGHTS * stay_limit(run) / COEFFICIENT_ROUNDING
+    mode_jets(system.code, system.numbers, run.counts[MODE], 1, run.state, J)
+    for i in range(run.state.shape[0]):
+        run.sizes[i] = max(run.sizes[i], time * abs(J[i, 1]))
+
+
 @inlined
 def reset_at_event(system, truncation, event, run, record, scratch):
     """Reset the state after an event; returns how many impacts that were.
@@ -109,6 +119,8 @@ def reset_at_event(system, truncation, event, run, record, scratch):
     if is_impact(code, guard):
         return impact(system, truncation, guard, run, record, scratch)
     impacts.guards[0], impacts.closing[0] = guard, 0
+    if is_short(run):
+        widen_by_clock(system, run, scratch)
     z, before = run.state, scratch.states
     copy_vector(z, before)
     apply_event_reset(system, guard, 0, z, scratch)
@@ -131,8 +143,9 @@ def reset_and_select_mode(system, queue, truncation, event, run, record, scratch
             return selection, 1
     count = reset_at_event(system, truncation, event, run, record, scratch)
     guard = impacts.guards[0]
-    # What is left of an accumulation is a rounding error of the velocities before.
-    rounding = Rounding(run.sizes if is_closed(count, impacts) else z, COEFFICIENT_ROUNDING)
+    # Where all comes to rest, what is left is a rounding error of the states before.
+    rests = is_closed(count, impacts) or not is_impact(code, guard)
+    rounding = Rounding(run.sizes if rests else z, COEFFICIENT_ROUNDING)
     selection = select_target(system, queue, guard, z, rounding, order, scratch)
     # Another event at this instant? Its guard is zero up to the step's rounding, or up to its remainder.
     remainder = max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)

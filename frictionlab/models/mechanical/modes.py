@@ -317,7 +317,7 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     if end.jump == "impact":
         return Event(label, end.function, targets, *system.impact_resets(contact))
     if end.jump == "project":
-        return Event(label, end.function, targets, system.stick_reset(contact))
+        return Event(label, end.function, targets, _projection(system, combination, contact))
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
     if end.jump == "yield" and isinstance(contact, Friction):
@@ -331,6 +331,20 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     if end.jump == "unload" and isinstance(contact, Friction):
         return Event(label, end.function, targets, unloading_reset(system, contact))
     return Event(label, end.function, targets)
+
+
+def _projection(system: LagrangeSystem, combination: Combination, contact: AnyContact) -> Reset:
+    """The reset to v_r = 0 of a contact, after which all other contacts hold what they held.
+
+    It removes rounding errors only.  So it may leave such errors in what the others hold, and none is more.
+    """
+    alone = system.stick_reset(contact)
+    zero: dict[Any, int] = {}
+    for other, regime in zip(system.mechanics.contacts, system.chosen(combination), strict=True):
+        zero |= dict.fromkeys(regime.constraints, 1)
+        if isinstance(other, Stop) and regime.constraints:
+            zero |= zeros_in_contact(system, other)
+    return Reset(alone.jump, {**zero, **alone.vanishing}) if zero else alone
 
 
 def _entered(

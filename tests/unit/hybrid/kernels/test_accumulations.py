@@ -125,21 +125,21 @@ def test_a_box_that_rocks_from_corner_to_corner(name):
     assert run.events.t[-1] == pytest.approx(rate / fall * (1 + 2 * r / (1 - r)), rel=1e-12)
 
 
-def flat_box(laws, load=None):
+def flat_box(laws, load=None, arms=(-B, B), heights=(0.1, 0.1), mu=0.3):
     @fl.model
     class FlatBox(fl.MechanicalModel):
-        """A box that slides on two rough corners; small angles."""
+        """A box that slides on rough corners; small angles."""
 
         coordinates = ("x", "y", "angle")
 
         def mechanics(self, q, v):
-            def corner(arm, law):
-                distance, along = q.y + arm * q.angle, v.x + 0.1 * v.angle
-                return fl.Stop(distance, law, friction=fl.Coulomb(0.3, 0.3), relative_velocity=-along)
+            def corner(law, arm, height):
+                distance, along = q.y + arm * q.angle, v.x + height * v.angle
+                return fl.Stop(distance, law, friction=fl.Coulomb(mu, mu), relative_velocity=-along)
 
             kinetic = (v.x**2 + v.y**2 + NARROW * v.angle**2) / 2
             loads = {} if load is None else {"y": load * q.t}
-            contacts = tuple(corner(arm, law) for arm, law in zip((-B, B), laws, strict=True))
+            contacts = tuple(map(corner, laws, arms, heights))
             return fl.Mechanics(kinetic, GRAVITY * q.y, loads=loads, contacts=contacts)
 
     return FlatBox()
@@ -165,6 +165,48 @@ def test_with_friction_a_box_slides_as_far_as_moreaus_scheme_says():
     assert steps[-1, 1] == pytest.approx(run.q[-1, 0], abs=4e-3)
     energies = (run.v**2 @ [1.0, 1.0, NARROW]) / 2 + GRAVITY * run.q[:, 1]
     assert np.diff(energies).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("arms", "heights"),
+    [
+        ((-B, B), (0.1, 0.1)),
+        pytest.param((-B, 0.05, B), (0.1, 0.0, 0.2), marks=pytest.mark.slow),  # many modes to derive
+    ],
+)
+def test_a_box_that_slides_comes_to_rest_on_all_corners_at_once(arms, heights):
+    """After v^2/(2 mu g).  Its rotation, on which each v_r depends, is zero but for rounding."""
+    laws = (fl.PlasticImpact("full"),) * len(arms)
+    run = fl.simulate(
+        flat_box(laws, arms=arms, heights=heights), 0.5, x0={"x'": 1.0}, t_eval=[0.0, 0.5], progress=False
+    )
+    assert run.status.ok
+    assert len(run.events) == 1
+    assert run.events.t[0] == pytest.approx(1.0 / (0.3 * GRAVITY), rel=1e-13)
+    assert run.q[-1] == pytest.approx([1.0 / (0.6 * GRAVITY), 0.0, 0.0], abs=1e-13)
+    assert np.abs(run.v[-1]).max() < 1e-13
+
+
+@pytest.mark.slow
+def test_a_tall_box_tips_rocks_and_comes_to_rest():
+    """It slips, tips, sticks and falls back, ever less: slip and stick are part of the accumulation."""
+    law, mu, heights = fl.FrictionalImpact(e=0.0, mu_i=0.8), 0.8, (0.5, 0.5)
+    model = flat_box((law, law), heights=heights, mu=mu)
+    run = fl.simulate(model, 1.5, x0={"x'": 1.0}, progress=False)
+    assert run.status.ok
+    assert len(run.events) < 100
+    assert np.abs(run.v[-1]).max() < 1e-12
+    system = RigidSystem(
+        masses=np.diag([1.0, 1.0, NARROW]),
+        forces=lambda q: np.array([0.0, -GRAVITY, 0.0]),
+        gaps=lambda q: np.array([q[1] - B * q[2], q[1] + B * q[2]]),
+        normals=np.array([[0, 1, -B], [0, 1, B]]),
+        tangents=np.array([[1, 0, 0.5], [1, 0, 0.5]]),
+        restitution=np.zeros(2),
+        friction=mu,
+    )
+    steps = time_steps(system, np.zeros(3), np.array([1.0, 0.0, 0.0]), 1.5, 1e-4)
+    assert steps[-1, 1] == pytest.approx(run.q[-1, 0], abs=1e-5)
 
 
 @pytest.mark.slow
