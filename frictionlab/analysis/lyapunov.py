@@ -10,6 +10,7 @@ import numpy as np
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.model import automaton_of
@@ -113,19 +114,19 @@ def lyapunov(
     blocks = check_number("blocks", blocks, integer=True, least=2, most=MAX_BLOCKS, cure="20 parts are usual")
     automaton = automaton_of(model)
     refuse_time(model, "Lyapunov exponents")
-    state = initial_state_of(model, x0, automaton)
+    state, mode = initial_state_of(model, x0, automaton), None
     if transient:
-        state = _run(automaton, transient, state, progress).final_state
-    motion = _run(automaton, t_end / blocks, state, progress).states
+        state, mode = _end(_run(automaton, transient, state, None, progress))
+    motion = _run(automaton, t_end / blocks, state, mode, progress).states
     size = state_scales(motion, automaton.coordinates)
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
     growths: list[Array] = []
     try:
         for _ in progress_bar(range(blocks + 1), desc="lyapunov", shown=progress):
-            run = _run(automaton, t_end / blocks, state, False)
+            run = _run(automaton, t_end / blocks, state, mode, False)
             rows, growth = tangent_growth(run, rows, size)
             growths.append(growth)
-            state = run.final_state
+            state, mode = _end(run)
     except KeyboardInterrupt as error:
         done = len(growths) - 1
         so_far = _spectrum(np.array(growths[1:]) * blocks / t_end, state) if done > 1 else None
@@ -135,11 +136,23 @@ def lyapunov(
     return _spectrum(np.array(growths[1:]) * blocks / t_end, state)
 
 
-def _run(automaton: HybridAutomaton, t_end: float, state: Array, progress: bool) -> Any:
-    run = solve(automaton, t_end, x0=state, progress=progress)
+def _run(
+    automaton: HybridAutomaton, t_end: float, state: Array, mode: str | None, progress: bool
+) -> Trajectory:
+    try:
+        run = solve(automaton, t_end, x0=state, mode=mode, progress=progress)
+    except ValueError:  # at an event, which rounding has put just behind
+        if mode is None:
+            raise
+        return _run(automaton, t_end, state, None, progress)
     if not run.status.ok:
         raise ValueError(f"the motion must not end early, it does after {run.raw.t:g} s: {run.status}")
     return run
+
+
+def _end(run: Trajectory) -> tuple[Array, str]:
+    """The last state of a run, and its mode: chosen anew, an event at this instant might come twice."""
+    return run.final_state, run.mode_names[run.raw.mode]
 
 
 def _spectrum(blocks: Array, state: Array) -> LyapunovSpectrum:

@@ -54,6 +54,16 @@ def test_those_of_a_cycle_are_the_logarithms_of_its_multipliers(geometry):
     assert found.exponents[-1] == -np.inf
 
 
+def test_blocks_may_end_where_a_joint_slips():
+    """Each block begins in the mode in which the one before ended; chosen anew it would stick."""
+    model, period = fl.JenkinsOscillator(), 2 * np.pi
+    settled = fl.steady_state(model, transient=50 * period, window=40 * period, progress=False)
+    multipliers = np.abs(fl.periodic_orbit(model, settled).multipliers)
+    exact = np.log(np.sort(multipliers)[::-1][:3]) / period
+    found = fl.lyapunov(model, transient=50 * period, t_end=100 * period, progress=False)
+    assert found.exponents[:3] == pytest.approx(exact, abs=2e-3)
+
+
 def test_bad_arguments_and_ends():
     with pytest.raises(ValueError, match=r"blocks must be an integer, at least 2, at most 1e\+06, got 1"):
         fl.lyapunov(LORENZ, [1.0, 1.0, 1.0], blocks=1)
