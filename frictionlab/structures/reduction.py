@@ -220,7 +220,7 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
         )
     cure = 'give ranges such as {"mu": (0, 1)}'
     check_mapping("over", {} if over is None else over, cure)
-    box = {name: check_limits(f"over[{name!r}]", ends, cure) for name, ends in (over or {}).items()}
+    box = {name: check_limits(f"over[{abbreviate(name)}]", ends, cure) for name, ends in (over or {}).items()}
     for name in box:
         structure.check_parameter(name)
     samples, error = over_box(structure, box, tol)
