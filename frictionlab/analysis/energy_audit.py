@@ -33,6 +33,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
+from frictionlab.models.model import MovingSystem
 from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, shorten
 from frictionlab.tape.formulas import function_along_run
@@ -549,6 +550,8 @@ def _balance(run: Trajectory) -> Balance | StatedBalance:
         )
     if isinstance(run.source, MechanicalModel):
         return Balance(run.source, run.automaton, run.mode_names)
+    if isinstance(run.source, MovingSystem):
+        return run.source.energy_balance(run.automaton, run.mode_names)
     stated = [name for name in run.automaton.outputs if name.startswith((ENERGY_OF, POWER_OF))]
     if not any(name.startswith(ENERGY_OF) for name in stated):
         source = run.automaton if run.source is None else run.source

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.models import Model
-from frictionlab.models.model import ModelOrAutomaton
+from frictionlab.models.model import ModelOrAutomaton, MovingSystem
 from frictionlab.presentation import Drawable, count
 from frictionlab.validation import check_choice, check_number
 
@@ -111,7 +111,7 @@ def moving_span(run: Trajectory, seconds: float) -> tuple[float, float]:
 
 def oscillation_period(source: ModelOrAutomaton | None) -> float:
     """Approximate period of oscillation (s) of a model; for an automaton, that of the slider on a belt."""
-    return source.period if isinstance(source, Model) else DEFAULT_PERIOD
+    return source.period if isinstance(source, (Model, MovingSystem)) else DEFAULT_PERIOD
 
 
 def rounded_period(source: ModelOrAutomaton | None) -> float:

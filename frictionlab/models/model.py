@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
@@ -61,6 +61,7 @@ class MovingSystem:
     if TYPE_CHECKING:
         coordinates: Any
         parameters: Any
+        period: Any
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton."""
@@ -68,6 +69,10 @@ class MovingSystem:
 
     def near_equilibrium(self) -> Any:
         """The state (2n,) for ``x0="near"`` of :func:`frictionlab.simulate`."""
+        raise NotImplementedError
+
+    def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> Any:
+        """Energies and powers along a run with these modes, for :func:`frictionlab.energy_audit`."""
         raise NotImplementedError
 
     def replace(self, **changes: Any) -> Self:
@@ -455,14 +460,18 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
     """
     if isinstance(model, Model):
         return model.to_dict()
-    automaton = automaton_of(model)
-    stored = storable_automaton(automaton)
+    if isinstance(model, MovingSystem):
+        raise ValueError(
+            f"a file must be able to hold the model, got {abbreviate(model)}, whose matrices it does not "
+            "hold: compute what you need by fl.sweep(structure, function, over)"
+        )
+    stored = storable_automaton(model)
     if isinstance(stored, str):
         raise ValueError(
             f"the automaton must be one that a file can hold, got one that it cannot, {stored}: write it "
             "with the functions of fl.functions"
         )
-    return {"automaton": stored, "parameters": automaton.values}
+    return {"automaton": stored, "parameters": model.values}
 
 
 def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:

@@ -13,6 +13,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `SlidingContacts`: rows of the freedoms with laws; the static displacements with them.
 ``motion``
     The hybrid automaton of a structure, by which it moves.
+``energy_balance``
+    `StructureBalance`: energies and powers along its motion.
 ``quadratic_pencil``
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
 ``reduction``

@@ -324,9 +324,15 @@ class StructureSystem(LagrangeSystem):
             for i, force in zip(held, holding, strict=True):
                 forces[i] = force
         added = matrix_rows(pushed, factors)
-        accelerations = [one + other for one, other in zip(self._free, added, strict=True)]
+        # Sympy need not look for equal terms: there are none.
+        pairs = zip(self._free, added, strict=True)
+        accelerations = [sympy.Add(*pair, evaluate=False) if pair[1] != 0 else pair[0] for pair in pairs]
         known = zip(held, holding, strict=True)
         return accelerations, forces, {i: [HoldingForce(force)] for i, force in known}
+
+    def direction(self, contact: AnyContact) -> Array:
+        """W (n,): the direction of the friction force of a contact."""
+        return self.tangents[self.mechanics.contacts.index(contact)]
 
     def stick_reset(self, contact: AnyContact) -> Reset:
         """v_r is zero after the event that begins stick; what rounding leaves of it does not grow."""
@@ -398,14 +404,23 @@ class StructureSystem(LagrangeSystem):
         if not all(direction.allows(names) for direction in self.directions):
             return False
         held = [i for i, name in enumerate(names) if name == "stick" and self.leader(i, names) == i]
-        return _independent(self._compliance[np.ix_(held, held)])
+        return self._are_independent(tuple(held))
+
+    def _are_independent(self, held: tuple[int, ...]) -> bool:
+        if held not in self._independences:
+            self._independences[held] = _independent(self._compliance[np.ix_(held, held)])
+        return self._independences[held]
+
+    @cached_property
+    def _independences(self) -> dict[tuple[int, ...], bool]:
+        return {}
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
         """The regimes; a contact whose v_r follows from those that stick is at its limit of stick."""
         chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
         held = [i for i, one in enumerate(chosen) if one.held]
         for i, one in enumerate(chosen) if held else ():
-            if one.resting is not None and not _independent(self._compliance[np.ix_([*held, i], [*held, i])]):
+            if one.resting is not None and not self._are_independent((*held, i)):
                 chosen[i] = one.resting
         return tuple(chosen)
 

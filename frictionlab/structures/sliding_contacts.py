@@ -24,6 +24,7 @@ from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, explains_fields, float_array
 
 Array = NDArray[np.float64]
+ENERGY_RULE = np.polynomial.legendre.leggauss(16)  # exact for powers of the penetration up to 15
 COMPLEX_STEP = 1e-30  # of a derivative by an imaginary step, which cancels nothing
 
 
@@ -219,6 +220,18 @@ class SlidingContacts:
         ]
         friction, friction_slope = sign * parts[0], sign * parts[1] * stiffness
         return ContactForces(penetration, normal, friction, normal_slope, friction_slope, parts[2])
+
+    def stored_energy(self, q: Array, values: Mapping[str, float]) -> Array:
+        """The energy (N,) of the contacts at displacements (N, n), J: the integral of F_N, by Gauss' rule."""
+        depth = np.maximum(q @ self.normal.toarray().T + self.penetration, 0.0)
+        law = self._contact_formulas[0]
+        energy = np.zeros_like(depth)
+        # over the root of the penetration, in which powers such as that of Hertz are polynomials
+        for node, weight in zip(*ENERGY_RULE, strict=True):
+            share = (1.0 + node) / 2.0
+            given = [depth * share**2, *(values[name] for name in self._names(self.contact))]
+            energy += weight * share * depth * _evaluated(law, given)
+        return energy @ self.area
 
     def on_structure(self, forces: ContactForces) -> Any:
         """What forces put on the structure (n,)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
@@ -23,6 +23,7 @@ from frictionlab.stability.eigenproblems.root_locus import RootLocus
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.large_system import LargeSystem, SpectraOf
 from frictionlab.structures.damping import RayleighDamping
+from frictionlab.structures.energy_balance import StructureBalance
 from frictionlab.structures.parametric_matrix import (
     SHOWN,
     Matrix,
@@ -50,6 +51,7 @@ OWNERS = ("C", "contacts")  # fields that may have parameters of their own
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
 REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
+USUAL_PERIOD = 0.1  # s
 NEAR = 0.01  # of the size at which a mode's motion meets an event
 LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only the sign matters
 
@@ -270,9 +272,23 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
 
         return automaton_of_structure(self)
 
+    def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
+        """Energies and powers along a run with these modes."""
+        return StructureBalance(self, automaton, mode_names)
+
     def find_equilibrium(self) -> Equilibrium:
         """The static displacements under load and contacts, which are zero without these."""
         return equilibrium_of(self)
+
+    @cached_property
+    def period(self) -> float:
+        """Period (s) of the mode that grows fastest or decays most slowly; 0.1 s where none oscillates."""
+        try:
+            values = self.find_eigenvalues().values
+        except ValueError:  # without an equilibrium
+            return USUAL_PERIOD
+        turning = values[values.imag > 0.0]
+        return float(2 * np.pi / turning[turning.real.argmax()].imag) if len(turning) else USUAL_PERIOD
 
     def near_equilibrium(self) -> Array:
         """The equilibrium (2n,), displaced along the mode that grows fastest or decays most slowly.

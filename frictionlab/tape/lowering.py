@@ -92,7 +92,11 @@ class LoweredMode(LoweredTape):
 
     def has(self, kind: int) -> bool:
         """Whether there are operations of a kind."""
-        return any(op[0] == kind for op in self.tape.ops)
+        return kind in self._kinds
+
+    @cached_property
+    def _kinds(self) -> frozenset[int]:
+        return frozenset(op[0] for op in self.tape.ops)
 
     @cached_property
     def flow_slots(self) -> np.ndarray:

@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 from itertools import accumulate
 from threading import Lock
 from typing import Any
-from weakref import ref
+from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
@@ -198,21 +198,36 @@ class GrowingArray:
         return self._room[: self.length]
 
 
+def shared_ranges(ops: np.ndarray) -> np.ndarray:
+    """Which operations (operations, 3) have ranges of the terms of products."""
+    return (ops[:, 0] == AFFINE) & (ops[:, 1] >= FIRST_SHARED)
+
+
 class SharedTerms:
     """Terms of products of matrices, once for all tapes on which their factors have the same slots."""
 
     def __init__(self) -> None:
         self.slots, self.coefficients = np.zeros(0, dtype=np.uint32), np.zeros(0)
         self._places: dict[tuple[int, bytes], int] = {}
+        self._placed: WeakKeyDictionary[LoweredTape, np.ndarray] = WeakKeyDictionary()
 
-    def place(self, ops: np.ndarray, shared: np.ndarray, products: Sequence[ProductTerms]) -> None:
-        """Shift the `shared` ranges of a tape's operations to the places of its products."""
+    def ops_of(self, lowered: LoweredTape) -> np.ndarray:
+        """The operations of a tape, with ranges of the terms of its products as these are numbered here."""
+        if not lowered.tape.products:
+            return lowered.ops
+        if lowered not in self._placed:
+            ops = lowered.ops.copy()
+            self._place_ranges(ops, shared_ranges(ops), lowered.tape.products)
+            self._placed[lowered] = ops
+        return self._placed[lowered]
+
+    def _place_ranges(self, ops: np.ndarray, shared: np.ndarray, products: Sequence[ProductTerms]) -> None:
         before = FIRST_SHARED
         ranges = ops[shared, 1:].copy()
         for one in products:
             product, slots = one.product, one.slots
             inside = (ranges[:, 0] >= before) & (ranges[:, 0] < before + len(slots))
-            moved = ranges[inside] - np.uint32(before) + np.uint32(self._place(product, slots))
+            moved = ranges[inside] - np.uint32(before - FIRST_SHARED) + np.uint32(self._place(product, slots))
             ops[np.flatnonzero(shared)[inside], 1:] = moved
             before += len(slots)
 
@@ -376,20 +391,16 @@ class Packer:
 
     def _ops(self, every: Sequence[LoweredTape]) -> np.ndarray:
         """All operations in one array; ranges of terms are shifted to their places among all terms."""
-        ops = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *(one.ops for one in every)])
+        every_ops = (self.products.ops_of(one) for one in every)
+        ops = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *every_ops])
         lengths = [len(one.tape.ops) for one in every]
         counts = [len(one.tape.terms) for one in every]
         first = [0, *accumulate(counts)][:-1]
         shift = np.repeat(np.array(first, dtype=np.uint32), lengths)
-        shared = (ops[:, 0] == AFFINE) & (ops[:, 1] >= FIRST_SHARED)
+        shared = shared_ranges(ops)
         own = (ops[:, 0] == AFFINE) & ~shared
         ops[own, 1:] += shift[own, None]
-        if shared.any():
-            row = 0
-            for one, length in zip(every, lengths, strict=True):
-                self.products.place(ops[row : row + length], shared[row : row + length], one.tape.products)
-                row += length
-            ops[shared, 1:] += np.uint32(sum(counts))
+        ops[shared, 1:] -= np.uint32(FIRST_SHARED - sum(counts))
         return ops
 
     def _targets(self, initial: Sequence[int]) -> np.ndarray:

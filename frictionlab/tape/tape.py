@@ -85,12 +85,17 @@ class Tape:
         """The slots of a range of terms."""
         if a < FIRST_SHARED:
             return [slot for slot, _ in self.terms[a:b]]
-        a, b = a - FIRST_SHARED, b - FIRST_SHARED
-        for one in self.products:
-            if a < len(one.slots):
-                return one.slots[a:b].tolist()
-            a, b = a - len(one.slots), b - len(one.slots)
-        raise IndexError(f"there is no term number {a}")
+        number, first = self._product_of(a)
+        return self.products[number].slots[first : first + b - a].tolist()
+
+    def _product_of(self, term: int) -> tuple[int, int]:
+        """The number of the product with a shared term, and the place of the term in it."""
+        place = term - FIRST_SHARED
+        for number, one in enumerate(self.products):
+            if place < len(one.slots):
+                return number, place
+            place -= len(one.slots)
+        raise IndexError(f"there is no term number {term}")
 
     @property
     def slots(self) -> int:
@@ -105,9 +110,15 @@ class Tape:
 
     def degrees(self) -> list[float]:
         """Degree of each slot as a polynomial of the states; infinite where it is not one."""
-        degrees = [1.0] * self.inputs
+        degrees, of_products = [1.0] * self.inputs, dict[int, float]()
         for kind, a, b in self.ops:
-            if kind == AFFINE:
+            if kind == AFFINE and a >= FIRST_SHARED:
+                number, _ = self._product_of(a)
+                if number not in of_products:
+                    slots = set(self.products[number].slots.tolist())
+                    of_products[number] = max(degrees[slot] for slot in slots)
+                degrees.append(of_products[number])
+            elif kind == AFFINE:
                 degrees.append(max([0.0, *(degrees[slot] for slot in self.slots_of(a, b))]))
             elif kind in (PRODUCT, SQUARE):
                 degrees.append(degrees[a] + degrees[b])

@@ -14,7 +14,7 @@ import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
 
 
-def slider_on_belt(impact: Any, **values: float) -> tuple[fl.SliderOnBelt, fl.Structure]:
+def slider_on_belt(impact: Any, **values: Any) -> tuple[fl.SliderOnBelt, fl.Structure]:
     """The paper's slider on a belt that does not tilt, as a model and as a structure."""
     model = fl.SliderOnBelt(geometry=fl.FixedLoad(), impact=impact, **values)
     p = model.parameters
@@ -188,7 +188,7 @@ class EventByEvent:
             if follows == 0:
                 pressing, friction, _ = self.forces(x, regimes)
                 if abs(friction[i]) > self.p["mu_s"] * pressing[i]:
-                    regimes[i] = -before
+                    regimes[i] = -int(before or 0)
 
 
 @pytest.mark.slow(reason="DOP853 takes seconds; models of the library and the motion agree in the fast ones")
@@ -243,3 +243,48 @@ def test_rows_of_a_matrix_are_expressions():
 def test_what_cannot_move_is_refused(M, K, what):
     with pytest.raises(ValueError, match=what):
         fl.simulate(fl.Structure(M, K), 1.0)
+
+
+def test_the_energy_balance_of_impacts_closes():
+    structure = slider_on_belt(fl.RestitutionImpact(e=0.3), mu_k=2.5)[1]
+    audit = fl.energy_audit(fl.simulate(structure, 0.5, progress=False))
+    assert audit.error < 1e-12
+    works = {name: work[-1] for name, work in audit.works.items()}
+    assert works["belt drive"] > 0.0 > works["friction"]
+    assert works["impacts"] < -1e-3
+
+
+def test_the_energy_balance_of_two_contacts_closes():
+    run = fl.simulate(chain(), 5.0, x0=[0.5, -0.3, 0.4, 0.2, 0.3, 0.0, -0.2, 0.1], progress=False)
+    audit = fl.energy_audit(run)
+    assert audit.error < 1e-12
+    assert audit.works["friction"][-1] < 0.0
+
+
+def test_a_limit_cycle_of_many_freedoms_is_found_by_shooting():
+    n, rng = 12, np.random.default_rng(0)
+    K = np.diag([1.125, 0.375, *(2.0 + 1.3 * np.arange(2, n)) ** 2])
+    K[0, 1] = K[1, 0] = 0.21650635
+    tangent, normal = np.eye(n)[:2]
+    tangent[2:], normal[2:] = 0.1 * rng.standard_normal((2, n - 2))
+    contacts = fl.SlidingContacts(
+        [tangent], [normal], fl.LinearContact(k2=4 / 3), fl.Coulomb(mu_k=1.0, mu_s=1.1), v=1.0
+    )
+    damping = fl.RayleighDamping(alpha=0.1, beta=2e-4)
+    structure = fl.Structure(np.eye(n), K, damping, contacts=contacts, load=5.0 * normal)
+    settled = fl.steady_state(structure, x0="near", transient=600.0, window=60.0, progress=False)
+    orbit = fl.periodic_orbit(structure, settled)
+    assert orbit.stable
+    again = fl.simulate(structure, orbit.period, x0=orbit.state, progress=False)
+    np.testing.assert_allclose(again.final_state, orbit.state, atol=1e-9)
+    # the monodromy matrix by differences, of a start in slip
+    start = again.states[np.argmax(again.mode == "slip+")]
+    flow = np.array(
+        [
+            fl.simulate(structure, orbit.period, x0=start + e, progress=False).final_state
+            - fl.simulate(structure, orbit.period, x0=start - e, progress=False).final_state
+            for e in 1e-6 * np.eye(2 * n)
+        ]
+    )
+    sizes = np.sort(np.abs(np.linalg.eigvals(flow.T / 2e-6)))[::-1]
+    np.testing.assert_allclose(sizes[:4], np.sort(np.abs(orbit.multipliers))[::-1][:4], atol=1e-4)
