@@ -160,7 +160,7 @@ def draw_work_precision(rows: Sequence[WorkPrecisionRow]) -> RunFigure:
     for ax in panels[len(names) :]:
         ax.set_axis_off()
     for ax in panels[: len(names)]:
-        ax.set(xlabel="wall time (s)", ylabel="largest error of a state")
+        ax.set(xlabel="processor time (s)", ylabel="largest error of a state")
     handles = {h.get_label(): h for ax in panels for h in ax.get_legend_handles_labels()[0]}
     picture.legend(handles=list(handles.values()), loc="outside lower center", ncols=5, frameon=False)
     return picture
@@ -189,7 +189,9 @@ def cost(rows: Sequence[WorkPrecisionRow]) -> RunFigure:
         ]
         if here:
             _draw_family(ax, family, here)
-    ax.set(xscale="log", yscale="log", xlabel="wall time (s)", ylabel="largest error of a state (SI units)")
+    ax.set(
+        xscale="log", yscale="log", xlabel="processor time (s)", ylabel="largest error of a state (SI units)"
+    )
     ax.margins(0.2, 0.12)
     ax.grid(alpha=0.3)
     arrow = {"arrowstyle": "-|>", "color": GREY, "linewidth": 2.0}

@@ -29,10 +29,10 @@ Written in a clone by `python docs/performance/measure.py -o docs`, after
 `pip install -r docs/performance/requirements.txt` for the other tools; one that is not installed has a row
 that says so. `--quick` takes a fraction of the time, `--scene B` measures one scene, `--help` says the rest.
 Absolute times belong to the machine; the columns "x" are ratios of one run, which is what to compare;
-[exact-and-fast.md](exact-and-fast.md) explains it in three pictures. Times are medians of interleaved runs
-on one core, the caches warm; those of more than {slow:g} s are measured once. What the tools compile is
-compiled before. Load average of the machine when it began and when the scenes were done, of which one is
-this command's own work: {loads}.
+[exact-and-fast.md](exact-and-fast.md) explains it in three pictures. Times of scenes are processor times,
+medians of interleaved runs, the caches warm; those of more than {slow:g} s are measured once. What the tools
+compile is compiled before. Load average of the machine when it began and when the scenes were done, of which
+one is this command's own work: {loads}.
 
 ## How many times our time
 
@@ -43,7 +43,7 @@ a thousand times. In the linear scene all three nonlinearities are left out; it 
 
 {ratios}
 
-A number is the tool's wall time divided by ours, for each of its tolerances, the tighter one first. Ours is
+A number is the tool's time divided by ours, for each of its tolerances, the tighter one first. Ours is
 the shortest of our own runs whose error is not larger than the tool's, so that nothing is gained by being
 less exact; where all of ours have a larger error, our most exact one, in brackets.
 
@@ -203,6 +203,8 @@ TAIL = """\
   no references.
 * A scene without any nonlinearity goes on by affine maps of one to eight steps, computed once: a step is a
   product with a matrix, and few steps of a block wait for one another.
+* A model keeps its automaton, an automaton its program and numbers, so that a warm run goes through some 70
+  Python functions around its kernels.
 * Chatter is replaced by its limit, a mode of its own.
 * Neither parameter values nor toggles nor laws compile the kernels; those are compiled with the package.
 * The order falls with the tolerance more slowly than the steps grow, so that a looser one takes less time.

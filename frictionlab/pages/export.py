@@ -134,7 +134,7 @@ def page_scene(
 ) -> dict[str, Any]:
     """The scene of a page: its switches are those of these names."""
     chosen, ranges = chosen_sliders(model, sliders)
-    switches = [switch_control(name, model.nonlinearities[name].about, True) for name in names]
+    switches = [switch_control(model, name) for name in names]
     controls = [*switches, *parameter_controls(model, chosen, ranges), *run_controls(model, t_end)]
     scene = scene_data(model, controls, panels_of(model), title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"

@@ -146,8 +146,12 @@ def _group(main: bool) -> str:
     return "main" if main else "structure"
 
 
-def switch_control(name: str, about: str, on: bool) -> Data:
-    """A switch of a nonlinearity."""
+def switch_control(model: Model, name: str) -> Data:
+    """A switch of a nonlinearity of a model."""
+    one = model.nonlinearities[name]
+    about, on = one.about, not one.missing(model)
+    if name == "nonsmooth" and on:
+        about = _regimes(model, about)
     hint = f"switches a nonlinearity on and off: {about}"
     return {
         "name": f"switch-{name}",
@@ -157,6 +161,13 @@ def switch_control(name: str, about: str, on: bool) -> Data:
         "value": on,
         "hint": hint,
     }
+
+
+def _regimes(model: Model, words: str) -> str:
+    """Those of the words that are regimes of the model; "impacts" where none is."""
+    regimes = {part for mode in model.automaton().modes for part in mode.name.split(" | ")}
+    fitting = [word for word in words.split(", ") if any(part.startswith(word) for part in regimes)]
+    return ", ".join(fitting) or "impacts"
 
 
 def choice(

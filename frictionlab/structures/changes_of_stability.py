@@ -89,7 +89,8 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
     growing = structure.count_growing(parameter, low)
     # Growing modes that enter or leave the window are no changes of stability, but count.
     crossings = [one for one in candidates if not _is_inside(structure, one.frequency)]
-    _check_counts(structure, samples, [*changes, *crossings])
+    real = [one for one in candidates if not one.frequency]
+    _check_counts(structure, samples, [*changes, *crossings, *real])
     return with_counts(changes, growing)
 
 
@@ -101,7 +102,12 @@ def _is_inside(structure: Structure, frequency: float) -> bool:
 def _check_counts(
     structure: Structure, samples: Sequence[Sample], changes: Sequence[StabilityChange | Candidate]
 ) -> None:
-    """Warn where other numbers of modes grow at samples than by the changes since the first one."""
+    """Warn where other numbers of modes grow at samples than by the changes since the first one.
+
+    A pair may become two real eigenvalues, and that is no change: where there are such, nothing is said.
+    """
+    if not all(one.frequency > 0.0 for one in changes):
+        return
     counts = [_count_at(structure, one) for one in samples]
     for sample, known in zip(samples[1:], counts[1:]):
         ((name, value),) = sample.point.items()
@@ -117,7 +123,7 @@ def _check_counts(
 
 
 def _count_at(structure: Structure, sample: Sample) -> int:
-    """How many modes grow, where those beyond the window count as the scan has them."""
+    """How many modes grow, where those beyond the window count as in the scan."""
     growth, _ = effective_growth(structure.window, sample.values, np.zeros_like(sample.values))
     return int((growth > 0.0).sum())
 

@@ -146,8 +146,8 @@ def controls_of(model: Model, settings: Settings) -> dict[str, Control]:
 
 def model_controls(model: Model) -> Iterator[Control]:
     """A switch for each nonlinearity, a menu of impact laws, a number for each parameter of these models."""
-    for name, one in model.nonlinearities.items():
-        yield Control(switch_control(name, one.about, not one.missing(model)))
+    for name in model.nonlinearities:
+        yield Control(switch_control(model, name))
     if "impact" in model.roles:
         values, own = impact_laws(model.impact)
         about = choice("impact", values, own, "main", hint="the velocity after the slider has landed")

@@ -54,6 +54,15 @@ def _plain_change(matrix, shift, z, first, new):
         new[i] = z[i] + change
 
 
+def _plain_states(J, first, order, s, z):
+    groups = order // PARTS
+    for i in range(first, first + PARTS):
+        last = 0.0
+        for k in range(order, PARTS * groups, -1):
+            last = last * s + J[i, k]
+        z[i] = J[i, 0] + _plain_sum(J, i, groups, last, s)
+
+
 def _plain_correction(x, coefficients):
     total = coefficients[-1]
     for c in coefficients[-2::-1]:
@@ -126,6 +135,55 @@ def change_of_four(ir: Any, build: Any, matrix: Any, shift: Any, z: Any, length:
     return build.fadd(four(z), change)
 
 
+def states_of_four(ir: Any, build: Any, rows: list[Any], order: Any, s: Any) -> Any:
+    """Instructions of :func:`write_states`; returns the vector.  The first coefficients are at `rows`.
+
+    Each row is summed as by :func:`sum_by_fours`.  The four sums of all rows are put together at the end,
+    with the rows side by side.
+    """
+    kind, half, whole = ir.VectorType(ir.DoubleType(), PARTS), ir.IntType(32), order.type
+    zero, shift = ir.Constant(kind, [0.0] * PARTS), whole(PARTS.bit_length() - 1)
+    groups, spread_s = build.ashr(order, shift), spread(ir, build, s)
+    square = build.fmul(s, s)
+    four = spread(ir, build, build.fmul(square, square))
+
+    def column(k: Any) -> Any:
+        values = zero
+        for lane, row in enumerate(rows):
+            values = build.insert_element(values, build.load(build.gep(row, [k])), half(lane))
+        return values
+
+    def later(i: Any, carried: list[Any]) -> list[Any]:
+        return [build.fadd(build.fmul(carried[0], spread_s), column(build.sub(order, i)))]
+
+    (last,) = write_loop(build, build.and_(order, whole(PARTS - 1)), [zero], later)
+
+    def group(i: Any, carried: list[Any]) -> list[Any]:
+        before = build.shl(build.sub(build.sub(groups, i), whole(1)), shift)
+        places = [build.gep(row, [build.add(before, whole(1))]) for row in rows]
+        new = [build.load(build.bitcast(place, kind.as_pointer()), align=8) for place in places]
+        return [build.fadd(build.fmul(sums, four), each) for sums, each in zip(carried, new, strict=True)]
+
+    starts = [
+        build.insert_element(zero, build.extract_element(last, half(lane)), half(0)) for lane in range(PARTS)
+    ]
+    by_row = write_loop(build, groups, starts, group)
+    total, *rest = (_lane_of_each(ir, build, by_row, part) for part in reversed(range(PARTS)))
+    for each in rest:
+        total = build.fadd(each, build.fmul(spread_s, total))
+    return build.fadd(column(whole(0)), build.fmul(total, spread_s))
+
+
+def _lane_of_each(ir: Any, build: Any, vectors: list[Any], lane: int) -> Any:
+    """One lane of four vectors, as a vector."""
+    two, four = (ir.VectorType(ir.IntType(32), n) for n in (2, PARTS))
+    pairs = [
+        build.shuffle_vector(a, b, ir.Constant(two, [lane, lane + PARTS]))
+        for a, b in (vectors[:2], vectors[2:])
+    ]
+    return build.shuffle_vector(*pairs, ir.Constant(four, list(range(PARTS))))
+
+
 def spread(ir: Any, build: Any, number: Any) -> Any:
     """A number as a vector of four."""
     vector = ir.Constant(ir.VectorType(ir.DoubleType(), PARTS), ir.Undefined)
@@ -184,7 +242,26 @@ def _intrinsics() -> tuple[Any, ...]:
         builder.store(four, place, align=8)
         return context.get_dummy_value()
 
+    def states(context, builder, signature, arguments):
+        (J, first, order, s, z), kinds = arguments, signature.args
+        rows, new = context.make_array(kinds[0])(context, builder, J), context.make_array(kinds[4])
+        length = builder.extract_value(rows.shape, 1)
+        numbers = [builder.add(first, first.type(i)) for i in range(PARTS)]
+        places = [builder.gep(rows.data, [builder.mul(i, length)]) for i in numbers]
+        four = states_of_four(ir, builder, places, order, s)
+        place = builder.gep(new(context, builder, z).data, [first])
+        builder.store(four, builder.bitcast(place, four.type.as_pointer()), align=8)
+        return context.get_dummy_value()
+
     number, whole = types.float64, types.int64
+
+    @intrinsic
+    def write_states(typing_context, J, first, order, s, z):
+        """Write sums of J[i, k] s^k, from k = 0 to `order`, into four elements z[i], from element `first` on.
+
+        The terms from k = 1 on are summed first; `J` and `z` must be contiguous.
+        """
+        return types.void(J, whole, whole, number, z), states
 
     @intrinsic
     def add_change(typing_context, matrix, shift, z, first, new):
@@ -218,11 +295,11 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    return call, call_step, sum_of_series, sum_of_magnitudes, add_change, *of_one
+    return call, call_step, sum_of_series, sum_of_magnitudes, add_change, write_states, *of_one
 
 
-_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change
+_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change, _plain_states
 _PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_log2, _plain_exp2
-call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, log2, exp2 = (
+call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, write_states, log2, exp2 = (
     _PLAIN if NUMBA is None else _intrinsics()
 )

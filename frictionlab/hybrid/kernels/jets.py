@@ -17,6 +17,7 @@ from frictionlab.hybrid.kernels.arithmetic import (
     exp2,
     sum_of_magnitudes,
     sum_of_series,
+    write_states,
 )
 from frictionlab.tape.elementary.exponentials import power
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
@@ -328,7 +329,10 @@ def series_range(J, slot, order, radius):
 @inlined
 def states_at(J, order, s, z):
     """Write the states at time `s` after the expansion point into `z`; `J` must be contiguous."""
-    for i in range(z.shape[0]):
+    fours = z.shape[0] - z.shape[0] % PARTS
+    for first in range(0, fours, PARTS):
+        write_states(J, first, order, s, z)
+    for i in range(fours, z.shape[0]):
         z[i] = J[i, 0] + series_change(J, i, order, s)
 
 

@@ -5,6 +5,8 @@
 // a parameter; python(state), the code that computes the same; hear(explorer), what the run sounds like.
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
 const BUSY_AFTER = 300; // milliseconds
+const OF_COORDINATE = ["phase", "spectrum"]; // panels of one coordinate
+const MOST_COMPARED = 2; // coordinates of two scenes in one panel
 const GROUPS = { main: "", structure: "more parameters", run: "how it is run and shown" };
 const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber(pace, 3)} times faster`
   : `${shortNumber(1 / pace, 3)} times slower`);
@@ -53,13 +55,13 @@ class Explorer {
     this.swapButton.disabled = true;
     const title = html("h1", { className: "fl-title", textContent: scene.title });
     const about = html("p", { className: "fl-about", textContent: scene.about });
+    this.challengeBox = html("div", { className: "fl-challenge" });
+    const told = [this.statusBox(), part("words"), part("numbers"), part("comparison")];
     const side = html("section", { className: "fl-side", ariaLabel: "controls" },
-      [(this.challengeBox = html("div", { className: "fl-challenge" })), this.statusBox(), part("words"),
-      part("numbers"), part("comparison"), ...this.controlGroups()]);
+      [...this.challengeMenu(), this.challengeBox, ...told, ...this.controlGroups()]);
     const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" },
       scene.panels.map((name) => this.panel(name)));
-    const head = html("header", { className: "fl-head" },
-      [title, about, ...this.menu(), ...this.challengeMenu(), buttons]),
+    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]),
       body = html("main", { className: "fl-body" }, [side, pictures]);
     // a run that is watched has no controls
     this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures]));
@@ -324,8 +326,21 @@ class Explorer {
     if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img",
       { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
-    if (width) panel.axes = paintDrawing(c, width, height, panel.drawing, look, panel.memory,
-      this.kept?.drawings[panel.name]);
+    if (width) panel.axes = paintDrawing(c, width, height, ...this.compared(panel.name, look, panel.memory));
+  }
+
+  compared(name, look, memory) { // what is painted: of two scenes with many coordinates, the chosen one
+    const { drawing } = this.panels[name], kept = this.kept?.drawings[name], { coordinate, structure } = this.result;
+    const other = kept && OF_COORDINATE.includes(name) && this.kept.result.coordinate !== coordinate;
+    if (other) return [drawing, look, memory, null];
+    if (!kept || name !== "response" || structure.coordinates <= MOST_COMPARED) return [drawing, look, memory, kept];
+    const chosen = structure.labels[coordinate], strip = ({ axis }) => axis === "strip";
+    const only = ({ curves, ...one }) => {
+      const left = curves.filter(({ label }) => label === chosen).map((curve) => ({ ...curve, axis: "left" }));
+      const ylabel = axisLabel(this.result, coordinate);
+      return { ...one, curves: [...left, ...curves.filter(strip)], ylabel, right: "" };
+    };
+    return [only(drawing), look, memory, only(kept)];
   }
 
   showModes() {
@@ -504,10 +519,10 @@ class Explorer {
     const [width, height] = [420, 300], columns = Math.min(2, shown.length), rows = Math.ceil(shown.length / columns);
     const look = { dark: false, ink: "#000000", paper: "#ffffff", grey: "#767676", line: "#dddddd", letters: 12 },
       c = new SvgContext(columns * width, rows * height, look.paper);
-    shown.forEach(({ name, drawing, memory }, i) => {
+    shown.forEach(({ name, memory }, i) => {
       c.save();
       c.translate(width * (i % columns), height * Math.floor(i / columns));
-      paintDrawing(c, width, height, drawing, look, { ...memory }, this.kept?.drawings[name]);
+      paintDrawing(c, width, height, ...this.compared(name, look, { ...memory }));
       c.restore();
     });
     return c.text();

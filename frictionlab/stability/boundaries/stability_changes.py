@@ -104,8 +104,8 @@ def stability_changes(
     Parameters
     ----------
     model : Model, HybridAutomaton or Structure
-        Of a structure the modes within its window count.  One of more than 50 freedoms is reduced to the
-        modes at some values, until those at a further value are known already, and finally at each change.
+        Of a structure the modes within its window count.  Of one of more than 50 freedoms the weakly damped
+        modes are followed in a reduction (:func:`reduce`); each change is that of the full structure.
     parameter : str
     bounds : (float, float)
     equilibrium : Equilibrium, optional
@@ -125,6 +125,11 @@ def stability_changes(
     ValueError
         For bounds that are not two ascending numbers or break the parameter's rule, or an equilibrium of
         another model.
+
+    Warns
+    -----
+    RuntimeWarning
+        For a structure, if changes were not told apart, or some were missed.
 
     Examples
     --------

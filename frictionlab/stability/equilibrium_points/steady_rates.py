@@ -18,6 +18,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.lazy_names import sympy
 
 
@@ -171,7 +172,7 @@ def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> 
     angles = [automaton.states[place] for place in places]
     functions = (*mode.flow[automaton.coordinates :], *(e.function for e in mode.events), *mode.constraints)
     rows = []
-    for slopes in _gradients(functions, angles):
+    for slopes in _gradients(_arguments_of_pieces(functions), angles):
         first = next((slope for slope in slopes if slope != 0), None)
         if first is None:
             continue
@@ -186,6 +187,23 @@ def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> 
         # of a basis vector of sympy, the entry of the free column is the last that is not zero, and 1
         carriers[max(ratios)] = ratios
     return carriers
+
+
+def _arguments_of_pieces(functions: Iterable[Any]) -> list[Any]:
+    """The functions with numbers in the place of functions in pieces, whose arguments follow.
+
+    The ratio of two derivatives of such a function is a number that sympy does not see.
+    """
+    pieces, left = module_of_pieces(), [sympy.sympify(function, strict=True) for function in functions]
+    if pieces is None:
+        return left
+    smooth: list[Any] = []
+    while left:
+        function = left.pop(0)
+        parts = function.atoms(pieces.Pieces)
+        smooth.append(function.xreplace({part: sympy.Dummy() for part in parts}))
+        left += [argument for part in sorted(parts, key=str) for argument in part.args]
+    return smooth
 
 
 def _gradients(functions: Iterable[Any], angles: Sequence[Any]) -> Iterable[list[Any]]:

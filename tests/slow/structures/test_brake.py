@@ -50,6 +50,29 @@ def test_unstable_eigenvalues_are_those_of_the_full_problem():
     assert np.allclose(found.growth_rates[growing], growth, rtol=0, atol=1e-7)
 
 
+def test_all_modes_that_begin_to_grow():
+    """By full spectra at 61 values of r between 1 and 20, in which as many modes grow as by these changes."""
+    changes = fl.stability_changes(brake(5.0), "r", (1.0, 20.0))
+    values = [4.57630007535, 7.01321711, 7.21554457018, 12.6058222102]
+    assert np.allclose([one.value for one in changes], values, rtol=1e-8)
+    assert [one.unstable for one in changes] == [(3, 4), (4, 5), (5, 6), (6, 7)]
+    for one in changes:
+        near = fl.eigenvalues(brake(one.value, (one.frequency - 50.0, one.frequency + 50.0)))
+        assert np.abs(near.growth_rates).min() < 1e-7
+
+
+def test_few_freedoms_have_the_modes_over_the_range():
+    large = brake(5.0)
+    small = fl.reduce(large, {"r": (1.0, 20.0)})
+    assert small.size < 300
+    for r in (2.3, 9.4, 18.1):  # none is a sample
+        exact = fl.eigenvalues(brake(r)).values
+        exact = exact[(exact.imag > 0.0) & (np.abs(exact.real) < 0.05 * np.abs(exact))]
+        found = fl.eigenvalues(small.replace(r=r)).values
+        errors = np.abs(exact[:, None] - found).min(axis=1) / np.abs(exact)
+        assert errors[exact.imag < 2 * np.pi * 7840].max() < 1e-6
+
+
 def test_a_mode_begins_to_grow():
     """Between r = 4 and 6 the mode at 783 Hz does, beside three that grow throughout."""
     (change,) = fl.stability_changes(brake(5.0, window=(500.0, 900.0)), "r", (4.0, 6.0))

@@ -216,6 +216,49 @@ def test_a_name_that_is_no_coordinate_is_refused():
         Wrong()
 
 
+@fl.model
+class Towed(fl.MechanicalModel):
+    """A sled on a rough floor that a motor tows over a coupling with play."""
+
+    R: float = 1.0
+    L: float = 0.05
+    K: float = 2.0
+    U: float = 6.0
+    k: float = 200.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.39)
+    coordinates = ("x", "y", "a")
+    states = ("i",)
+    cyclic = ("x", "a")
+
+    def mechanics(self, q, v, further):
+        stretch = q.a - q.x
+        pull = self.k * (fl.functions.maximum(stretch - 0.01, 0) + fl.functions.minimum(stretch + 0.01, 0))
+        return fl.Mechanics(
+            kinetic=(v.x**2 + v.y**2 + 0.1 * v.a**2) / 2,
+            potential=9.81 * q.y,
+            dissipation=0.05 * v.a**2,
+            loads={"x": pull, "a": self.K * further.i - pull},
+            rates={"i": (self.U - self.R * further.i - self.K * v.a) / self.L},
+            contacts=(fl.Stop(q.y, fl.PlasticImpact(), friction=self.friction, relative_velocity=-v.x),),
+        )
+
+
+@pytest.mark.slow  # its modes are derived
+def test_a_motion_is_steady_where_a_law_in_pieces_depends_on_a_difference():
+    """K i = mu m g + c v and U = R i + K v; eigenvalues of (stretch, x', a', i) by hand."""
+    (point,) = fl.equilibria(Towed())
+    force = 0.3 * 9.81
+    speed = (6.0 - force / 2) / 2.05
+    stretch = point.state[2] - point.state[0]
+    assert [stretch, *point.state[[3, 5, 6]]] == pytest.approx(
+        [0.01 + force / 200, speed, speed, (force + 0.1 * speed) / 2], rel=1e-12
+    )
+    matrix = [[0, -1, 1, 0], [200, 0, 0, 0], [-2000, 0, -1, 20], [0, 0, -40, -20]]
+    assert np.sort_complex(fl.eigenvalues(Towed()).values) == pytest.approx(
+        np.sort_complex(np.linalg.eigvals(np.array(matrix, dtype=float))), rel=1e-11
+    )
+
+
 @pytest.mark.parametrize("cyclic", [("a", "b"), ("b", "a"), ["b", "a"]])
 def test_the_order_in_which_coordinates_are_called_cyclic_does_not_matter(cyclic):
     """Gears of ratio 3: a' = 3 b', and the accelerations are zero."""

@@ -218,3 +218,45 @@ def test_maps_of_structures(monkeypatch):
         assert np.allclose(mu, np.sqrt(0.25 + 1.5 * c**2), rtol=1e-9)
     with pytest.raises(TypeError, match="Structure has no parameter 'F'"):
         fl.stability_map(structure, ("F", [1, 2]), ("c", [0.1, 0.2]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_random_structures_change_where_full_spectra_do(seed, monkeypatch):
+    """Long: both ways are taken for each of a dozen structures."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.choice([8, 12, 16, 20]))
+    A, B, N, S, R = rng.standard_normal((5, n, n))
+    K = A @ A.T + np.eye(n)
+    low = 0.1 if seed % 2 else 0.0
+    structure = fl.Structure(
+        B @ B.T / n + np.eye(n),
+        [(1, K), ("mu", 0.3 * (S + S.T))],
+        10 ** rng.uniform(-3, -1) * K,
+        gyroscopic=[("mu", 0.05 * (R - R.T))],
+        circulatory=[("mu", N - N.T if seed % 3 else N)],
+        parameters={"mu": 0.3},
+        window=(low, float(rng.uniform(0.3, 0.8))),
+    )
+    full, reduced = changes_both_ways(structure, (0.0, 1.0), monkeypatch)
+    assert [one[2:] for one in full] == [one[2:] for one in reduced]
+    assert np.allclose([one[:2] for one in full], [one[:2] for one in reduced], rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.slow  # the scan of 52 freedoms takes some seconds
+def test_many_freedoms_without_a_window():
+    """Pairs of modes that do not touch each other lose stability where mu = |a - b|/2."""
+    squares = np.arange(1.0, 53.0)
+    squares[1::2] -= np.linspace(0.0, 0.9, 26)  # the second of each pair is nearer to the first
+    pair = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    structure = fl.Structure(
+        np.eye(52),
+        np.diag(squares),
+        0.01 * np.eye(52),
+        circulatory=[("mu", np.kron(np.diag(np.arange(26) < 3), pair))],
+        parameters={"mu": 0.0},
+    )
+    found = [one.value for one in fl.stability_changes(structure, "mu", (0.0, 1.0))]
+    # K = [[a, mu], [-mu, b]] with damping c: c^2 (a + b)/2 = mu^2 - (a - b)^2/4, by Hurwitz's determinants
+    a, b = squares[0:6:2], squares[1:6:2]
+    assert np.allclose(found, np.sort(np.sqrt((a - b) ** 2 / 4 + 1e-4 * (a + b) / 2)), rtol=1e-9)

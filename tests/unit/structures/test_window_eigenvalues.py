@@ -226,3 +226,20 @@ def test_nested_dissection_by_metis(monkeypatch):
     solve = factorised(K)
     assert solve is not None
     assert np.allclose(K @ solve(np.ones(120)), 1.0, rtol=1e-6)
+
+
+def test_one_mode_next_to_a_guess():
+    """With both its vectors, from one factorisation; the derivative is that of a difference."""
+    M, C, K, G, N = unsymmetric_chain(60, coupling=1.0, damping=0.02)
+    structure = fl.Structure(M, K, C, gyroscopic=G, circulatory=[("mu", N)], parameters={"mu": 0.3})
+    values = fl.eigenvalues(structure).values
+    exact = values[values.imag > 1.0][3]
+    mode = structure.pencil.mode_at(exact * (1 + 1e-4j))
+    assert mode is not None
+    assert abs(mode.value - exact) < 1e-12 * abs(exact)
+    slope = -mode.left @ structure.pencil_derivative("mu").at(mode.value) @ mode.right
+    low, high = (structure.replace(mu=mu).pencil.mode_at(exact) for mu in (0.3 - 1e-5, 0.3 + 1e-5))
+    assert low is not None
+    assert high is not None
+    expected = (high.value - low.value) / 2e-5
+    assert abs(slope - expected) < 1e-8 * abs(expected)

@@ -94,3 +94,11 @@ def test_the_slope_of_the_friction_curve_is_said_as_a_damper():
     fall = 0.5 * np.exp(-((0.3 / 0.5) ** 2))
     assert (speed, damper) == (0.3, 2 * slope)
     np.testing.assert_allclose([mu, slope], [0.5 + fall, -2 * 0.3 / 0.5**2 * fall], rtol=1e-14)
+
+
+def test_a_switch_names_the_regimes_that_the_model_has():
+    models = fl.SliderOnBelt(), fl.MassOnBelt(), fl.ImpactOscillator()
+    texts = [
+        fl.explore(model, panels=["friction"]).controls["switch-nonsmooth"].about["text"] for model in models
+    ]
+    assert texts == ["stick, slip, separation", "stick, slip", "impacts"]
