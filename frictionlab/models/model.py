@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, Ty
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, is_decorated, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
-from frictionlab.tape.automaton_data import storable_automaton
 from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
@@ -465,6 +464,8 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
             f"a file must be able to hold the model, got {abbreviate(model)}, whose matrices it does not "
             "hold: compute what you need by fl.sweep(structure, function, over)"
         )
+    from frictionlab.tape.automaton_data import storable_automaton  # imports numpy
+
     stored = storable_automaton(model)
     if isinstance(stored, str):
         raise ValueError(

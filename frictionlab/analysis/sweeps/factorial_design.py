@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.steady_state.steady_state import SteadyState
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component
 from frictionlab.models.composition import nonlinearities_of
-from frictionlab.models.model import ModelOrAutomaton, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
 
@@ -79,10 +78,11 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
         For an unknown name, or fewer than two alternatives.
     """
     if switches is None:
-        if isinstance(model, HybridAutomaton):
+        if not isinstance(model, Model):
             raise ValueError(
-                "switches must be a mapping of parameters of a HybridAutomaton, which has no nonlinearities "
-                'by name, got none: give parameters their alternatives, such as {"k": [0.0, 1.0]}'
+                f"switches must be a mapping of parameters of a {type(model).__name__}, which has no "
+                "nonlinearities by name, got none: give parameters their alternatives, such as "
+                '{"k": [0.0, 1.0]}'
             )
         return tuple(_on_off(name) for name in model.nonlinearities)
     if not isinstance(switches, Mapping) and not is_sequence(switches):
@@ -104,7 +104,7 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
 
 
 def _known(model: ModelOrAutomaton, name: Any) -> str:
-    of_model = None if isinstance(model, HybridAutomaton) else model
+    of_model = model if isinstance(model, Model) else None
     known = () if of_model is None else tuple(of_model.nonlinearities)
     if not isinstance(name, str) or name not in known:
         if of_model is not None and isinstance(name, str) and name in nonlinearities_of(of_model):

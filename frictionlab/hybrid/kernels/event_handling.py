@@ -147,6 +147,9 @@ def reset_and_select_mode(system, queue, truncation, event, run, record, scratch
     rests = is_closed(count, impacts) or not is_impact(code, guard)
     rounding = Rounding(run.sizes if rests else z, COEFFICIENT_ROUNDING)
     selection = select_target(system, queue, guard, z, rounding, order, scratch)
+    if rests and selection.mode == NO_MODE and selection.missing == NO_MODE:  # it does not come to rest
+        rounding = Rounding(z, COEFFICIENT_ROUNDING)
+        selection = select_target(system, queue, guard, z, rounding, order, scratch)
     # Another event at this instant? Its guard is zero up to the step's rounding, or up to its remainder.
     remainder = max(COEFFICIENT_ROUNDING, FUNCTION_TOL_FACTOR * truncation.tol)
     for share in (COEFFICIENT_ROUNDING, remainder):

@@ -97,6 +97,14 @@ class FrictionKeywords(TypedDict, total=False):
     sigma_2: float
     k_t: float
     mu_0: float
+    mu_1: float
+    mu_2: float
+    mu_3: float
+    mu_4: float
+    v_1: float
+    v_2: float
+    v_3: float
+    v_4: float
     a: float
     b: float
     D_c: float
