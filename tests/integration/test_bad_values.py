@@ -151,6 +151,7 @@ def test_one_clear_error_first(name, tmp_path, monkeypatch):
     assert not [path for path in tmp_path.iterdir() if path.is_file()]
 
 
+@pytest.mark.slow
 def test_a_small_file_that_takes_a_large_memory_is_refused_before(tmp_path):
     """Memory is bounded by tracemalloc, which numpy tells of its arrays."""
     np.savez_compressed(

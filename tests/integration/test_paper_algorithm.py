@@ -36,6 +36,7 @@ def test_the_lines_are_multiples_of_1_58_hertz(run):
     assert peaks / base == pytest.approx(np.round(peaks / base), abs=0.03)
 
 
+@pytest.mark.slow
 def test_the_intensity_is_the_papers(run):
     assert intensity(run) == pytest.approx(0.05, rel=0.2)
 

@@ -46,7 +46,7 @@ SCENES = {
 T = frame_times(0.0, 0.4, 0.002)
 
 
-@pytest.fixture(scope="module", params=slow_but(["all", "4 dof", "backwards, one wheel"], SCENES))
+@pytest.fixture(scope="module", params=slow_but(["all"], SCENES))
 def run(request):
     return fl.simulate(SCENES[request.param], 0.4, t_eval=T, progress=False)
 
@@ -187,6 +187,7 @@ def test_a_spring_joins_its_ends_and_stays_within_its_width():
     assert np.abs(across).max() == pytest.approx(0.25)
 
 
+@pytest.mark.slow
 def test_an_automaton_of_a_model_is_animated_without_the_model():
     run = fl.solve(MODEL.automaton(), 0.05, x0=np.zeros(10), progress=False)
     animation = fl.animate(run, speed=0.05, fps=1)

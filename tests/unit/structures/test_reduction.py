@@ -21,6 +21,7 @@ def chain(n=80, window=(0.0, 0.6)):
     return fl.Structure(M, K, C, gyroscopic=G, circulatory=[("mu", N)], parameters={"mu": 0.3}, window=window)
 
 
+@pytest.mark.slow  # estimates are compared with errors at once
 def test_modes_over_a_range():
     large = chain()
     small = fl.reduce(large, {"mu": (0.0, 0.5)}, tol=1e-7)
@@ -47,6 +48,7 @@ def test_estimates_are_the_errors():
     assert 0.5 < estimates[inside].sum() / distances[inside].sum() < 2.0
 
 
+@pytest.mark.slow
 def test_static_displacements_under_contacts():
     """Responses to the contact forces make the equilibrium right at other loads too."""
     large = beam_under_pads(30)

@@ -55,6 +55,7 @@ def test_two_discs_that_overlap():
         np.testing.assert_allclose(radii[0 if curve.unstable == (0, 1) else 1], 1.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_divergence_on_a_straight_line_from_edge_to_edge():
     found = plane(oscillators((0.3, 1 + P - 2 * Q)))
     (curve,) = found.boundary

@@ -129,6 +129,7 @@ def test_states_of_a_friction_law_are_states_of_the_system():
     assert system.B[1, 0] == pytest.approx(1.0 / model.m)
 
 
+@pytest.mark.slow
 def test_an_automaton_has_its_parameters_as_inputs():
     automaton = SLIDER.automaton()
     system = fl.linearize(automaton, ["F"], ["y1"])

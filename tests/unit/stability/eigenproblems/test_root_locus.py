@@ -129,6 +129,7 @@ def test_a_damper_in_the_slider_that_overdamps_it():
     assert np.abs(np.diff(fine.values, axis=0)).max() < 0.4 * np.abs(np.diff(locus.values, axis=0)).max()
 
 
+@pytest.mark.slow
 def test_without_damping_growth_is_exactly_zero_until_modes_meet():
     model = S(c1=0, c2=0, c4=0, c5=0, c6=0)
     critical = fl.critical_value(model, "mu_k", (0, 3))
