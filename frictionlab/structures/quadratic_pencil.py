@@ -51,7 +51,9 @@ INVERSE_STEPS = 12
 ASIDE = 1e-6  # share of an eigenvalue by which a shift lies beside it
 SETTLED_RTOL = 1e-11  # of an eigenvalue: Rayleigh quotients that move by less are settled
 CLOSE = 1e-5  # of unit vectors: their errors, which are squared in the quotient
-SHIFT_FACTORS = (1.0, 1.17, 0.83)  # where a shift is an eigenvalue, the next is taken
+SHIFT_MOVES = (0.0, 0.07, -0.05)  # of the radius: where a shift is next to an eigenvalue, it is moved
+LARGEST = 1e4  # radii over the distance of the nearest eigenvalue, which takes so many digits from the others
+POWER_STEPS = 3
 
 
 class Spectrum(NamedTuple):
@@ -246,17 +248,32 @@ class _ShiftInvert:
         x = -self.solve(self.M @ (v + at * u) + self.C @ u)
         return np.concatenate([x, u + at * x])
 
+    def largest(self) -> float:
+        """Size of the largest eigenvalue, about: of the one next to the shift."""
+        z = np.random.default_rng(0).standard_normal(2 * self.size).astype(self.dtype)
+        size = 1.0
+        for _ in range(POWER_STEPS):
+            z = self(z / np.linalg.norm(z))
+            size = float(np.linalg.norm(z))
+        return size
+
 
 def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _ShiftInvert:
-    """The operator at a shift, or at one nearby where this one is an eigenvalue."""
+    """The operator at a shift, or at one nearby where this one is next to an eigenvalue."""
     whole = np.iscomplexobj(pencil.K.data) or bool(np.imag(shift))
-    for factor in SHIFT_FACTORS:
-        at = complex(factor * shift) if whole else float(np.real(factor * shift))
+    last = None
+    for move in SHIFT_MOVES:
+        at = shift + move * radius * shift / abs(shift)
+        at = complex(at) if whole else float(np.real(at))
         # a disc around a moved shift has to hold the one that was asked for
         reach = radius + abs(at - shift)
         solve = factorised(pencil.at(at))
         if solve is not None:
-            return _ShiftInvert(at, reach, reach**2 * pencil.M, reach * pencil.C, solve)
+            last = _ShiftInvert(at, reach, reach**2 * pencil.M, reach * pencil.C, solve)
+            if last.largest() <= LARGEST:
+                return last
+    if last is not None:
+        return last
     raise ArithmeticError(
         f"s^2 M + s C + K is singular at s = {shift:.6g}/s and nearby: a freedom has neither mass nor "
         "stiffness, or M and K have a common null vector"

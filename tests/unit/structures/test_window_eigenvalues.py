@@ -98,6 +98,21 @@ def test_hysteretic_stiffness_has_the_loss_factor_of_its_modes(monkeypatch):
     assert np.allclose(found.values, expected, rtol=1e-6)
 
 
+def test_a_window_around_an_eigenvalue(monkeypatch):
+    """Its middle, from which the search begins, is the eigenvalue to the last bits."""
+    M, K = beam(40)
+    C = 1e-4 * K
+    every = fl.eigenvalues(fl.Structure(M, K, C))
+    monkeypatch.setattr("frictionlab.structures.window_eigenvalues.MOST_DENSE", 10)
+    for damping, middle in ((None, beam_frequencies(9)[8]), (C, every.frequencies[every.values.imag > 0][8])):
+        near = fl.eigenvalues(fl.Structure(M, K, damping, window=(0.7 * middle, 1.3 * middle)))
+        exact = every if damping is not None else fl.eigenvalues(fl.Structure(M, K))
+        inside = np.abs(exact.frequencies - middle) <= 0.3 * middle
+        assert inside.sum() == len(near.values) >= 6
+        assert np.allclose(np.sort_complex(near.values), np.sort_complex(exact.values[inside]), rtol=1e-8)
+        assert near.residuals.max() < 1e-10
+
+
 def test_sensitivities_are_slopes(monkeypatch):
     monkeypatch.setattr("frictionlab.structures.window_eigenvalues.MOST_DENSE", 10)
     M, C, K, _, N = unsymmetric_chain(120)
