@@ -10,15 +10,13 @@ from __future__ import annotations
 import inspect
 import io
 import opcode
-import os
-import signal
 import tempfile
 import typing
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +27,8 @@ from scipy.stats import uniform
 import frictionlab as fl
 from frictionlab.analysis import options
 from frictionlab.hybrid.solve import RunKeywords
-from tests.faults.processes import Report, in_a_process
 
 MOST_CHARACTERS = 2000  # of a message
-MOST_BYTES = 6e9  # of a process
-SECONDS = 5  # of one call
 QUIET = {"progress": False}
 BELT = fl.MassOnBelt(c=0.05)
 SLIDER = fl.SliderOnBelt()
@@ -593,57 +588,3 @@ def _judge(error: BaseException, argument: str) -> Found:
     if isinstance(error, (ValueError, TypeError, OSError, LookupError, RuntimeError, AssertionError)):
         return Found("refused", text)
     return Found("raw", text)
-
-
-def cases(names: typing.Iterable[str] | None = None) -> Iterator[tuple[str, str, str]]:
-    """Door, argument, name of the bad value."""
-    for name in doors() if names is None else names:
-        for argument in doors()[name].arguments():
-            for value in bad_values():
-                yield name, argument, value
-
-
-def main(scratch: Path, truncations: int, flips: int) -> int:
-    """Every case; prints those that are raw, and the arguments that take anything."""
-    import resource
-
-    report = Report("bad values")
-    resource.setrlimit(resource.RLIMIT_AS, (int(MOST_BYTES), resource.RLIM_INFINITY))
-    for name, door in doors().items():
-        for argument in door.arguments():
-            outcome = in_a_process(partial(_all_values, (name, argument)))
-            if outcome.status or outcome.error:
-                report.add(f"{name}({argument})", f"status {outcome.status} {outcome.error}")
-                continue
-            verdicts = outcome.value
-            for value, found in verdicts.items():
-                bad = found.verdict in ("raw", "long")
-                report.add(f"{name}({argument}={value})", f"{found.verdict}: {found.about}" if bad else "")
-                if found.verdict == "slow":
-                    print(f"{name}({argument}={value}): {found.about}", flush=True)
-            if all(found.verdict == "taken" for found in verdicts.values()):
-                report.add(f"{name}({argument})", "takes anything")
-    return report.finish()
-
-
-class TooLong(BaseException):
-    """A call took longer than `SECONDS`."""
-
-
-def _stop(signum: int, frame: Any) -> None:
-    raise TooLong
-
-
-def _all_values(case: tuple[str, str]) -> dict[str, Found]:
-    name, argument = case
-    os.chdir(_scratch())  # files of any name may be written
-    signal.signal(signal.SIGALRM, _stop)
-    found = {}
-    for value, bad in bad_values().items():
-        signal.alarm(SECONDS)
-        try:
-            found[value] = try_value(doors()[name], argument, bad)
-        except TooLong:
-            found[value] = Found("slow", f"longer than {SECONDS} s")
-        signal.alarm(0)
-    return found

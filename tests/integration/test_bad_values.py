@@ -1,4 +1,4 @@
-"""Bad values for every public name; the whole is ``python -m tests.faults values``."""
+"""Bad values for every public name."""
 
 import inspect
 import os

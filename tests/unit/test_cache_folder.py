@@ -2,17 +2,13 @@
 
 import errno
 import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from frictionlab import cache_folder
-from tests.helpers.compilers import HAS_NUMBA
 
-ROOT = Path(__file__).parents[2]
 NOBODY, DAY = 65534, 86400.0
 DIGEST, OLD_DIGEST = "0123456789abcdef", "fedcba9876543210"
 CONTENT = b"machine code"
@@ -237,16 +233,3 @@ def test_a_use_is_noted_once_a_day(kept):
         os.utime(kept, (before, before))
         assert cache_folder.read(kept) == CONTENT
         assert (kept.stat().st_mtime > before + 1) == noted
-
-
-# --- runs
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not HAS_NUMBA or not hasattr(os, "fork"), reason="needs numba and fork")
-def test_runs_withstand_every_fault_of_the_cache():
-    """The short form of the suite: `python -m tests.faults code` is the long one."""
-    command = [sys.executable, "-m", "tests.faults", "code", "--truncations", "2", "--flips", "2"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert ", 0 not withstood" in done.stdout
