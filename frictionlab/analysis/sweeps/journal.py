@@ -29,7 +29,6 @@ from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
 from frictionlab.file_writing import read_file, replace_file
 from frictionlab.interruption import interruption, keep_partial_result
-from frictionlab.stored_data import json_data
 from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
@@ -325,8 +324,8 @@ def _content(line: bytes) -> dict[str, Any] | None:
     if match is None or zlib.crc32(match[1]) != int(match[2], 16):
         return None
     try:
-        return json_data(match[1] + b"}")
-    except ValueError:
+        return json.loads(match[1] + b"}")
+    except (ValueError, RecursionError):
         return None
 
 

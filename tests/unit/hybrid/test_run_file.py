@@ -1,9 +1,6 @@
 """Files of runs: damaged ones, those of other models, and a disk that is full."""
 
-import io
 import json
-import tracemalloc
-import zipfile
 
 import numpy as np
 import pytest
@@ -70,76 +67,28 @@ def test_another_automaton_is_refused(saved, other, word):
     assert "load(path, model=...)" in str(caught.value)
 
 
+# Kernels check no indices.
 CRAFTED = {
     "step_modes": lambda a: a + 1_000_000,
     "step_states": lambda a: a[:-1],
     "step_times": lambda a: a[:, :1],
     "event_codes": lambda a: a - 5,
     "event_states": lambda a: a[..., :1],
-    "point_sections": lambda a: a + 1,
     "point_states": lambda a: a[:, :0],
     "state": lambda a: a[:1],
     "mode": lambda mode: 77,
-    "order": lambda samples: {**samples, "order": 10**9},
-    "parts": lambda samples: {**samples, "parts": 0},
     "event_times": lambda a: a.astype(complex),
-    "step_times must ascend": lambda a: a[::-1],
-    "lengths in step_times": lambda a: a * [1.0, -1.0],
-    "step_times must be within": lambda a: a + np.array([100.0, 0.0]),
-    "step_states must be finite": lambda a: a + np.inf,
-    "event_times must be finite": lambda a: a + np.nan,
-    "last column of event_codes": lambda a: a + np.array([0, 0, 2]),
-    "rates must have those of mode": lambda rates: {},
-    "tol": lambda description: {**description, "method": {"name": "taylor", "tol": "small"}},
-    "quadratures": lambda quadratures: {"work": "much"},
-    "guards": lambda guards: [None],
-}
-NAMED = {
-    "order": "samples",
-    "parts": "samples",
-    "tol": "description",
-    "last column of event_codes": "event_codes",
-    "lengths in step_times": "step_times",
 }
 
 
 @pytest.mark.parametrize("name", CRAFTED)
 def test_arrays_that_cannot_be_are_refused(saved, tmp_path, name):
     _, path = saved
-    crafted = changed(path, tmp_path / "crafted.npz", **{NAMED.get(name, name.split()[0]): CRAFTED[name]})
+    crafted = changed(path, tmp_path / "crafted.npz", **{name: CRAFTED[name]})
     with pytest.raises(ValueError, match="is damaged") as caught:
         fl.load(crafted, model=oscillator())
     assert str(crafted) in str(caught.value)
     assert name in str(caught.value)
-
-
-@pytest.mark.parametrize("shape", [(10**12,), (2**62, 4), (10**400,), (-1,), (3, 2)])
-def test_the_shape_that_an_array_declares_is_compared_with_what_there_is(saved, tmp_path, shape):
-    """A member of 56 bytes that declares 8 TB: refused before memory is taken, which tracemalloc measures."""
-    _, path = saved
-    crafted = changed(path, tmp_path / "crafted.npz")
-    header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": shape})
-    with zipfile.ZipFile(path) as whole, zipfile.ZipFile(crafted, "w") as file:
-        for name in whole.namelist():
-            content = header.getvalue() + bytes(56) if name == "step_states.npy" else whole.read(name)
-            file.writestr(name, content)
-    tracemalloc.start()
-    try:
-        with pytest.raises(ValueError, match="is no saved run: write one with"):
-            fl.load(crafted, model=oscillator())
-        assert tracemalloc.get_traced_memory()[1] < 20e6
-    finally:
-        tracemalloc.stop()
-
-
-def test_a_description_without_its_entries_is_refused(saved, tmp_path):
-    _, path = saved
-    for name in ("states", "samples", "rates", "status", "t", "mode", "wall_time", "quadratures", "guards"):
-        crafted = changed(path, tmp_path / "crafted.npz", **{name: lambda entry: None})
-        with pytest.raises(ValueError, match="crafted") as caught:
-            fl.load(crafted, model=oscillator())
-        assert str(crafted) in str(caught.value)
 
 
 @pytest.mark.parametrize(

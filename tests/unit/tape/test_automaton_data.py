@@ -146,8 +146,8 @@ def test_a_run_of_modes_on_demand_needs_no_model(tmp_path):
             {"derived from": {"class": "os:system", "structure": {}}},
             "no Model 'os:system' is loaded",
         ),
-        ("parameters", {"k": "1.0"}, r"parameters\['k'\] must be a finite number, got '1.0'"),
-        ("parameters", {"k": None}, r"parameters\['k'\] must be a finite number, got None"),
+        ("parameters", {"k": "1.0"}, "its parameters are"),
+        ("parameters", {"k": None}, "its parameters are"),
     ],
 )
 def test_a_file_of_modes_on_demand_that_cannot_be_is_refused(tmp_path, name, changes, word):
