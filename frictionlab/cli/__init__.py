@@ -1,7 +1,6 @@
 """The command `frictionlab`: `main` is its entry point.
 
     command        `main`: reads the arguments, calls the command, turns interruptions into exit statuses
-    completion     `frictionlab completion`
     parsing        what the commands share: parser, spellings, models by name with parameter values, options
                    of sweeps, checks of files, JSON
     run            `frictionlab run` and what it prints

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from frictionlab._version import __version__
 
 from .app import add_app
-from .completion import add_completion, completion_script
 from .course import add_course
 from .film_and_sound import add_animate, add_sound
 from .models import add_models
@@ -85,9 +84,6 @@ def _parse_and_run(argv: Sequence[str]) -> int:
     if chosen.command is None:
         parser.print_help()
         return 0
-    if chosen.command == "completion":
-        print(completion_script(chosen.shell, commands), end="")
-        return 0
     return _run_command(chosen, command)
 
 
@@ -106,8 +102,12 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     added |= {"animate": add_animate, "sound": add_sound, "app": add_app, "page": add_page}
     added |= {"course": add_course, "warmup": add_warmup}
     added |= {"figure": add_figure, "reproduce": add_reproduce}
-    added |= {"completion": add_completion}
     return parser, {name: add(commands) for name, add in added.items()}
+
+
+def program_parser() -> OneLineParser:
+    """The parser of the program alone, from which shtab makes completions of shells."""
+    return build_parsers()[0]
 
 
 def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
