@@ -25,4 +25,4 @@ def test_help_loads_nothing_heavy():
 
 def test_the_parser_that_completes_in_shells_is_that_of_the_command():
     assert program_parser().prog == "frictionlab"
-    assert all(f"    {name} " in program_parser().format_help() for name in build_parsers()[1])
+    assert all(f"    {name}" in program_parser().format_help() for name in build_parsers()[1])
