@@ -27,10 +27,12 @@ EXIT_FAILED = 1
 
 APP_DESCRIPTION = """\
 Show the explorer (fl.explore) in the browser: scenes worth seeing and all
-models from a menu, sliders, switches and pictures, no notebook. Everything is
-served by this machine, to this machine, for whoever has the link that is
-printed; no network is needed. Whoever holds the link runs code as you: give
-it to nobody. At most four pages at once. ctrl-C ends it.
+models, sliders, switches and pictures, no notebook. The first link shows
+pages that the browser computes alone, as many as you like; the second one the
+explorer whose engine is Python (at most four at once). Everything is served by
+this machine, to this machine, for whoever has a link that is printed; no
+network is needed. Whoever holds a link runs code as you: give it to nobody.
+ctrl-C ends it.
 Needs Voila: pip install "frictionlab[lab]"."""
 
 APP_EPILOG = """\
@@ -70,7 +72,8 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         notebook.write_text(json.dumps(_notebook()), encoding="utf-8")
         token = secrets.token_urlsafe(32)
         port = sockets[0].getsockname()[1]
-        print(f"Explorer at http://localhost:{port}/?token={token} (ctrl-C ends it)", flush=True)
+        print(f"Models at http://localhost:{port}/models/?token={token} (ctrl-C ends it)")
+        print(f"One explorer with Python at http://localhost:{port}/?token={token}", flush=True)
         _serve_until_stopped(notebook, sockets, token, browser=not chosen.no_browser)
     return 0
 

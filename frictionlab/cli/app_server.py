@@ -1,4 +1,6 @@
-"""The server of `frictionlab app`: Voila on this machine, for whoever has the link, with few kernels.
+"""The server of `frictionlab app`: pages of models and Voila, on this machine, for whoever has the link.
+
+The pages of models hold the solver and need no kernel; the explorer whose engine is Python has one of a few.
 
 Voila and jupyter-server have tokens, cookies, the check of a request's origin, and an end for idle kernels.
 This module puts them together.  The channels of kernels are files of this user, not ports.  The token is
@@ -15,6 +17,7 @@ import os
 import socket
 import threading
 import webbrowser
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import gettempdir
 from typing import Any
@@ -23,7 +26,9 @@ from uuid import UUID
 
 from jupyter_server.auth.identity import IdentityProvider
 from jupyter_server.base.call_context import CallContext
+from jupyter_server.base.handlers import JupyterHandler
 from jupyter_server.services.kernels.kernelmanager import AsyncMappingKernelManager
+from jupyter_server.utils import url_path_join
 from tornado import web
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop
@@ -42,6 +47,7 @@ SOCKET_PATH = 104  # bytes of a socket's path, with the zero at its end; the lea
 SOCKET_NAME = f"voila_12345678/kernel-{UUID(int=0)}-ipc-1"  # as long as those that there will be
 LINK_NEEDED = "The explorer needs the whole link that frictionlab app printed, with its token"
 TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then reload this one"
+MODELS = "models"  # where the pages are that need no kernel
 # Voila's page requests an optional style sheet from another server, and stays blank until that answers
 # or fails: with that request forbidden the page appears at once, also without a network.
 CONTENT_SECURITY_POLICY = (
@@ -119,6 +125,16 @@ class PageKernels(AsyncMappingKernelManager):
             await self.shutdown_kernel(kernel_id, now=True)
 
 
+def is_redirected(handler: JupyterHandler) -> bool:
+    """Whether the browser is sent to the same address without the token.  Other sites are refused."""
+    if not handler.check_origin():
+        raise web.HTTPError(403)
+    others = {k: v for k, v in handler.request.query_arguments.items() if k != "token"}
+    if "token" in handler.request.query_arguments:
+        handler.redirect(handler.request.path + (f"?{urlencode(others, doseq=True)}" if others else ""))
+    return "token" in handler.request.query_arguments
+
+
 class ExplorerPage(TornadoVoilaHandler):
     """The explorer's page, without the token in its address, where others might read it from the screen."""
 
@@ -139,26 +155,65 @@ class ExplorerPage(TornadoVoilaHandler):
         super().on_connection_close()
 
     async def get(self, path: str | None = None) -> None:
-        if not self.check_origin():
-            raise web.HTTPError(403)
-        if not path and self.get_query_arguments("token"):
-            others = {k: v for k, v in self.request.query_arguments.items() if k != "token"}
-            self.redirect(self.base_url + (f"?{urlencode(others, doseq=True)}" if others else ""))
+        if is_redirected(self):
             return
         self.xsrf_token  # noqa: B018  # reading it sets the cookie with which a page that closes ends its kernel
         sent: Any = super().get(path=path)
         await sent
 
 
+class ModelPages:
+    """The pages of `frictionlab page --all` in a folder, each written when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.thread = folder, ThreadPoolExecutor(1)  # sympy derives for one at a time
+
+    def content(self, name: str) -> bytes | None:
+        """The page of this file name; None where there is none."""
+        from frictionlab.pages import gallery
+
+        scenes = gallery.library_scenes()
+        if name in ("", gallery.INDEX):
+            return gallery.index_page(scenes, {}, explorer="../").encode()
+        scene = next((each for each in scenes if each.file == name), None)
+        if scene is None:
+            return None
+        path = self.folder / name
+        if not path.exists():
+            gallery.write_scene(scene, path, gallery.scene_labels(scenes))
+        return path.read_bytes()
+
+
+class ModelPage(JupyterHandler):
+    """A page of a model, with the solver in it, or their index: no kernel computes what it shows."""
+
+    def initialize(self, pages: ModelPages) -> None:
+        self.pages = pages
+
+    @web.authenticated
+    async def get(self, name: str) -> None:
+        """Send the page; it is written when it is first asked for."""
+        if is_redirected(self):
+            return
+        loop = asyncio.get_running_loop()
+        content = await loop.run_in_executor(self.pages.thread, self.pages.content, name)
+        if content is None:
+            raise web.HTTPError(404)
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.finish(content)
+
+
 class ExplorerServer(Voila):
     """Voila with the kernels, page and identity of this module, and sockets that were opened before."""
 
     sockets = List(Instance(socket.socket))
+    pages = Instance(ModelPages)
 
     def init_handlers(self) -> list[Any]:
         """Add handlers for this machine's own names; return one that refuses requests to any other."""
         handlers: Any = super().init_handlers()
         own = [(pattern, _page(handler), *rest) for pattern, handler, *rest in handlers]
+        own.insert(0, (url_path_join(self.base_url, rf"/{MODELS}/(.*)"), ModelPage, {"pages": self.pages}))
         self.app.add_handlers(LOCAL_HOSTS, own)
         return [(r".*", web.ErrorHandler, {"status_code": 403})]
 
@@ -175,7 +230,7 @@ class ExplorerServer(Voila):
 
     def launch_browser(self) -> None:
         """Open the link through a file beside the notebook: all users could read a command's arguments."""
-        link = f"{self.connection_url}?token={self.token}"
+        link = f"{self.connection_url}{MODELS}/?token={self.token}"
         page = Path(str(self.notebook_path)).with_name("open.html")
         page.write_text(f'<meta http-equiv="refresh" content="0; url={link}">', encoding="utf-8")
         threading.Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
@@ -213,6 +268,7 @@ def serve(notebook: Path, sockets: list[socket.socket], token: str, browser: boo
         log_level="ERROR",
         port=sockets[0].getsockname()[1],
         sockets=sockets,
+        pages=ModelPages(notebook.parent),
         token=token,
         open_browser=browser,
         identity_provider_class=LinkIdentity,

@@ -8,6 +8,8 @@
     sliders, switches and presets, checked.
 ``export``
     `export_page`: all of these in one file, with the kernels as WebAssembly.
+``gallery``
+    A folder of pages of all models of the library, with an index.
 ``scripts/``
     The page itself: JavaScript and styles, one file for each concern.
 

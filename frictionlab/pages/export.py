@@ -120,13 +120,32 @@ def export_page(
         check_text("title", title, "leave it out for the model's name")
     names = switch_names(model, switches)
     if t_end is None:
-        t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
+        t_end = usual_duration(model)
     check_t_end(t_end)
     scene = page_scene(model, names, sliders, presets, float(t_end), title)
+    return write_text(path, page_content(model, names, scene))
+
+
+def usual_duration(model: Model) -> float:
+    """The end time of a page where none is given, in seconds."""
+    return round_down_1_2_5(PERIODS * oscillation_period(model))
+
+
+def page_content(model: Model, names: tuple[str, ...], scene: dict[str, Any], mark: str = "") -> str:
+    """The page of a model whose switches have these names; `mark` stands in its head.
+
+    Raises
+    ------
+    SolverNotBuiltError
+        Where the package was built without WebAssembly.
+    ValueError
+        For a model of too many modes.
+    """
     script = script_text(SCRIPTS)
     solver = solver_data(script)
     derived = {key: structure_data(each) for key, each in structures(model, names).items()}
-    return write_text(path, _html(scene, derived, solver, script))
+    constants = {"SCENE": scene, "SOLVER": solver}
+    return html_page(scene["title"], constants, f"const STRUCTURES = {_structures(derived)};\n{script}", mark)
 
 
 def page_scene(
@@ -168,13 +187,12 @@ def text_of(name: str) -> str:
     return (resources.files("frictionlab.pages") / "scripts" / name).read_text(encoding="utf-8")
 
 
-def _html(
-    scene: dict[str, Any], derived: dict[str, dict[str, Any]], solver: dict[str, Any], script: str
-) -> str:
-    constants = {"SCENE": _json(scene), "SOLVER": _json(solver), "STRUCTURES": _structures(derived)}
-    data = "".join(f"const {name} = {value};\n" for name, value in constants.items())
+def html_page(title: str, constants: Mapping[str, Any], script: str, mark: str = "") -> str:
+    """A page that runs a script after these constants, in the style of the front end."""
+    data = "".join(f"const {name} = {_json(value)};\n" for name, value in constants.items())
     parts = {
-        "TITLE": html.escape(scene["title"]),
+        "MARK": html.escape(f"frictionlab {__version__} {mark}".strip()),
+        "TITLE": html.escape(title),
         "STYLE": text_of("explorer.css"),
         "SCRIPT": data + script,
     }

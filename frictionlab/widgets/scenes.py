@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from frictionlab.models.library.catalogue import CLASSICS, PRESETS, ROW_MODELS, list_models
-from frictionlab.models.zoo.topics import TOPICS
+from frictionlab.pages.gallery import library_scenes, scene_labels
 from frictionlab.pages.scene import panels_of
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
@@ -19,15 +18,6 @@ from .front_end import FrontEnd
 from .panels.standard import select_panels
 from .result import default_settings
 from .update_scheduler import in_this_thread
-
-
-def scene_models() -> dict[str, tuple[Any, str]]:
-    """Model and description of every scene, by its name: the scenes worth seeing, then all models."""
-    scenes = {preset.name: (preset.model, preset.about) for preset in PRESETS}
-    rows = list_models(CLASSICS)
-    classics = {row.call: (model, row.about) for row, model in zip(rows, ROW_MODELS, strict=True)}
-    zoo = {f"{cls.__name__}()": (cls(), cls.about) for classes in TOPICS.values() for cls in classes}
-    return scenes | classics | zoo
 
 
 class Scenes:
@@ -47,16 +37,13 @@ class Scenes:
     """
 
     def __init__(self, panels: Any = None, address: bool = False) -> None:
-        self._scenes, self._panels, self._address = scene_models(), panels, address
-        worth_seeing = {preset.name for preset in PRESETS}
-        self._menu = [
-            {"name": name, "label": name if name in worth_seeing else f"model: {name}"}
-            for name in self._scenes
-        ]
+        scenes = library_scenes()
+        self._scenes = {each.name: each for each in scenes}
+        self._menu, self._panels, self._address = scene_labels(scenes), panels, address
         self.widget = FrontEnd()
         self.widget.opens = in_this_thread(self._opened)
         self.explorer: Explorer | None = None
-        self.open(PRESETS[0].name)
+        self.open(scenes[0].name)
 
     def open(self, name: str) -> Explorer:
         """Show a scene of the menu.
@@ -71,7 +58,7 @@ class Scenes:
             raise ValueError(f"scene must be one of the menu, got {abbreviate(name)}{hint}")
         if self.explorer is not None:
             self.explorer.release()
-        model, about = self._scenes[name]
+        _, _, model, about = self._scenes[name]
         panels = select_panels(panels_of(model) if self._panels is None else self._panels)
         own = {"name": name, "about": about, "menu": self._menu, "address": self._address, "plays": True}
         self.explorer = Explorer(default_settings(model), panels, self.widget, **own)

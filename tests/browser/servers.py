@@ -152,8 +152,8 @@ def serving(arguments, port, folder):
 
 
 def printed_path(folder):
-    """The path of the link that a server of the folder printed, with its token."""
-    link = re.search(r"http://localhost:\d+(/\S*)", (folder / "server.log").read_text())
+    """The path of the explorer's link that a server of the folder printed, with its token."""
+    link = re.search(r"Python at http://localhost:\d+(/\S*)", (folder / "server.log").read_text())
     return link[1]
 
 

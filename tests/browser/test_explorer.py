@@ -238,6 +238,26 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
 
 
 @pytest.mark.slow
+def test_pages_of_models_need_no_kernel(browser, tmp_path):
+    if find_spec("voila") is None:
+        pytest.skip("voila serves the pages; it is not installed")
+    before, port = running_kernels(), free_port()
+    with serving(app(tmp_path, port), port, tmp_path) as address:
+        page = browser.new_context().new_page()
+        assert page.request.get(f"{address}/models/DenHartog.html").status == 403
+        page.goto(address + printed_path(tmp_path).replace("/?", "/models/?"))
+        assert page.url == f"{address}/models/"
+        page.get_by_role("link", name="DenHartog()").click()
+        page.wait_for_selector(".fl-words:not(:empty)", timeout=PATIENCE)
+        page.locator(".fl-scene select").select_option("FreeCoulomb()")
+        page.wait_for_url("**/FreeCoulomb.html#*")
+        page.wait_for_selector(".fl-words:not(:empty)", timeout=PATIENCE)
+        assert page.request.get(f"{address}/models/nothing.html").status == 404
+        assert running_kernels() == before
+        page.context.close()
+
+
+@pytest.mark.slow
 def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
     if find_spec("voila") is None:
         pytest.skip("voila shows the explorer; it is not installed")

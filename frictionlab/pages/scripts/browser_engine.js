@@ -19,6 +19,11 @@ class BrowserEngine {
     return values;
   }
 
+  choose(name, changed = {}) { // another page of the folder
+    const { page } = SCENE.menu.find((one) => one.name === name);
+    location.href = `${page}#${linkText(changed, { initial: {}, controls: [] })}`;
+  }
+
   has(name, state) { return this.structureOf(state).parameters.includes(name); }
 
   ask(state, dragging, explorer) {

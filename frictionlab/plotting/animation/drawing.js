@@ -88,7 +88,7 @@ function mechanism(c, width, height, scene, row) {
   arrow(c, x, middle, row.friction_force / scene.scale, 0, friction, px);
   Object.assign(c, { fillStyle: scene.ink, font: `italic ${scene.letters ?? 13}px serif`, textAlign: "center",
     textBaseline: "middle" });
-  for (const [name, [from, to]] of Object.entries(springs)) {
+  for (const [name, [from, to]] of Object.entries(springs).filter(([name]) => scene.names[name])) {
     const [dx, dy] = scene.names[name];
     c.save();
     c.translate((from[0] + to[0]) / 2 + dx * size, (from[1] + to[1]) / 2 + dy * size);

@@ -67,9 +67,10 @@ def test_ctrl_c_ends_it_cleanly(when, tmp_path):
     ) as process:
         try:
             address = re.fullmatch(
-                r"Explorer at (http://localhost:\d+/)\?token=[\w-]{43} \(ctrl-C ends it\)\n",
+                r"Models at (http://localhost:\d+/)models/\?token=[\w-]{43} \(ctrl-C ends it\)\n",
                 process.stdout.readline(),
             )[1]
+            second = process.stdout.readline()
             assert list(tmp_path.glob("frictionlab-*/explorer.ipynb"))
             answer = served(address) if when == "serving" else ""
             process.send_signal(signal.SIGINT)
@@ -77,6 +78,7 @@ def test_ctrl_c_ends_it_cleanly(when, tmp_path):
         finally:
             process.kill()
     assert process.returncode == 0
+    assert re.fullmatch(r"One explorer with Python at http://localhost:\d+/\?token=[\w-]{43}\n", second)
     assert out == ""
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []

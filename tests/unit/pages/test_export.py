@@ -96,8 +96,8 @@ class Elements(HTMLParser):
 @pytest.mark.parametrize("title", ["a <!--<script> b", "</script><script>alert(1)</script>", "<!--SCRIPT-->"])
 def test_a_page_may_run_its_own_scripts_and_nothing_else(title):
     """The digests are computed anew from what a parser of HTML takes for scripts and styles."""
-    solver = {"module": "", "tables": {}}
-    page = Elements(export._html({"title": title}, {}, solver, export.script_text(export.SCRIPTS)))
+    constants = {"SCENE": {"title": title}, "SOLVER": {"module": "", "tables": {}}}
+    page = Elements(export.html_page(title, constants, export.script_text(export.SCRIPTS)))
     assert page.texts["title"] == [title]
     assert [len(page.texts[kind]) for kind in ("script", "style")] == [1, 1]
     assert not any("<!--" in text for text in page.texts["script"])  # such a text would hide their end

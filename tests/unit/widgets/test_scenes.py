@@ -5,17 +5,19 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS
-from frictionlab.widgets.scenes import Scenes, scene_models
+from frictionlab.pages.gallery import library_scenes
+from frictionlab.widgets.scenes import Scenes
 from tests.helpers.explorers import MODELS
 
 MODEL = {preset.name: preset.model for preset in PRESETS}
 
 
 def test_the_menu_has_the_scenes_worth_seeing_and_all_models():
-    found = scene_models()
+    found = {each.name: each for each in library_scenes()}
     assert list(found) == [*MODEL, *(row.call for row in fl.list_models())]
-    assert all(found[name][0] == model for name, model in {**MODEL, **MODELS}.items())
-    assert all(about for _, about in found.values())
+    assert all(found[name].model == model for name, model in {**MODEL, **MODELS}.items())
+    assert all(each.about for each in found.values())
+    assert len({each.file for each in found.values()}) == len(found)
 
 
 def test_the_menus_models_are_those_that_the_calls_make():
