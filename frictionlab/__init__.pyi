@@ -61,6 +61,8 @@ from .analysis.sweeps.ablation import ablation as ablation
 from .analysis.sweeps.bifurcation import Bifurcation as Bifurcation
 from .analysis.sweeps.bifurcation import bifurcation as bifurcation
 from .analysis.sweeps.bifurcation import load_bifurcation as load_bifurcation
+from .analysis.sweeps.cea_against_motion import CEAAgainstMotion as CEAAgainstMotion
+from .analysis.sweeps.cea_against_motion import cea_against_motion as cea_against_motion
 from .analysis.sweeps.factorial_design import Effects as Effects
 from .analysis.sweeps.factorial_design import Switch as Switch
 from .analysis.sweeps.sweep import Sweep as Sweep

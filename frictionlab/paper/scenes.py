@@ -3,10 +3,10 @@
 `Setting` says by which algorithm, with which impact law and how finely figures 7 to 18 are computed.  The
 paper gives no grids: mu_k goes in steps of 0.05 or 0.1, with further values that its text names, and the
 preload is varied over the range of Fig. 4.  What several figures and claims share is computed once:
-`steady_states` and `sweep_results` are `fl.bifurcation` and `fl.sweep` with the options of a Setting, and
-keep results in files where it has a folder; the other functions name what each figure needs.  The paper's
-printed numbers are kept as text, so that their last digit is known: a value agrees with one if it rounds to
-it.
+`steady_states`, `sweep_results` and `cea_and_motions` are `fl.bifurcation`, `fl.sweep` and
+`fl.cea_against_motion` with the options of a Setting, and keep results in files where it has a folder; the
+other functions name what each figure needs.  The paper's printed numbers are kept as text, so that their last
+digit is known: a value agrees with one if it rounds to it.
 """
 
 from __future__ import annotations
@@ -24,9 +24,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.options import Execution, SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation
+from frictionlab.analysis.sweeps.cea_against_motion import CEAAgainstMotion, cea_against_motion
 from frictionlab.analysis.sweeps.sweep import sweep
 from frictionlab.components import PlasticImpact
 from frictionlab.hybrid.methods.base import Method
@@ -225,6 +227,20 @@ def sweep_results(
         return sweep(model, function, over, resume=path, **options)
 
     return _cached(asked, setting, compute)
+
+
+def cea_and_motions(
+    model: SliderOnBelt, values: Array, options: SteadyStateOptions, f_max: float, setting: Setting
+) -> CEAAgainstMotion:
+    """`fl.cea_against_motion` over mu_k, from rest."""
+    model = setting.adapt_model(model)
+    about = f"CEA against motion up to {f_max} Hz {options}"
+
+    def compute(path: Path | None) -> Any:
+        how = Execution(workers=setting.workers, progress=setting.progress, resume=path)
+        return cea_against_motion(model, "mu_k", values, "rest", f_max=f_max, options=options, execution=how)
+
+    return _cached([about, model.to_dict(), list(values)], setting, compute)
 
 
 def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], Any]) -> Any:

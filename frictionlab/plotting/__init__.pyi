@@ -41,6 +41,7 @@ from .studies.state_space import plot_orbit as plot_orbit
 from .studies.state_space import plot_steady_state as plot_steady_state
 from .studies.state_space import plot_tangent_flow as plot_tangent_flow
 from .studies.sweeps import plot_bifurcation as plot_bifurcation
+from .studies.sweeps import plot_cea_against_motion as plot_cea_against_motion
 from .studies.sweeps import plot_intensity as plot_intensity
 from .studies.sweeps import plot_orbit_branch as plot_orbit_branch
 from .studies.sweeps import plot_sweep as plot_sweep

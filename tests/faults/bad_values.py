@@ -222,6 +222,9 @@ def doors() -> dict[str, Door]:
             fl.sobol_indices,
             {**near, "quantity": quantity, "distributions": {"F": uniform(150.0, 50.0)}, "n": 16, **one},
         ),
+        "cea_against_motion": Door(
+            fl.cea_against_motion, {"model": BELT, "parameter": "v", "values": [0.3], **SHORT, **one}
+        ),
         "equilibrium": Door(fl.equilibrium, near),
         "equilibria": Door(fl.equilibria, near),
         "eigenvalues": Door(fl.eigenvalues, near),

@@ -145,6 +145,9 @@ BUILDERS = {
     "bifurcation": lambda: fl.bifurcation(
         STICK_SLIP, "v", [0.2, 0.3, 0.5, 2.5], transient=50.0, window=40.0, **QUIET
     ),
+    "CEA and motions": lambda: fl.cea_against_motion(
+        fl.ModeCoupling(c=0.1), "mu_k", [0.1, 1.0], f_max=0.5, **QUIET
+    ),
     "orbit": orbit,
     "branch": lambda: fl.continue_orbit(result("orbit"), "v", (0.1, 0.4), max_points=4, **QUIET),
     "branch with a special point": branch_with_special_point,

@@ -180,6 +180,7 @@ BY_PARAMETER = {
     "hopf": lambda name: fl.hopf(SLIDER, name, (0.0, 4.0)),
     "root_locus": lambda name: fl.root_locus(SLIDER, name, [1.0, 2.0]),
     "bifurcation": lambda name: fl.bifurcation(SLIDER, name, [1.0], **SHORT, **QUIET),
+    "cea_against_motion": lambda name: fl.cea_against_motion(SLIDER, name, [1.0], **QUIET),
     "sweep": lambda name: fl.sweep(SLIDER, repr, {name: [1.0]}, **QUIET),
     "ablation": lambda name: fl.ablation(SLIDER, repr, over={name: [1.0]}, **QUIET),
     "sensitivity": lambda name: fl.sensitivity(SLIDER, fl.CriticalValue(name, (0.0, 4.0))),

@@ -7,30 +7,28 @@ the unstable eigenfrequencies of the linearised system.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
-from frictionlab.hybrid.methods.base import Method
+from frictionlab.analysis.options import SteadyStateOptions
+from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.paper import scenes
 from frictionlab.paper.results import PaperFigure
-from frictionlab.paper.scenes import Setting, intervals_text, sweep_results
-from frictionlab.plotting import RunFigure, plot_bifurcation, plot_intensity
+from frictionlab.paper.scenes import Setting, intervals_text
+from frictionlab.plotting import RunFigure, plot_bifurcation, plot_cea_against_motion, plot_intensity
 from frictionlab.plotting.appearance import BLUE, DASHED, VERMILLION
 from frictionlab.plotting.figure import new_figure
-from frictionlab.plotting.labels import parameter_label, state_label
+from frictionlab.plotting.labels import state_label
 from frictionlab.presentation import state_unit
-from frictionlab.stability import critical_value, root_locus
+from frictionlab.stability import critical_value
 
 if TYPE_CHECKING:
+    from frictionlab.analysis.sweeps.cea_against_motion import CEAAgainstMotion
     from frictionlab.hybrid.trajectory import Trajectory
-    from frictionlab.models.library.sliders import SliderOnBelt
 
 MU_K = 2.5  # of Fig. 16
 COMPARISON_SHOWN = 0.4  # seconds
@@ -41,8 +39,6 @@ VARIANT_STYLES = {WITH_NONSMOOTH: {"color": BLUE}, SLIDING_ONLY: {"color": VERMI
 
 Array = NDArray[np.float64]
 F_MAX = 60.0
-FREQUENCY_BINS = 240  # of the picture; the strongest line of each is shown
-DECADES = 3.0
 # Panel -> nonlinearities left out.
 PANELS_WITHOUT = {
     "all three": (),
@@ -173,44 +169,10 @@ def _draw_sweeps(result: PaperFigure) -> RunFigure:
 
 
 @dataclass(frozen=True, eq=False)
-class FrequencyPanel:
-    """Spectra of x1 against mu_k.
-
-    Parameters
-    ----------
-    model : SliderOnBelt
-    mu_k : array (N,)
-    kinds : tuple of str (N,)
-    amplitudes : array (N, 240)
-        m; the strongest line in every quarter of a hertz.
-    strongest : array (N,)
-        Hz; NaN at rest.
-    unstable : array (N, n)
-        Frequencies (Hz) of the eigenvalues that grow; NaN for the others.
-    fastest : array (N,)
-        Frequency (Hz) of the eigenvalue that grows fastest; NaN where none grows.
-    """
-
-    model: SliderOnBelt
-    mu_k: Array
-    kinds: tuple[str, ...]
-    amplitudes: Array
-    strongest: Array
-    unstable: Array
-    fastest: Array
-
-    @property
-    def deviations(self) -> Array:
-        """|f - f_e|/f_e of the strongest line f and the fastest eigenvalue's f_e, where both exist, (K,)."""
-        both = np.isfinite(self.strongest) & np.isfinite(self.fastest)
-        return np.abs(self.strongest - self.fastest)[both] / self.fastest[both]
-
-
-@dataclass(frozen=True, eq=False)
 class ResponseFrequencies:
     """What Fig. 18 shows: panels by the nonlinearities that are left in."""
 
-    panels: dict[str, FrequencyPanel]
+    panels: dict[str, CEAAgainstMotion]
 
 
 def frequency_figure(number: int, setting: Setting) -> PaperFigure:
@@ -220,59 +182,25 @@ def frequency_figure(number: int, setting: Setting) -> PaperFigure:
     return PaperFigure(number, "spectra of x1 against mu_k", data, summary, _draw_frequencies, str(setting))
 
 
-def frequency_panel(name: str, setting: Setting) -> FrequencyPanel:
-    """One of the four panels of Fig. 18."""
+def frequency_panel(name: str, setting: Setting) -> CEAAgainstMotion:
+    """One of the four panels of Fig. 18: steady states from rest."""
     model = scenes.STIFF.without(*PANELS_WITHOUT[name])
-    values = scenes.mu_k_stiff(setting)
-    times, method = scenes.times_of(model, setting), setting.method
+    method = setting.method
     if name == UNBOUNDED_PANEL:
         method = replace(method, max_steps=MAX_STEPS)
-    study = partial(spectrum_lines, times=times, method=method, tolerance=setting.tolerance)
-    about = f"lines {method.describe()} {times} {setting.tolerance}"
-    rows = sweep_results(about, study, model, {"mu_k": values}, setting).results
-    strongest = np.array([np.nan if r["strongest"] is None else r["strongest"] for r in rows], dtype=float)
-    amplitudes = np.array([r["amplitudes"] for r in rows])
-    return FrequencyPanel(
-        model,
-        values,
-        tuple(r["kind"] for r in rows),
-        amplitudes,
-        strongest,
-        *_unstable_frequencies(model, values),
-    )
+    times = scenes.times_of(model, setting)._asdict()
+    options = SteadyStateOptions(method=method, tolerance=setting.tolerance, **times)
+    return scenes.cea_and_motions(model, scenes.mu_k_stiff(setting), options, F_MAX, setting)
 
 
-def spectrum_lines(
-    model: SliderOnBelt, times: scenes.Times, method: Method, tolerance: float
-) -> dict[str, Any]:
-    """Kind and spectrum of x1 in a steady state from rest, or up to where the run ended early."""
-    steady = steady_state(model, method=method, tolerance=tolerance, progress=False, **times._asdict())
-    spectrum = steady.spectrum(f_max=F_MAX)
-    if spectrum is None or steady.kind == MotionKind.EQUILIBRIUM:
-        return {"kind": steady.kind, "strongest": None, "amplitudes": [0.0] * FREQUENCY_BINS}
-    bins = np.minimum((spectrum.frequencies * (FREQUENCY_BINS / F_MAX)).astype(int), FREQUENCY_BINS - 1)
-    amplitudes = np.zeros(FREQUENCY_BINS)
-    np.maximum.at(amplitudes, bins, spectrum.amplitudes)
-    strongest = float(spectrum.peaks()[0][0])
-    return {"kind": steady.kind, "strongest": strongest, "amplitudes": amplitudes.tolist()}
-
-
-def _unstable_frequencies(model: SliderOnBelt, values: Array) -> tuple[Array, Array]:
-    locus = root_locus(model, "mu_k", values)
-    growth = np.where(np.isfinite(locus.growth_rates), locus.growth_rates, -np.inf)
-    unstable = np.where(growth > 0, locus.frequencies, np.nan)
-    rows, best = np.arange(len(values)), growth.argmax(axis=1)
-    return unstable, unstable[rows, best]
-
-
-def deviation_text(each: FrequencyPanel) -> str:
+def deviation_text(each: CEAAgainstMotion) -> str:
     """How far the strongest line is from the eigenvalue that grows fastest."""
     deviations = each.deviations
     if not len(deviations):
         return "no motion where an eigenvalue grows"
     median, values = 100 * np.median(deviations), len(deviations)
     return (
-        f"strongest line {np.nanmin(each.strongest):.2f} to {np.nanmax(each.strongest):.2f} Hz, "
+        f"strongest line {np.nanmin(each.dominant):.2f} to {np.nanmax(each.dominant):.2f} Hz, "
         f"off the unstable eigenfrequency by {median:.1f} % (median, {values} values), "
         f"{100 * deviations.max():.1f} % at most"
     )
@@ -282,25 +210,10 @@ def _draw_frequencies(result: PaperFigure) -> RunFigure:
     picture = new_figure(11.0, 8.0)
     axes = picture.subplots(2, 2, sharex=True, sharey=True)
     for ax, (name, each), letter in zip(axes.flat, result.data.panels.items(), "abcd"):
-        top = max(each.amplitudes.max(), np.finfo(float).tiny)
-        foot = top * 10.0**-DECADES
-        scale, shown = LogNorm(foot, top), np.maximum(each.amplitudes.T, foot)
-        grid = np.linspace(0.0, F_MAX, FREQUENCY_BINS + 1)
-        mesh = ax.pcolormesh(_cell_edges(each.mu_k), grid, shown, norm=scale, cmap="viridis", rasterized=True)
-        picture.colorbar(mesh, ax=ax, label="amplitude of $x_1$ (m)")
-        style = {"color": VERMILLION, "marker": "o", "markersize": 3.0, "linestyle": "none"}
-        marks = ax.plot(each.mu_k, each.unstable, **style)
-        marks[0].set_label("unstable eigenfrequency")
+        plot_cea_against_motion(each, ax, legend=False)
         ax.set_title(f"({letter}) {name}")
-    for ax in axes[1]:
-        ax.set_xlabel(parameter_label(scenes.STIFF, "mu_k"))
-    for ax in axes[:, 0]:
-        ax.set_ylabel("frequency (Hz)")
+    for ax in axes.flat:
+        ax.label_outer()
     axes[0, 0].legend(loc="upper left", fontsize=8.0)
     picture.suptitle(result.heading("spectra of $x_1$ in steady states from rest"))
     return picture
-
-
-def _cell_edges(values: Array) -> Array:
-    middles = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[values[0]], middles, [values[-1]]])

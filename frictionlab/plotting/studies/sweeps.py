@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -42,6 +43,7 @@ from frictionlab.validation import abbreviate
 if TYPE_CHECKING:
     from frictionlab.analysis.orbits.periodic_orbit import PeriodicOrbit
     from frictionlab.analysis.sweeps.bifurcation import Bifurcation
+    from frictionlab.analysis.sweeps.cea_against_motion import CEAAgainstMotion
     from frictionlab.analysis.sweeps.sweep import Sweep
 
 Array = NDArray[np.float64]
@@ -55,7 +57,14 @@ MOTION_STYLES: dict[str, dict[str, Any]] = {
 # share of the axes' height at which runs that ended early are marked; most of these motions grew
 # without bounds
 EARLY_END_HEIGHT = 0.03
+SPECTRUM_DECADES = 3.0  # of amplitudes against a parameter
 LOG_SCALE_RATIO = 30.0  # largest over smallest intensity above which the axis is logarithmic
+
+DISAGREEMENT_STYLES = {
+    "vibrates though stable": (ORANGE, "^"),
+    "rests though unstable": (PURPLE, "s"),
+    "not settled": (GREY, "x"),
+}
 
 SPECIAL_POINT_STYLES = {
     "fold": (VERMILLION, "o"),
@@ -297,6 +306,66 @@ def _stability_intervals(stable: np.ndarray) -> list[tuple[bool, slice]]:
         intervals.append((value, slice(start, start + count + 1)))
         start += count
     return intervals
+
+
+def plot_cea_against_motion(
+    result: CEAAgainstMotion, ax: Axes | None = None, *, legend: bool = True
+) -> list[Artist]:
+    """Draw the spectra of the motions in colours, and the frequencies of the modes that grow as points.
+
+    Below are marks where the motion does not do what the eigenvalues say.
+
+    Parameters
+    ----------
+    result : CEAAgainstMotion
+    ax : Axes or None
+        None draws into a new figure.
+    legend : bool
+
+    Returns
+    -------
+    list of Artist
+        The mesh of colours, then points.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> found = fl.cea_against_motion(fl.ModeCoupling(c=0.1), "mu_k", [0.1, 1.0], progress=False)
+    >>> found.plot().get_ylabel()
+    'frequency (Hz)'
+    """
+    ax = axes_or_new(ax)
+    lines = np.nan_to_num(result.lines)
+    top = max(lines.max(initial=0.0), np.finfo(float).tiny)
+    foot = top * 10.0**-SPECTRUM_DECADES
+    grid = np.linspace(0.0, result.f_max, lines.shape[1] + 1)
+    shown, scale = np.maximum(lines.T, foot), LogNorm(foot, top)
+    mesh = ax.pcolormesh(_cell_edges(result.values), grid, shown, norm=scale, cmap="viridis", rasterized=True)
+    name = state_label(result.state)
+    ax.figure.colorbar(mesh, ax=ax, label=f"amplitude of {name} ({state_unit(result.state)})")
+    artists: list[Artist] = [mesh]
+    style: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": "none", "color": VERMILLION}
+    points = ax.plot(result.values, result.unstable, **style)
+    points[0].set_label("unstable eigenfrequency")
+    artists += points
+    for kind, (colour, marker) in DISAGREEMENT_STYLES.items():
+        at = result.values[[one == kind for one in result.agreement]]
+        if len(at):
+            style = {"marker": marker, "color": colour, "linestyle": "none", "clip_on": False}
+            artists += ax.plot(at, np.full(len(at), 0.0), label=kind, **style)
+    ax.set(ylim=(0.0, result.f_max), xlabel=parameter_label(result.model, result.parameter))
+    ax.set_ylabel("frequency (Hz)")
+    if legend:
+        legend_beside(ax)
+    return artists
+
+
+def _cell_edges(values: Array) -> Array:
+    """Edges (N + 1,) of cells around values (N,)."""
+    if len(values) < 2:
+        return np.concatenate([values - 0.5, values + 0.5])
+    middles = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[values[0]], middles, [values[-1]]])
 
 
 def plot_sweep(
