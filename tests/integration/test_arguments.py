@@ -35,6 +35,9 @@ ANALYSES = {
     "solve": lambda x0: fl.solve(BELT.automaton(), 1.0, x0=x0, **QUIET).states,
     "steady_state": lambda x0: fl.steady_state(BELT, x0, **SHORT, **QUIET).trajectory.states,
     "bifurcation": lambda x0: fl.bifurcation(BELT, "v", [0.3], x0, **SHORT, **QUIET).sections[0],
+    "cea_against_motion": lambda x0: (
+        fl.cea_against_motion(BELT, "v", [0.3], x0, **SHORT, t_max=None, **QUIET).amplitudes
+    ),
     "ensemble": lambda x0: fl.ensemble([BELT, BELT], 1.0, x0=x0, **QUIET).states,
     "lyapunov": lambda x0: fl.lyapunov(BELT, x0, transient=1.0, t_end=1.0, blocks=2, **QUIET).final_state,
     "verify": lambda x0: fl.verify(BELT, 1.0, x0=x0, **QUIET).run.states,
