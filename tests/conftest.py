@@ -11,6 +11,8 @@ import pytest
 from hypothesis import settings
 
 os.environ["MPLBACKEND"] = "Agg"
+# As many processes run tests as there are cores; threads of BLAS beside them wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 if os.environ.get("FRICTIONLAB_DISABLE_NUMBA", "0") not in ("", "0"):
     sys.modules["numba"] = None  # any import of it fails, as if it were not installed

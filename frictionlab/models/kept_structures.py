@@ -68,7 +68,7 @@ class Derivations:
         Nothing is kept where a source has been edited since the digest was taken: the data may have been
         derived by other sources than those of the digest.
         """
-        if self._path is not None and stamps() == LOADED.stamps:
+        if self._path is not None and _stamps(LOADED.paths) == LOADED.stamps:
             self._known = self._read() | (self._known or {}) | {name: data}
             cache_folder.write(self._path, json.dumps(self._known, separators=(",", ":")).encode())
 
@@ -149,28 +149,28 @@ def _is_as_written(cls: type) -> bool:
 
 
 class Sources(NamedTuple):
-    """The sources that the data depend on: their digest, and the state of each file; empty if unreadable."""
+    """The sources that the data depend on: their digest, paths and stamps; empty if unreadable."""
 
     digest: str
-    stamps: tuple[Any, ...]
+    paths: tuple[str, ...]
+    stamps: tuple[tuple[int, int], ...]
 
 
 def sources() -> Sources:
     """The sources as they are now; empty in a zip file, or where there is only byte code."""
     try:
-        digest = hashlib.sha256()
-        for path in _files():
+        digest, paths = hashlib.sha256(), tuple(_files())
+        for path in paths:
             digest.update(Path(path).read_bytes())
     except OSError:
-        return Sources("", ())
-    return Sources(digest.hexdigest()[: cache_folder.DIGEST_LENGTH], stamps())
+        return Sources("", (), ())
+    return Sources(digest.hexdigest()[: cache_folder.DIGEST_LENGTH], paths, _stamps(paths))
 
 
-def stamps() -> tuple[Any, ...]:
-    """Path, time of the last change and size of each file; () where one cannot be read."""
+def _stamps(paths: tuple[str, ...]) -> tuple[tuple[int, int], ...]:
+    """Time of the last change and size of each file; () where one cannot be read."""
     try:
-        statuses = ((path, os.stat(path)) for path in _files())
-        return tuple((path, info.st_mtime_ns, info.st_size) for path, info in statuses)
+        return tuple((info.st_mtime_ns, info.st_size) for info in map(os.stat, paths))
     except OSError:
         return ()
 

@@ -16,10 +16,11 @@ from tests.reference.slider_equations import parameters, series
 from tests.reference.slider_mpmath import motion
 from tests.reference.write_tables import FLIGHT, TABLES, read, resumed
 
+SLIDER = fl.SliderOnBelt(mu_k=1.4)
 MODELS = {
-    "A": fl.SliderOnBelt(mu_k=1.4).without("geometry"),
-    "B": fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")),
-    "D": fl.SliderOnBelt(mu_k=1.4),
+    "A": lambda: SLIDER.without("geometry"),
+    "B": lambda: SLIDER.replace(impact=fl.PlasticImpact("full")),
+    "D": lambda: SLIDER,
 }
 COUNTS = {"A": 46, "B": 46, "D": 1759}
 ASKED = 1e-11
@@ -27,7 +28,7 @@ STRETCHES = {"A": (2, "0.12"), "B": (2, "0.12"), "D": (180, "0.11")}  # row wher
 
 
 def run_of(scene, chatter=1e-7):
-    run = fl.simulate(MODELS[scene], 1.0, method=fl.Taylor(tol=1e-15, chatter=chatter), progress=False)
+    run = fl.simulate(MODELS[scene](), 1.0, method=fl.Taylor(tol=1e-15, chatter=chatter), progress=False)
     assert run.status is fl.Status.FINISHED
     return run
 

@@ -250,7 +250,7 @@ def test_an_edit_of_a_source_or_another_sympy_names_another_folder(monkeypatch, 
         found.add(kept_structures.sources().digest)
     assert len(found) == 4
     (tmp_path / "models" / "law.py").unlink()  # byte code alone is installed, or the package is a zip file
-    assert kept_structures.sources() == ("", ())
+    assert kept_structures.sources() == ("", (), ())
 
 
 def test_nothing_is_kept_once_a_source_was_edited(monkeypatch, tmp_path):
