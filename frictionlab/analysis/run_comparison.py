@@ -1,7 +1,8 @@
 """The comparison of a run with another one.
 
 The two runs are of the same motion.  They are compared in their events and, between events, in their states.
-Events close together (two at once, the last bounces before a Zeno point) count as one.
+Events close together (two at once, the last bounces before a Zeno point) count as one.  Impacts of bodies that
+as good as rest beside each other do not count: whether they touch is rounding.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.motion_scales import Array, motion_size
 from frictionlab.analysis.run_conditions import is_of_series
 from frictionlab.hybrid.trajectory import Trajectory
 
@@ -18,6 +19,7 @@ SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer 
 ACCUMULATION_SHARE = 1e-3  # share of the longest stay: shorter stays before a Zeno point belong to it
 # share of the longest stay: this near to the end one run may have an event that the other lacks
 END_MARGIN_SHARE = 1e-3
+LEAST_JUMP = 1e-8  # share of the motion's size: an impact that changes no state by this does not count
 COMPARISON_TIMES = 2000  # times at which states are compared, in addition to some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
 
@@ -55,13 +57,15 @@ class ModeStays(NamedTuple):
 
 def mode_stays(run: Trajectory, together: float) -> ModeStays:
     """A run's events, where those within `together` seconds of the one before count as one."""
-    t, events = run.raw.event_times, run.events
+    events = run.events
+    jumps = (np.abs(events.state - events.before) / motion_size(run)).max(axis=1, initial=0.0)
+    counts = (jumps > LEAST_JUMP) | (events.source != events.target) | events.closed
+    t, target, closed = events.t[counts], events.target[counts], events.closed[counts]
     if not len(t):
-        return ModeStays(t, t, events.target, events.closed)
-    new = np.diff(t, prepend=-np.inf) > together
-    begins = np.flatnonzero(new)
+        return ModeStays(t, t, target, closed)
+    begins = np.flatnonzero(np.diff(t, prepend=-np.inf) > together)
     ends = np.append(begins[1:], len(t)) - 1
-    return ModeStays(t[begins], t[ends], events.target[ends], np.logical_or.reduceat(events.closed, begins))
+    return ModeStays(t[begins], t[ends], target[ends], np.logical_or.reduceat(closed, begins))
 
 
 def longest_stay(run: Trajectory, end: float) -> float:

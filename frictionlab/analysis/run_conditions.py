@@ -67,13 +67,13 @@ def evenly_spread(count: int, most: int) -> Array:
 
 
 def _broken_guard(run: Trajectory, limit: float) -> str:
-    states = run.raw.step_states
     first, words, worst = np.inf, "", 0.0
+    anywhere = _states_of_steps(run, np.arange(len(run.raw.step_modes)))
     for mode, steps in _steps_by_mode(run):
         tape = Tape(run.problem.program.code, run.problem.numbers, mode)
         if not tape.functions:
             continue
-        sizes = tape.sizes(np.vstack([_spread(states), _spread(states[steps])]))
+        sizes = tape.sizes(np.vstack([anywhere, _states_of_steps(run, steps)]))
         bounds = np.where(sizes > 0.0, -limit * sizes, -np.inf)
         for some in _at_once(steps):
             bad = negative_points(tape, _pieces(run, some), bounds)
@@ -131,9 +131,15 @@ def _at_once(steps: Array) -> list[Array]:
     return np.array_split(steps, -(-len(steps) // PIECES_AT_ONCE))
 
 
-def _spread(states: Array) -> Array:
-    """Some of the states, evenly spread."""
-    return states[evenly_spread(len(states), SAMPLES_OF_SIZES)]
+def _states_of_steps(run: Trajectory, steps: Array) -> Array:
+    """States at the start and in the middle of some of the steps, evenly spread.
+
+    The starts alone would not tell sizes: a gap may be zero at each of them, as that of a ball whose flights are
+    one step each.
+    """
+    some = steps[evenly_spread(len(steps), SAMPLES_OF_SIZES)]
+    begins, lengths = run.raw.step_times[some].T
+    return np.vstack([run.raw.step_states[some], run(begins + 0.5 * lengths)])
 
 
 def _pieces(run: Trajectory, steps: Array) -> Pieces:
