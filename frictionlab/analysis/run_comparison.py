@@ -1,8 +1,8 @@
 """The comparison of a run with another one.
 
 The two runs are of the same motion.  They are compared in their events and, between events, in their states.
-Events close together (two at once, the last bounces before a Zeno point) count as one.  Impacts of bodies that
-as good as rest beside each other do not count: whether they touch is rounding.
+Events close together (two at once, the last bounces before a Zeno point) count as one.  Impacts of bodies
+that as good as rest beside each other do not count: whether they touch is rounding.
 """
 
 from __future__ import annotations

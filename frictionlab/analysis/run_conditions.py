@@ -134,8 +134,8 @@ def _at_once(steps: Array) -> list[Array]:
 def _states_of_steps(run: Trajectory, steps: Array) -> Array:
     """States at the start and in the middle of some of the steps, evenly spread.
 
-    The starts alone would not tell sizes: a gap may be zero at each of them, as that of a ball whose flights are
-    one step each.
+    The starts alone would not tell sizes: a gap may be zero at each of them, as that of a ball whose flights
+    are one step each.
     """
     some = steps[evenly_spread(len(steps), SAMPLES_OF_SIZES)]
     begins, lengths = run.raw.step_times[some].T

@@ -38,6 +38,7 @@ DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this d
 # Shares of the way from a regain to a loss.  If the mode grows there by more than rounding, its growth rate
 # only touches zero.
 TOUCH_SHARES = (0.25, 0.75)
+OUTSIDE_TOUCH_SHARES = (-0.25, 1.25)  # of the same way: beside it
 TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
 MANY_LINES = 192  # of so many the critical points are searched in long intervals first
@@ -459,19 +460,29 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
 
     A growth rate may come down to zero and rise again, as (p - a)^2 does.  Within some 1e-5 on either side of
     a it is too small to be told from zero, but it does not become negative.  So stability does not change.
+
+    A slow mode is judged by its own size, but for where its eigenvalue comes out as zero.  Such a zero is one
+    of rounding if just outside, too, the growth would count as zero beside the fastest mode.
     """
     touches = np.zeros(len(roots), dtype=bool)
     if len(roots) < 2:
         return touches
-    still, _ = _bracket_sides(evaluate, brackets)
+    still, growing = _bracket_sides(evaluate, brackets)
     regain = still > 0.5 * (brackets.low + brackets.high)
     pairs = (brackets.line[1:] == brackets.line[:-1]) & (brackets.rank[1:] == brackets.rank[:-1])
     first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
+    line, rank, start, width = brackets.line[first], brackets.rank[first], roots[first], np.diff(roots)[first]
+    ends = growing[first], growing[first + 1]
+    outside = [
+        eigenvalue_at_rank(evaluate(line, np.clip(start + share * width, *ends)), rank).real
+        for share in OUTSIDE_TOUCH_SHARES
+    ]
     grows = np.ones(len(first), dtype=bool)
     for share in TOUCH_SHARES:
-        spectra = evaluate(brackets.line[first], roots[first] + share * (roots[first + 1] - roots[first]))
-        least = TOUCH_RTOL * eigenvalue_at_rank(growth_scales(spectra), brackets.rank[first])
-        grows &= eigenvalue_at_rank(spectra, brackets.rank[first]).real > least
+        spectra = evaluate(line, start + share * width)
+        rate, scale = eigenvalue_at_rank(spectra, rank).real, eigenvalue_at_rank(growth_scales(spectra), rank)
+        rounding = (rate >= -DECAY_RTOL * scale) & (np.maximum(*outside) < NEUTRAL_RTOL * scale)
+        grows &= rounding | (rate > TOUCH_RTOL * scale)
     touches[first[grows]] = touches[first[grows] + 1] = True
     return touches
 
