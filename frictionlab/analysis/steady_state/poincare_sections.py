@@ -22,7 +22,7 @@ from frictionlab.validation import abbreviate, check_number, check_text
 STICK = "stick"
 BISECTIONS = 40
 MEAN_SAMPLES = 2001  # of a run, for the mean of a state
-EVENT_TIME_ATOL = 1e-9  # s: a crossing so near to an event is at the event, but for rounding
+EVENT_TIME_SHARE = 1e-7  # of the longest stay: so much, sqrt(eps), rounding moves the zero of a parabola
 Section = str | tuple[Any, int]
 
 
@@ -193,10 +193,15 @@ def _states_before_events(run: Trajectory, points: SectionPoints) -> SectionPoin
     events = run.events
     if not len(events):
         return points
-    i = np.clip(np.searchsorted(events.t, points.t - EVENT_TIME_ATOL), 0, len(events) - 1)
-    at_event = np.abs(events.t[i] - points.t) <= EVENT_TIME_ATOL
+    t, last = events.t, len(events) - 1
+    after = np.clip(np.searchsorted(t, points.t), 0, last)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(np.abs(t[before] - points.t) <= np.abs(t[after] - points.t), before, after)
+    i = np.searchsorted(t, t[nearest])  # the first of several at once
+    near = EVENT_TIME_SHARE * np.diff(t, prepend=0.0, append=run.raw.t).max()
+    at_event = np.abs(t[i] - points.t) <= near
     states = np.where(at_event[:, None], events.before[i], points.state)
-    return SectionPoints(np.where(at_event, events.t[i], points.t), states)
+    return SectionPoints(np.where(at_event, t[i], points.t), states)
 
 
 def stick_onsets(run: Trajectory) -> Any:

@@ -12,7 +12,7 @@ from frictionlab.hybrid.ensemble import lanes
 from frictionlab.hybrid.ensemble.arrays import Batch, BatchRuns, new_batch
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
-from frictionlab.hybrid.methods.taylor import Taylor, is_affine
+from frictionlab.hybrid.methods.taylor import Taylor, is_affine, longest_step
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined
 from frictionlab.interruption import Progress
@@ -76,7 +76,7 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
     runs.status[goes_on] = run_state.RUNNING
-    if group.alone or is_affine(group.program):
+    if group.alone or is_affine(group.program) or t_end > longest_step(group.method.degree):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
     changing = "states", "times", "counts", "totals"
     before = runs._replace(**{name: getattr(runs, name).copy() for name in changing})

@@ -42,6 +42,7 @@ from frictionlab.validation import check_choice, check_field, explains_fields
 CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
+LARGEST_POWER = 280  # decimal exponent of a step's power; numbers end at 1e308, and near 1e-308
 AFFINE_ORDER = 26  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
@@ -219,6 +220,23 @@ def prepared_truncation(order: int, tol: float) -> Truncation:
 
 
 @cache
+def longest_step(order: int) -> float:
+    """Seconds of the longest step that a series may take: with longer ones, coefficients that are too small
+    for floating-point numbers would matter, or powers of the step be too large."""
+    return 10.0 ** (LARGEST_POWER / order)
+
+
+def advance_in_parts(run: ActiveRun, truncation: Truncation, longest: float, record: run_state.Record) -> int:
+    """As `advance_taylor`, with no step longer than `longest` (s)."""
+    times, t_end, end = run.cursor.times, run.problem.t_end, run_state.FINISHED
+    while end == run_state.FINISHED and times[run_state.NOW] < t_end:
+        times[run_state.END] = min(times[run_state.NOW] + longest, t_end)
+        end = taylor_steps.advance_taylor(run.system, truncation, run.cursor, record, run.scratch)
+    times[run_state.END] = t_end
+    return end
+
+
+@cache
 def order_of_tolerance(tol: float) -> int:
     """ceil(5 - 0.6 ln(tol)); by decimal numbers, whose logarithm is the same on every machine."""
     return math.ceil(5 - Decimal("0.6") * Decimal(tol).ln())
@@ -299,6 +317,9 @@ class Taylor(Method):
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         truncation = prepared_truncation(self.order_of(run.problem.program), self.tol)
         arrays = run.cursor, record, run.scratch
+        longest = longest_step(truncation.order)
+        if run.problem.t_end > longest:
+            return advance_in_parts(run, truncation, longest, record)
         if not is_affine(run.problem.program):
             return taylor_steps.advance_taylor(run.system, truncation, *arrays)
         sizes = run.system.code.inputs, len(run.system.code.ops)

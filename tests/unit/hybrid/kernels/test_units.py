@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.analysis.steady_state.poincare_sections import section_crossings
 
 TIME_UNITS = (2.0**-20, 2.0**20)  # s, some microseconds and some weeks
 PER_SECOND = ("c1", "c2", "c4", "c5", "c6", "v")
@@ -62,6 +63,34 @@ def test_a_zeno_accumulation_ends_where_it_should_in_any_unit():
         expected = math.sqrt(2.0 / fl.BouncingBall().g) * 3.0
         assert run.events.t[-1] * unit == pytest.approx(expected, rel=1e-14)
         assert run.mode[-1] == "contact"
+
+
+@pytest.mark.parametrize(("v", "tol"), [(0.2e-12, 1e-15), (0.2e-12, 1e-4), (0.2e-8, 1e-16)])
+def test_stick_that_lasts_for_ages_ends_where_it_should(v, tol):
+    """The belt carries the mass from 0 to mu_s N/k: powers of such times are no numbers."""
+    model = fl.MassOnBelt(v=v, mu_s=1.0, c=0.0)
+    run = fl.simulate(model, 1.5 / v, x0=[0.0, v], method=fl.Taylor(tol=tol, order=30), progress=False)
+    assert run.events.t[0] * v == pytest.approx(1.0, rel=1e-14)
+    assert run.events.target[:2].tolist() == ["slip+", "stick"]
+
+
+def test_motions_of_ages_are_the_same_in_a_batch():
+    unit = 2.0**-38
+    usual, slow = fl.MassOnBelt(c=0.05), fl.MassOnBelt(c=0.05 * unit, k=unit**2, N=unit**2, v=0.2 * unit)
+    states = np.array([[0.0, 0.2], [0.5, 0.0]])
+    ends = [
+        fl.ensemble([model] * 2, 20.0 / by, x0=states * [1.0, by], progress=False).states / [1.0, by]
+        for model, by in ((usual, 1.0), (slow, unit))
+    ]
+    assert ends[1] == pytest.approx(ends[0], abs=1e-12)
+
+
+def test_a_section_is_not_at_an_event_that_is_a_nanosecond_later():
+    """Stick from 0 with 0.2 m/ns: x = 0.9 m after 4.5 ns, and its end after 5 ns."""
+    model = fl.MassOnBelt(k=1e18, N=1e18, v=0.2e9, mu_s=1.0, c=0.0)
+    run = fl.simulate(model, 6e-9, x0=[0.0, 0.2e9], progress=False)
+    assert run.events.t[0] == pytest.approx(5e-9)
+    assert section_crossings(run, ("x - 0.9", 1)).t[0] == pytest.approx(4.5e-9, rel=1e-12)
 
 
 def test_a_limit_of_chatter_that_is_long_for_the_motion_is_told():
