@@ -1,12 +1,9 @@
-"""How exact a run is: the defect of its steps, and how far samples violate the conditions of their modes.
+"""How exact a run is: the defect of its steps.
 
 Between two stored states a run is a polynomial in time, its dense output.  Put into the equations, it leaves
 a residual x' - f(x).  If a method other than the series computed the next state, there is also a jump from
 the end of the polynomial to that state.  A step adds to the error the residual times its length, or the jump
 if that is larger.  As a share of the motion's size this is its defect, which compares with the tolerance.
-
-Event functions must be positive at the samples and constraints zero.  This is checked by their values alone,
-independently of how events are located.
 
 Every run by series is checked when it is over.  The defects of a few of its steps are measured; those that
 the tolerance does not allow give a warning.
@@ -26,9 +23,7 @@ from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     majorant,
     mode_jets,
-    mode_operations,
     polynomial_slope,
-    run_tape,
     states_at,
 )
 from frictionlab.hybrid.kernels.run_state import jet_columns
@@ -36,7 +31,6 @@ from frictionlab.hybrid.kernels.taylor_steps import step_series
 from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.presentation import FrozenMapping
 from frictionlab.tape.elementary.trigonometry import cos
-from frictionlab.tape.program import system_of
 
 CHECK_POINTS = 8  # points in a step, zeros of a Chebyshev polynomial: dense towards its ends
 # Errors up to this share of a sum's absolute terms may be rounding, and do not count as a defect.
@@ -309,55 +303,3 @@ def relative_defect(code, scratch):
         if error > 0.0:
             worst = larger_or_infinite(error / size, worst)
     return worst
-
-
-def condition_violation(problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray) -> float:
-    """Largest violation, at samples of a run, of a condition of their modes, as a share of its size.
-
-    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
-    sum of its absolute terms along the whole run, in all modes.  A flight's own samples would not do: where
-    it begins the gap is all rounding, and a flight can be arbitrarily short.
-
-    Parameters
-    ----------
-    problem, raw : Problem, RunData
-        The problem and the data of the run.
-    states : array (N, states)
-        Samples of the run.
-    modes : int array (N,)
-        The mode of each sample.
-    """
-    return float(worst_conditions(problem, raw, states, modes)[0].max(initial=0.0))
-
-
-def worst_conditions(
-    problem: Problem, raw: RunData, states: np.ndarray, modes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """As :func:`condition_violation`, at each sample, and the number of the condition: guards come first."""
-    worst, which = np.zeros(len(states)), np.zeros(len(states), dtype=int)
-    for mode in np.unique(modes):
-        inside = np.flatnonzero(modes == mode)
-        amounts, terms = _condition_values(problem, mode, np.vstack([states[inside], raw.step_states]))
-        sizes = np.where(np.isfinite(terms), terms, 0.0).max(axis=0)  # in other modes NaN, as sqrt(gap)
-        if not (sizes > 0).any():
-            continue
-        shares = np.where(sizes > 0, amounts[: len(inside)] / np.where(sizes > 0, sizes, 1.0), 0.0)
-        worst[inside], which[inside] = np.maximum(shares.max(axis=1), 0.0), shares.argmax(axis=1)
-    return worst, which
-
-
-def _condition_values(problem: Problem, mode: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """By how much states (N, n) violate a mode's conditions (N, k), and the sums of their absolute terms."""
-    code, numbers = problem.program.code, problem.numbers
-    magnitudes, J = system_of(code, numbers).magnitudes, np.zeros((problem.program.slots, 1))
-    guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]]
-    fixed = code.function_slots[code.mode_constraints[mode] : code.mode_constraints[mode + 1]]
-    amounts = np.empty((len(states), len(guards) + len(fixed)))
-    terms, sums = np.empty_like(amounts), J.copy()
-    for i, z in enumerate(states):
-        J[: len(z), 0] = z
-        run_tape(code, numbers, mode_operations(code, mode), (0, 0), code.flow[mode], -1.0, J, J)
-        majorant(code, magnitudes, mode, 0, z, J, sums)
-        amounts[i] = np.append(-J[guards, 0], np.abs(J[fixed, 0]))
-        terms[i] = np.append(sums[guards, 0], sums[fixed, 0])
-    return amounts, terms

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON
+from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.tape import functions as kinds
 from frictionlab.tape.formulas import ALONG_RUNS
 from frictionlab.tape.intervals import Interval
@@ -25,6 +26,7 @@ from frictionlab.tape.program import Code, Numbers
 
 Array = Any
 
+STATES_AT_ONCE = 20_000  # at which values are computed
 MOST_HALVINGS = 40
 MOST_PIECES = 4096  # in doubt at once; with more, the guards on all of these count as positive
 RESOLUTION = 0.1  # share of the largest rate up to which rates between points may be unknown
@@ -50,10 +52,10 @@ class Tape:
         self.flow = code.flow[mode].tolist()
         self.bases = sorted({row[1] for row in rows if row[0] == kinds.POWER})
 
-    def sizes(self, states: Array) -> Array:
-        """The largest sums of absolute terms of guards and constraints among states: their sizes."""
+    def sizes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
+        """The largest sums of absolute terms among states, of slots as in :meth:`values`: their sizes."""
         with np.errstate(all="ignore"):
-            terms = self.magnitudes(states)
+            terms = self.magnitudes(states, slots)
         return np.where(np.isfinite(terms), terms, 0.0).max(axis=0, initial=0.0)  # in other modes NaN
 
     @property
@@ -129,14 +131,24 @@ class Tape:
 
     def values(self, states: Array, slots: Sequence[int] | None = None) -> Array:
         """Values (N, slots) at states (N, states), by default of guards and constraints."""
-        known = self.slots(list(states.T))
-        return np.array([known[i] for i in self._asked(slots)]).reshape(-1, len(states)).T
-
-    def _asked(self, slots: Sequence[int] | None) -> Sequence[int]:
-        return self.functions if slots is None else slots
+        return self._at_states(lambda part: self.slots(list(part.T)), states, slots)
 
     def magnitudes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
         """Sums of the absolute terms (N, slots), as :meth:`values`."""
+        return self._at_states(self._sums, states, slots)
+
+    def _at_states(
+        self, evaluate: Callable[[Array], list[Array]], states: Array, slots: Sequence[int] | None
+    ) -> Array:
+        """Numbers of slots (N, slots), by a function of some states that gives those of all slots."""
+        asked, columns = self.functions if slots is None else slots, []
+        for part in np.array_split(states, max(1, -(-len(states) // STATES_AT_ONCE))):
+            every = evaluate(part)
+            columns.append(np.array([every[i] for i in asked]).reshape(len(asked), len(part)))
+        return np.hstack(columns).T
+
+    def _sums(self, states: Array) -> list[Array]:
+        """Sums of the absolute terms of all slots."""
         values = self.slots(list(states.T))
         sums = list(np.abs(states.T))
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
@@ -153,7 +165,7 @@ class Tape:
                 sums.append(sums[a])
             else:
                 sums.append(np.abs(values[out]) + np.abs(values[b]) * sums[a])
-        return np.array([sums[i] for i in self._asked(slots)]).reshape(-1, len(states)).T
+        return sums
 
     @staticmethod
     def _sum(constant: float, terms: list[tuple[int, float]], known: list[Any]) -> Any:
@@ -177,6 +189,31 @@ def _spans_ratio(values: Interval) -> Array:
 def _times(values: Interval, hidden: Array) -> Array:
     """What a product hides if one factor has these `values` and the other hides something."""
     return np.where(hidden > 0.0, values.magnitude * hidden, 0.0)
+
+
+def condition_violation(problem: Problem, raw: RunData, states: Array, modes: Array) -> float:
+    """Largest violation, at samples of a run, of a condition of their modes, as a share of its size.
+
+    Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
+    sum of its absolute terms along the whole run, in all modes.  A flight's own samples would not do: where
+    it begins the gap is all rounding, and a flight can be arbitrarily short.
+
+    Parameters
+    ----------
+    problem, raw : Problem, RunData
+    states : array (N, states)
+        Samples of the run.
+    modes : int array (N,)
+        The mode of each sample.
+    """
+    worst = 0.0
+    for mode in np.unique(modes):
+        tape, samples = Tape(problem.program.code, problem.numbers, mode), states[modes == mode]
+        sizes = tape.sizes(np.vstack([samples, raw.step_states]))
+        sized, values = sizes > 0.0, tape.values(samples)
+        values[:, len(tape.guards) :] = -np.abs(values[:, len(tape.guards) :])
+        worst = max(worst, float((-values[:, sized] / sizes[sized]).max(initial=0.0)))
+    return worst
 
 
 class Pieces(NamedTuple):

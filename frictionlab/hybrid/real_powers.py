@@ -17,8 +17,6 @@ from frictionlab.hybrid.kernels.step_length import BASE_ROUNDING_SHARE
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.lazy_names import sympy
 
-STATES_AT_ONCE = 20_000  # at which bases are computed
-
 
 def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
     """The run up to the first step at which a base is negative, with the status "not finite".
@@ -76,9 +74,7 @@ def _first_negative(problem: Problem, mode: int, raw: RunData, modes: np.ndarray
     if raw.mode == mode:
         states = np.vstack([states, raw.state[: code.inputs]])
     with np.errstate(all="ignore"):
-        parts = np.array_split(states, -(-len(states) // STATES_AT_ONCE))
-        values = np.concatenate([tape.values(part, tape.bases) for part in parts])
-        sizes = np.concatenate([tape.magnitudes(part, tape.bases) for part in parts])
-    least = -BASE_ROUNDING_SHARE * np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0)
+        values = tape.values(states, tape.bases)
+    least = -BASE_ROUNDING_SHARE * tape.sizes(states, tape.bases)
     negative = np.flatnonzero((values < least).any(axis=1))
     return int(inside[negative[0]]) if len(negative) else None

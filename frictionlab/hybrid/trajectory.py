@@ -20,13 +20,13 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
 from frictionlab.hybrid.accuracy import (
     ALL_STEPS,
-    condition_violation,
     defect_warning,
     defects,
     sampled_steps,
 )
 from frictionlab.hybrid.chatter_limit import chatter_warning
 from frictionlab.hybrid.codegen.native_cache import native_code
+from frictionlab.hybrid.guard_bounds import condition_violation
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.problem import (
