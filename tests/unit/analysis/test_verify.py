@@ -85,7 +85,8 @@ def test_a_wrong_run_is_not_to_be_trusted(method):
     assert str(found).startswith("Do not trust this run: ")
 
 
-@pytest.mark.parametrize("method", [pytest.param("RK45", marks=pytest.mark.slow), fl.RK4(step=2e-4)])
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["RK45", fl.RK4(step=2e-4)])
 def test_other_methods_that_do_well(method):
     found = fl.verify(A, 0.25, method=method, progress=False)
     assert found.ok

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 from PIL import Image
 from scipy.io import wavfile
 
@@ -10,6 +11,7 @@ import frictionlab as fl
 from frictionlab.cli.command import main
 
 
+@pytest.mark.slow
 def test_a_film_has_the_frames_that_were_asked_for(tmp_path, capsys):
     file = tmp_path / "ball.gif"
     words = ["--model", "BouncingBall", "--t-end", "1", "--window", "0.5", "--speed", "0.5", "--fps", "6"]

@@ -202,6 +202,7 @@ def test_a_file_is_written(tmp_path):
         assert image.n_frames == 7
 
 
+@pytest.mark.slow
 def test_a_page_holds_all_its_frames(tmp_path):
     """One file, which can be sent to someone."""
     page = tmp_path / "run.html"

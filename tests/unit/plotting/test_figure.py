@@ -70,6 +70,7 @@ def test_the_picture_of_a_run_is_that_of_matplotlib(style, tmp_path):
     assert np.array_equal(pixels(path), pixels(usual))
 
 
+@pytest.mark.slow
 def test_a_figure_is_what_it_was_once_it_is_written(tmp_path):
     figure = of_equal_scales()
     canvas, dpi = figure.canvas, figure.dpi

@@ -145,6 +145,7 @@ def test_the_points_are_those_of_the_analysis(diagram):
     assert np.array_equal(states, expected.sections[0])
 
 
+@pytest.mark.slow
 def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(block):
     panel = block.panels["bifurcation"]
     before = dict(panel.steady_states)
@@ -348,6 +349,7 @@ def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeyp
     assert "not settled yet" in explorer.drawings["bifurcation"].note
 
 
+@pytest.mark.slow
 def test_a_model_without_the_usual_parameter_has_a_bifurcation_explorer():
     model = fl.MassOnBeam()
     explorer = fl.explore_bifurcation(model)

@@ -210,6 +210,7 @@ def test_speed_of_crossing(model, bounds, names):
         assert same.first_lyapunov == pytest.approx(point.first_lyapunov, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_an_absolute_value_in_a_law_does_not_matter():
     @dataclass(frozen=True)
     class Plain(Stribeck):

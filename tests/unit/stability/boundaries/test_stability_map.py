@@ -125,6 +125,7 @@ def test_the_lowest_boundary_passes_through_the_critical_values():
     np.testing.assert_allclose(np.interp(forces, *lowest.points[order].T), critical, atol=2e-4)
 
 
+@pytest.mark.slow
 def test_where_there_is_no_equilibrium():
     found = fl.stability_map(fl.SliderOnBelt(), x=("F", [-100.0, 100.0]), y=("mu_k", [0.3, 2.5]))
     np.testing.assert_array_equal(found.unstable, [[-1, 0], [-1, 1]])
