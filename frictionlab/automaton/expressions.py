@@ -68,6 +68,8 @@ def within_floats(expression: Any) -> Any:
     exponential function overflows.  An exact number stays in the argument.
     """
     expr = sympy.sympify(expression, strict=True)
+    if not expr.args:
+        return expr
     changes = {}
     for part in expr.atoms(sympy.Pow, sympy.exp):
         if part.is_Pow and part.exp.is_Float and (exponent := integer_exponent(part)) is not None:

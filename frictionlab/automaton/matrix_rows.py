@@ -55,12 +55,16 @@ class MatrixProduct:
     @cached_property
     def symbols(self) -> frozenset[Any]:
         """All symbols on which the product depends."""
-        return frozenset().union(*(factor.free_symbols for factor in self.factors))
+        return frozenset().union(*set(map(_symbols_of, self.factors)))
 
     @cached_property
-    def places(self) -> dict[Expr, int]:
-        """The column of each factor."""
-        return {factor: i for i, factor in enumerate(self.factors)}
+    def places(self) -> dict[Expr, list[int]]:
+        """The columns of the factors in which each symbol is."""
+        places: dict[Expr, list[int]] = {}
+        for j, factor in enumerate(self.factors):
+            for one in factor.free_symbols:
+                places.setdefault(one, []).append(j)
+        return places
 
     def slots_of_terms(self, slots: Sequence[int]) -> NDArray[np.uint32]:
         """The slot of each term, row by row, where these are the slots of the factors."""
@@ -81,6 +85,11 @@ class MatrixProduct:
 def matrix_rows(matrix: Any, factors: Sequence[Expr]) -> list[Expr]:
     """The rows of a matrix (rows, factors) times expressions, as expressions."""
     return MatrixProduct(np.array(matrix, dtype=float), tuple(factors)).rows()
+
+
+def _symbols_of(expr: Expr) -> frozenset[Any]:
+    """Its free symbols; those of rows of one product are one object."""
+    return expr.product.symbols if isinstance(expr, MatrixRow) else frozenset(expr.free_symbols)
 
 
 def _times(entry: float, factor: Expr) -> Expr:
@@ -128,10 +137,9 @@ class MatrixRow(sympy.AtomicExpr):
         return sympy.Add(*(_times(*term) for term in self.terms()))
 
     def _eval_derivative(self, s: Any) -> Expr:
-        place = self.product.places.get(s)
-        if place is not None and all(one.is_Symbol for one in self.product.factors):
-            return sympy.Float(float(self.product.matrix[self.index, place]))
-        return sympy.Add(*(_times(entry, sympy.diff(factor, s)) for entry, factor in self.terms()))
+        entries, factors = self.product.matrix[self.index], self.product.factors
+        places = [j for j in self.product.places.get(s, ()) if entries[j]]
+        return sympy.Add(*(_times(float(entries[j]), sympy.diff(factors[j], s)) for j in places))
 
     def _eval_derivative_n_times(self, s: Any, n: Any) -> Expr:
         return super(sympy.AtomicExpr, self)._eval_derivative_n_times(s, n)
@@ -159,6 +167,7 @@ class MatrixRow(sympy.AtomicExpr):
         return self._printed(printer)
 
     def _printed(self, printer: Any) -> str:
-        terms = [printer.doprint(_times(*term)) for term in self.terms()]
+        terms = self.terms()
+        printed = [printer.doprint(_times(*term)) for term in terms[:MOST_PRINTED]]
         more = [f"({len(terms) - MOST_PRINTED} more terms)"] if len(terms) > MOST_PRINTED else []
-        return f"({' + '.join([*terms[:MOST_PRINTED], *more])})"
+        return f"({' + '.join([*printed, *more])})"

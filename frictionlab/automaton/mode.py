@@ -163,6 +163,7 @@ def check_element(what: str, given: Any, *classes: type) -> None:
 MAX_NAME = 1000  # characters of the name of a mode or an event, which messages repeat
 JOINT = " | "  # separates the regimes in a mode's name
 NO_PARTS = "only"  # the name of the only mode where there are no parts
+MOST_REMEMBERED = 4096  # names whose combinations are remembered
 LISTED = 243  # most modes that a message lists: those of five contacts
 Combination = tuple[int, ...]  # for each part the index of its regime
 
@@ -204,6 +205,7 @@ class ModeNames(Sequence[str]):
     def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
         self._names, self._allows = regimes, allows
         self._numbers = [{name: i for i, name in enumerate(names)} for names in regimes]
+        self._made: dict[str, Combination] = {}  # of the names that were made last
 
     def combinations(self) -> Iterator[Combination]:
         """All combinations that are modes, in order: the last part's regime changes fastest."""
@@ -212,10 +214,16 @@ class ModeNames(Sequence[str]):
     def name_of(self, combination: Combination) -> str:
         """The name of a combination."""
         words = (names[i] for names, i in zip(self._names, combination, strict=True))
-        return JOINT.join(filter(None, words)) or NO_PARTS
+        name = JOINT.join(filter(None, words)) or NO_PARTS
+        if len(self._made) == MOST_REMEMBERED:
+            self._made.clear()
+        self._made[name] = combination
+        return name
 
     def combination_of(self, name: Any) -> Combination | None:
         """The combination of that name; None where there is no such mode."""
+        if isinstance(name, str) and (made := self._made.get(name)) is not None:
+            return made if self._allows(made) else None
         words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else []
         combination = ()
         for numbers in self._numbers:
@@ -324,6 +332,8 @@ class ModesOnDemand(Sequence[Mode]):
         cannot hold it.
     whole : sequence of Mode, or None
         Of modes on sides of borders, as of laws in pieces, the modes on all sides.
+    products : tuple of MatrixProduct
+        Products of matrices that many modes have in common.
 
     Attributes
     ----------
@@ -339,8 +349,9 @@ class ModesOnDemand(Sequence[Mode]):
         again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
         origin: Callable[[], dict[str, Any]] | None = None,
         whole: Sequence[Mode] | None = None,
+        products: tuple[Any, ...] = (),
     ) -> None:
-        self.parts, self.origin, self.whole = parts, origin, whole
+        self.parts, self.origin, self.whole, self.products = parts, origin, whole, products
         self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
         self._derive, self.allows, self._again = derive, allows, again
         self._derived: dict[Combination, Mode] = {}

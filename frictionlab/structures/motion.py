@@ -10,7 +10,7 @@ the contacts alone.  A mode differs from another in what its contacts add, F_T o
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, Reset
-from frictionlab.automaton.matrix_rows import matrix_rows
+from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_rows
 from frictionlab.automaton.mode import Combination, ModesOnDemand
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
@@ -29,7 +29,7 @@ from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
-from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics
+from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 from frictionlab.models.mechanical.modes import HoldingForce, Solution, conditions_of_regime, mode_of
 from frictionlab.models.symbols import expand_products, state_symbols, symbol, symbolic_copy
 from frictionlab.presentation import shorten
@@ -124,7 +124,8 @@ def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
         return system.states, tuple(map(derive, system.names.combinations()))
     parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes)
     again = modes_of_structure, (structure,)
-    return system.states, ModesOnDemand(parts, derive, system.allows, again)
+    modes = ModesOnDemand(parts, derive, system.allows, again, products=system.products)
+    return system.states, modes
 
 
 def modes_of_structure(structure: Structure) -> Any:
@@ -150,8 +151,7 @@ def structure_system(structure: Structure) -> StructureSystem:
         (),
         (),
         of_laws=((),) * len(contacts),
-        linear=_linear_parts(structure, inverse),
-        constant=_constant_part(structure, inverse),
+        free=_free_motion(structure, inverse),
         normals=rows["normal"],
         tangents=rows["tangential"],
         masses_inverse=inverse,
@@ -162,26 +162,37 @@ def _full(rows: Any, one: SlidingContacts) -> Array:
     return np.zeros((one.count, one.size)) if rows is None else rows.toarray()
 
 
-def _linear_parts(structure: Structure, inverse: Array) -> dict[Any, Array]:
-    """-M^-1 [K + N, C + G] as full matrices (n, 2n), by the coefficients in front of them."""
-    n = structure.size
-    parts: dict[Any, Array] = {}
+def _free_motion(structure: Structure, inverse: Array) -> MatrixProduct:
+    """M^-1 (load - (C + G) q' - (K + N) q).
+
+    A matrix that is in K and in C, as with Rayleigh's damping, is one product with a q + b q'.
+    """
+    q, v = _split(state_symbols(structure.coordinates))
     _, damping, stiffness = structure.terms
-    for first, terms in ((0, stiffness), (n, damping)):
-        for one in terms:
-            for coefficient, matrix in _coefficients(one):
-                into = parts.setdefault(coefficient, np.zeros((n, 2 * n)))
-                into[:, first : first + n] -= product(inverse, matrix.toarray())
-    return parts
-
-
-def _constant_part(structure: Structure, inverse: Array) -> list[Any]:
-    """M^-1 times the load (n,), as expressions of the parameters."""
-    total = [sympy.S.Zero] * structure.size
+    coefficients: dict[Hashable, list[Any]] = {}
+    matrices: dict[Hashable, Any] = {}
+    for place, terms in enumerate((stiffness, damping)):
+        for coefficient, matrix in (each for one in terms for each in _coefficients(one)):
+            key = _bytes(matrix)
+            matrices[key] = matrix
+            coefficients.setdefault(key, [sympy.S.Zero, sympy.S.Zero])[place] += coefficient
+    blocks, factors = [np.zeros((structure.size, 0))], list[Any]()
+    for key, (of_q, of_v) in coefficients.items():
+        block = -_without_rounding(inverse, matrices[key].toarray())
+        moving: list[int] = np.flatnonzero(block.any(axis=0)).tolist()
+        blocks.append(block[:, moving])
+        factors += [of_q * q[j] + of_v * v[j] for j in moving]
     for coefficient, column in () if structure.load is None else _coefficients(structure.load):
-        pushed = product(inverse, column.toarray())[:, 0]
-        total = [one + coefficient * float(a) if a else one for one, a in zip(total, pushed, strict=True)]
-    return total
+        blocks.append(product(inverse, column.toarray()))
+        factors.append(coefficient)
+    return MatrixProduct(np.hstack(blocks), tuple(factors))
+
+
+def _without_rounding(one: Array, other: Array) -> Array:
+    """The product of two matrices; entries that may be rounding errors are zero, as those of M^-1 M."""
+    found = product(one, other)
+    errors = len(other) * np.finfo(float).eps * product(np.abs(one), np.abs(other))
+    return np.where(np.abs(found) > errors, found, 0.0)
 
 
 def _coefficients(one: Any) -> Iterator[tuple[Any, Any]]:
@@ -248,21 +259,19 @@ class FrictionOnArea:
 
 @dataclass(frozen=True, eq=False)
 class StructureSystem(LagrangeSystem):
-    """The equations of motion of a structure: q'' = linear x + constant + M^-1 (T^T F_T - G^T F_N).
+    """The equations of motion of a structure: q'' = free + M^-1 (T^T F_T - G^T F_N).
 
     Parameters
     ----------
-    linear : mapping of Expr to array (n, 2n)
-        By the coefficients in front of the matrices.
-    constant : sequence of Expr (n,)
+    free : MatrixProduct (n,)
+        Accelerations without contacts.
     normals, tangents : array (contacts, n)
         Rows g and t; zero where a contact has none.
     masses_inverse : array (n, n)
         M^-1.
     """
 
-    linear: Mapping[Any, Array] = field(default_factory=dict)
-    constant: Sequence[Any] = ()
+    free: MatrixProduct = field(default_factory=lambda: MatrixProduct(np.zeros((0, 0)), ()))
     normals: Array = field(default_factory=lambda: np.zeros((0, 0)))
     tangents: Array = field(default_factory=lambda: np.zeros((0, 0)))
     masses_inverse: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -285,25 +294,22 @@ class StructureSystem(LagrangeSystem):
     @cached_property
     def _free(self) -> list[Any]:
         """Accelerations without contacts, (n,)."""
-        return self._combined(np.eye(len(self.q)), self.constant)
+        return self.free.rows()
 
     @cached_property
     def _free_along_tangents(self) -> list[Any]:
         """T times these accelerations, (contacts,)."""
-        constants = [
-            sum((float(t) * c for t, c in zip(row, self.constant, strict=True) if t and c != 0), sympy.S.Zero)
-            for row in self.tangents
-        ]
-        return self._combined(self.tangents, constants)
+        return matrix_rows(product(self.tangents, self.free.matrix), self.free.factors)
 
-    def _combined(self, rows: Array, constants: Sequence[Any]) -> list[Any]:
-        states = (*self.q, *self.v)
-        total = list(constants)
-        for coefficient, matrix in self.linear.items():
-            chosen = matrix if rows.shape[0] == rows.shape[1] else product(rows, matrix)
-            parts = matrix_rows(chosen, states)
-            total = [one + coefficient * part for one, part in zip(total, parts, strict=True)]
-        return total
+    @cached_property
+    def products(self) -> tuple[MatrixProduct, ...]:
+        """The products of which modes have rows, whatever the regimes."""
+        parts = [*self._free, *self._free_along_tangents]
+        for one in self.mechanics.contacts:
+            parts += [] if isinstance(one, Stop) or one.penetration is None else [one.penetration]
+            parts += [one.relative_velocity] if isinstance(one, Friction) else []
+        rows = sympy.Tuple(*parts).atoms(MatrixRow)
+        return tuple(sorted({row.product for row in rows}, key=lambda product: product.number))
 
     def hold(self, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
         """Accelerations, the force of each contact, and those of the contacts `leading`, which stick."""
@@ -315,18 +321,16 @@ class StructureSystem(LagrangeSystem):
         pushed = np.hstack([self._pushed_by_normals[:, normal], self._pushed_by_tangents[:, slipping]])
         holding: list[Any] = []
         if held:
-            along = matrix_rows(product(self.tangents[held], pushed), factors)
-            missing = [self._free_along_tangents[i] + one for i, one in zip(held, along, strict=True)]
-            softness = self._compliance[np.ix_(held, held)]
-            holding = matrix_rows(-inverse_of(softness), missing)
+            along = np.hstack([np.eye(len(held)), product(self.tangents[held], pushed)])
+            stiff = -inverse_of(self._compliance[np.ix_(held, held)])
+            holding = matrix_rows(
+                product(stiff, along), [*(self._free_along_tangents[i] for i in held), *factors]
+            )
             factors += holding
             pushed = np.hstack([pushed, self._pushed_by_tangents[:, held]])
             for i, force in zip(held, holding, strict=True):
                 forces[i] = force
-        added = matrix_rows(pushed, factors)
-        # Sympy need not look for equal terms: there are none.
-        pairs = zip(self._free, added, strict=True)
-        accelerations = [sympy.Add(*pair, evaluate=False) if pair[1] != 0 else pair[0] for pair in pairs]
+        accelerations = matrix_rows(np.hstack([np.eye(len(self.q)), pushed]), [*self._free, *factors])
         known = zip(held, holding, strict=True)
         return accelerations, forces, {i: [HoldingForce(force)] for i, force in known}
 
@@ -400,11 +404,21 @@ class StructureSystem(LagrangeSystem):
 
     def allows(self, combination: Combination) -> bool:
         """Whether contacts of one direction agree, and all velocities held at zero are independent."""
-        names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
-        if not all(direction.allows(names) for direction in self.directions):
-            return False
-        held = [i for i, name in enumerate(names) if name == "stick" and self.leader(i, names) == i]
+        held = [
+            i for i, (stick, one) in enumerate(zip(self._sticks, combination, strict=True)) if one == stick
+        ]
+        if self.directions:
+            names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
+            if not all(direction.allows(names) for direction in self.directions):
+                return False
+            held = [i for i in held if self.leader(i, names) == i]
         return self._are_independent(tuple(held))
+
+    @cached_property
+    def _sticks(self) -> tuple[int | None, ...]:
+        """The number of the regime in which each contact sticks; None where it has none."""
+        names = [[one.name for one in regimes] for regimes in self.regimes]
+        return tuple(some.index("stick") if "stick" in some else None for some in names)
 
     def _are_independent(self, held: tuple[int, ...]) -> bool:
         if held not in self._independences:

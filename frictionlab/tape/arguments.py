@@ -73,7 +73,7 @@ def check_structure(
             f"coordinates must leave room for as many velocities among the {len(states)} states, "
             f"got {coordinates}: list the coordinates first, then their velocities"
         )
-    known = tuple(names), tuple(states), frozenset((*states, *parameters))
+    known = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:
         check_mode(mode, *known)
 
@@ -105,11 +105,16 @@ def _symbols(name: str, function: Any) -> set:
 
 
 def check_mode(
-    mode: Mode, names: Sequence[str], states: tuple[Symbol, ...], known: frozenset[Symbol]
+    mode: Mode,
+    names: Sequence[str],
+    states: tuple[Symbol, ...],
+    known: frozenset[Symbol],
+    sound: dict[int, Any],
 ) -> None:
     """Raise ValueError, or TypeError for a text, unless a mode is well formed.
 
-    `names` are those of all modes, `known` are the states and parameters.
+    `names` are those of all modes, `known` are the states and parameters.  `sound` has the expressions of the
+    modes before, by their identity.
     """
     if len(mode.flow) != len(states):
         raise ValueError(
@@ -124,6 +129,8 @@ def check_mode(
             )
         _check_resets(event, mode, states)
     for what, expr in _expressions(mode):
+        if id(expr) in sound:
+            continue
         if isinstance(expr, str):  # which sympy would run as Python
             raise TypeError(
                 f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
@@ -134,6 +141,7 @@ def check_mode(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 f"nor a parameter: {_cure_of_unknown(strange)}"
             )
+        sound[id(expr)] = expr
 
 
 def _cure_of_unknown(strange: set[Any]) -> str:

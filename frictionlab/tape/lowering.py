@@ -68,7 +68,7 @@ class LoweredMode(LoweredTape):
     @cached_property
     def ranges(self) -> np.ndarray:
         """(slots,) how the range of each on a disc is found, a :class:`tape.Range`."""
-        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections)))
+        return int_array(self.tape.ranges((*self.flow, *self.guards, *self.sections), self.degrees))
 
     @cached_property
     def degree(self) -> int:
@@ -128,10 +128,17 @@ class LoweredReset(LoweredTape):
 
 @lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again
 def lower_mode(
-    mode: Mode, states: tuple[Any, ...], sections: tuple[Section, ...], integrands: tuple[Any, ...]
+    mode: Mode,
+    states: tuple[Any, ...],
+    sections: tuple[Section, ...],
+    integrands: tuple[Any, ...],
+    products: tuple[Any, ...] = (),
 ) -> LoweredMode:
-    """Lower a mode with its sections; the integrands of quadratures follow the flow."""
-    builder = TapeBuilder(states, _linear_terms(states))
+    """Lower a mode with its sections; the integrands of quadratures follow the flow.
+
+    Products of matrices that many modes have in common are lowered once for all.
+    """
+    builder = _builder(states, products).with_products(())
 
     def slots(expressions: Iterable[Any]) -> list[int]:
         return [builder.slot(within_floats(expr)) for expr in expressions]
@@ -143,6 +150,12 @@ def lower_mode(
         sections=slots(_section_expression(section.function, mode) for section in sections),
         tape=builder.tape,
     )
+
+
+@lru_cache(maxsize=64)
+def _builder(states: tuple[Any, ...], products: tuple[Any, ...]) -> TapeBuilder:
+    """A builder with these products."""
+    return TapeBuilder(states, _linear_terms(states)).with_products(products)
 
 
 @lru_cache(maxsize=64)
@@ -204,6 +217,7 @@ class NumberFormulas:
     def __init__(self, parameters: tuple[Any, ...]) -> None:
         self._builder = FormulaBuilder(parameters)
         self._slots: WeakKeyDictionary[LoweredTape, tuple[list[int], list[int]]] = WeakKeyDictionary()
+        self._of_expressions: dict[Any, int] = {}
 
     def of(self, every: Sequence[LoweredTape]) -> Formulas:
         """All constants, then the coefficients of all terms."""
@@ -219,7 +233,9 @@ class NumberFormulas:
     def _slot(self, number: Any) -> int:
         if type(number) is float:  # of a matrix, of which there are many
             return self._builder.materialised({CONSTANT_TERM: number})
-        return self._builder.slot(number)
+        if number not in self._of_expressions:
+            self._of_expressions[number] = self._builder.slot(number)
+        return self._of_expressions[number]
 
 
 @lru_cache(maxsize=64)

@@ -130,9 +130,9 @@ def _pack_modes(
     parameters: tuple[Symbol, ...],
     coordinates: int,
 ) -> Program:
-    packer = Packer(states, (), (), modes)
+    packer, sound = Packer(states, (), (), modes), dict[int, Any]()
     for mode in known.modes:
-        check_mode(mode, modes.names, states, frozenset((*states, *parameters)))
+        check_mode(mode, modes.names, states, frozenset((*states, *parameters)), sound)
         packer.add(mode)
     return packer.pack(parameters, coordinates, known)
 
@@ -156,7 +156,7 @@ class _GrowingProgram:
     ) -> None:
         self._modes, self._parameters, self._coordinates = modes, parameters, coordinates
         self._states, self._packer = states, Packer(states, sections, quadratures, modes)
-        self._known = frozenset((*states, *parameters))
+        self._known, self._sound = frozenset((*states, *parameters)), dict[int, Any]()
         self._packed: tuple[tuple[int, int], Program | None] = (0, 0), None
 
     def with_known_modes(self) -> Program:
@@ -166,7 +166,7 @@ class _GrowingProgram:
         before, program = self._packed
         if program is None or counts != before:
             for mode in known.modes[len(self._packer.modes) :]:
-                check_mode(mode, self._modes.names, self._states, self._known)
+                check_mode(mode, self._modes.names, self._states, self._known, self._sound)
                 self._packer.add(mode)
             program = self._packer.pack(self._parameters, self._coordinates, known)
             program = replace(program, grown_from=None if self._packed[1] is None else ref(self._packed[1]))
@@ -273,11 +273,17 @@ class Packer:
     def add(self, mode: Mode) -> None:
         """Append a mode."""
         self.modes.append(mode)
-        self.lowered.append(lower_mode(mode, self.states, self.sections, self.integrands))
+        self.lowered.append(
+            lower_mode(mode, self.states, self.sections, self.integrands, self._common_products)
+        )
         self.guard_classes += [self._class(event.function) for event in mode.events]
         self.constraint_classes += map(self._class, mode.constraints)
         for event in mode.events:
             self._add_event(mode, event)
+
+    @property
+    def _common_products(self) -> tuple[Any, ...]:
+        return () if self.demand is None else self.demand.products
 
     def _add_event(self, mode: Mode, event: Event) -> None:
         plain = self._reset(event.reset)
@@ -322,7 +328,7 @@ class Packer:
         lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
         if self.demand is not None and known is not None:
             conditions = self._conditions_mode(self.demand)
-            lowered = [*lowered, lower_mode(conditions, self.states, (), ())]
+            lowered = [*lowered, lower_mode(conditions, self.states, (), (), self._common_products)]
             constraint_classes = [*constraint_classes, *map(self._class, conditions.constraints)]
             targets = int_array(self.listed, columns=len(self.demand.parts))
             demand = _demand_arrays(self.demand, known, _ranges(self.listed_lengths), targets)

@@ -9,8 +9,9 @@ structure of a model; parameter values are filled in afterwards.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Any
 
@@ -33,7 +34,8 @@ from frictionlab.tape.functions import (
 )
 
 AffineTerms = dict[int, Expr]
-MOST_OWN_TERMS = 200  # of a product of a matrix: the terms of larger ones are shared by tapes
+# Of a product of a matrix: the terms of larger ones, and all of a tape with such a one, are shared by tapes.
+MOST_OWN_TERMS = 200
 FIRST_SHARED = 2**31  # terms from this number on are those of products
 
 
@@ -137,13 +139,16 @@ class Tape:
             return []
         return [a, b] if kind in (PRODUCT, SQUARE, QUOTIENT) else [a]
 
-    def ranges(self, outputs: Sequence[int]) -> list[Range]:
+    def ranges(self, outputs: Sequence[int], degrees: Sequence[float]) -> list[Range]:
         """How the range of each slot on a disc is found, where `outputs` are asked for their remainders.
 
         Remainders of polynomials show in the last terms of their series.  So slots that serve only
         polynomials need no range, unless these terms do not tell (WHEN_BLIND).
         """
-        degrees, linear = self.degrees(), self._linear()
+        if max(degrees) < math.inf:
+            needed = self._needed(outputs)
+            return [Range.WHEN_BLIND if slot in needed else Range.UNUSED for slot in range(self.slots)]
+        linear = self._linear()
         curved, needed = {slot for slot in outputs if degrees[slot] == math.inf}, set[int]()
         all_needed, factors = set(outputs), set[int]()
         for op in reversed(range(len(self.ops))):
@@ -168,6 +173,14 @@ class Tape:
             else Range.UNUSED
             for slot in range(self.slots)
         ]
+
+    def _needed(self, outputs: Sequence[int]) -> set[int]:
+        """The slots that serve an output."""
+        needed = set(outputs)
+        for op in reversed(range(len(self.ops))):
+            if self.inputs + op in needed:
+                needed.update(self.operands(op))
+        return needed
 
     def _linear(self) -> set[int]:
         """States, and their affine combinations: their series are exact."""
@@ -205,6 +218,23 @@ class TapeBuilder:
         self._first_terms: dict[Any, int] = {}
         self._shared_terms = 0
         self._has_rows = False
+
+    def with_products(self, products: Iterable[Any]) -> TapeBuilder:
+        """A builder of another tape, which begins as this one and has the terms of these products."""
+        other = copy(self)
+        tape = self.tape
+        other.tape = replace(
+            tape,
+            ops=tape.ops[:],
+            constants=tape.constants[:],
+            terms=tape.terms[:],
+            products=tape.products[:],
+        )
+        other._affine, other._slots = self._affine.copy(), self._slots.copy()
+        other._constants, other._first_terms = self._constants.copy(), self._first_terms.copy()
+        for product in products:
+            other._first_terms[product] = other._add_product(product)
+        return other
 
     def slot(self, expr: Expr) -> int:
         """Slot that holds `expr`, emitting what is missing."""
@@ -269,7 +299,7 @@ class TapeBuilder:
     def _add_product(self, product: Any) -> int:
         """Add the terms of a product to the tape; the number of the first."""
         slots = product.slots_of_terms([self.slot(within_floats(factor)) for factor in product.factors])
-        if len(slots) <= MOST_OWN_TERMS:
+        if len(slots) <= MOST_OWN_TERMS and not self.tape.products:
             first = len(self.tape.terms)
             self.tape.terms.extend(zip(slots.tolist(), product.entries.tolist(), strict=True))
             return first

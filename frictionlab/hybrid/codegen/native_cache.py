@@ -240,6 +240,8 @@ def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | N
     if not machine_code.CACHE_FOLDER:
         return None
     tape = function.tape
+    if tape.products:  # it is not compiled
+        return None
     structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
     text = repr((structure, function.first, function.flow, more)) + _host()
     return Path(machine_code.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"

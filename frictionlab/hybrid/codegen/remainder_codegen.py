@@ -220,7 +220,7 @@ class RemainderWriter(RangeWriter):
     def _bound_ranges(self, radius: Any) -> None:
         """Bounds of the slots on which those rates and guards depend that are no polynomials."""
         tape = self.function.tape
-        ranges = tape.ranges((*self.function.flow, *self.guards))
+        ranges = tape.ranges((*self.function.flow, *self.guards), tape.degrees())
         measured = [slot for slot, kind in enumerate(ranges) if kind in (Range.SERIES, Range.BOTH)]
         self.series = self._ranges(measured, radius)
         polynomial = [degree < math.inf for degree in tape.degrees()]
