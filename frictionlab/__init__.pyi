@@ -196,7 +196,10 @@ from .stability import linearize as linearize
 from .stability import root_locus as root_locus
 from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
+from .structures.beam_on_belt import BeamOnBelt as BeamOnBelt
 from .structures.damping import RayleighDamping as RayleighDamping
+from .structures.disc_brake import AnnularPlate as AnnularPlate
+from .structures.disc_brake import DiscBrake as DiscBrake
 from .structures.matrix_files import read_matrix as read_matrix
 from .structures.reduction import ReducedStructure as ReducedStructure
 from .structures.reduction import reduce as reduce

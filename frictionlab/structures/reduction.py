@@ -160,7 +160,7 @@ class ReducedStructure(Structure):
         return there.with_contacts(there.structural_pencil, self.contact_forces)
 
     def __repr__(self) -> str:
-        return super().__repr__().replace("Structure(", f"ReducedStructure({self.full.size} freedoms to ", 1)
+        return super().__repr__().replace("(", f"({self.full.size} freedoms to ", 1)
 
 
 @explains_keywords

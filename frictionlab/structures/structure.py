@@ -259,7 +259,11 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
             shared = {name: value for name, value in self.parameters.items() if name not in own}
             values = {name: value for name, value in values.items() if name not in own}
             others["parameters"] = {**shared, **(others.get("parameters") or {}), **values}
-        return replace(self, **others)
+        copy = object.__new__(type(self))  # those made from dimensions have constructors of their own
+        for each in fields(self):
+            object.__setattr__(copy, each.name, others.get(each.name, getattr(self, each.name)))
+        copy.__post_init__()
+        return copy
 
     def check_parameter(self, name: Any) -> None:
         """Raise TypeError unless it is a parameter of the structure."""
@@ -519,7 +523,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         parts += [count(sum(one.count for one in self.contacts), "contact")] if self.contacts else []
         parts += [f"{name}={value:.6g}" for name, value in self.parameters.items()]
         parts += ["{:g} to {:g} Hz".format(*self.window)] if self.window else []
-        return f"Structure({', '.join(parts)})"
+        return f"{type(self).__name__}({', '.join(parts)})"
 
     def _repr_html_(self) -> str:
         rows = "".join(

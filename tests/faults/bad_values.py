@@ -281,6 +281,15 @@ def doors() -> dict[str, Door]:
             {"M": np.eye(2), "K": np.diag([1.0, 2.0])},
             names=("M", "K", "C", "gyroscopic", "circulatory", "load", "parameters", "window"),
         ),
+        "AnnularPlate": Door(
+            lambda **k: fl.AnnularPlate(**k).matrices(),
+            {"inner": 0.05, "outer": 0.14, "thickness": 0.01, "elements": 2, "diameters": 1},
+        ),
+        "DiscBrake": Door(
+            lambda **k: fl.equilibrium(fl.DiscBrake(**k)),
+            {"plate": fl.AnnularPlate(elements=2, diameters=1), "pad_angle": 0.5, "points": 2},
+        ),
+        "BeamOnBelt": Door(lambda **k: fl.equilibrium(fl.BeamOnBelt(**k)), {"elements": 3, "nodes": (-1,)}),
         "reduce": Door(
             fl.reduce,
             {
