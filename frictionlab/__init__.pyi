@@ -26,7 +26,6 @@ from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov
 from .analysis.motion_scales import Spectrum as Spectrum
 from .analysis.motion_scales import amplitude_spectrum as amplitude_spectrum
-from .analysis.options import Execution as Execution
 from .analysis.options import SteadyStateOptions as SteadyStateOptions
 from .analysis.orbits.continue_orbit import OrbitBranch as OrbitBranch
 from .analysis.orbits.continue_orbit import SpecialOrbit as SpecialOrbit

@@ -1,14 +1,14 @@
 """Settings that several analyses share: how a steady state is found, and how a set of computations is run.
 
-`SteadyStateOptions` and `Execution` hold them, each checked once when it is made.  Analyses take such an
-object, its fields as keywords, or both: `merge_keywords` combines them.
+`SteadyStateOptions` and `Execution` hold them, each checked once when it is made.  Analyses take their fields
+as keywords (`settings_of`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypedDict
 
@@ -59,8 +59,8 @@ class SteadyStateOptions:
     --------
     >>> import frictionlab as fl
     >>> options = fl.SteadyStateOptions(transient=60.0, window=10.0)
-    >>> fl.steady_state(fl.SliderOnBelt(mu_k=1.4).without("geometry"), options=options).kind
-    'periodic'
+    >>> round(fl.OrbitPeriod(options=options)(fl.MassOnBelt()), 9)
+    8.902605408
     """
 
     transient: float = 200.0
@@ -99,28 +99,13 @@ class Execution:
 
     Parameters
     ----------
-    workers : int or None
-        Threads; None takes one for each processor.  Of an executor the workers that get tasks at a time; None
-        takes all that it says it has, 32 where it does not say.
-    executor : concurrent.futures.Executor or None
-        Used instead of threads, and left open: a ProcessPoolExecutor, or a cluster's, such as Dask's
-        ``client.get_executor()``.  It gets tasks in chunks of about a second, two for each worker at a time.
-    resume : path or None
-        File in which results are kept as they come; results that it already holds are not computed again.
-        The complete file does not depend on the number of workers, nor on how often the computation was
-        interrupted.  Results on damaged lines are computed again, with a RuntimeWarning.
-    progress : bool
+    workers, executor, resume, progress
+        As for :func:`frictionlab.sweep`.
 
     Raises
     ------
     ValueError
         For a number of workers that is no positive integer.
-
-    Examples
-    --------
-    >>> import frictionlab as fl
-    >>> quietly = fl.Execution(workers=1, progress=False)
-    >>> sweep = fl.sweep(fl.SliderOnBelt(), lambda m: m.F, {"F": [100, 200]}, execution=quietly)
     """
 
     workers: int | None = None
@@ -166,40 +151,27 @@ class StudyKeywords(SteadyStateKeywords, ExecutionKeywords, total=False):
     """The fields of :class:`SteadyStateOptions` and :class:`Execution`."""
 
 
-def merge_keywords(
-    function: str, given: Mapping[str, Any], unused: str = "", **bundles: tuple[type, Any]
-) -> list[Any]:
-    """Each bundle of settings, its fields replaced by the keywords that were given for them.
+def settings_of(function: str, given: Mapping[str, Any], *kinds: type, unused: str = "") -> list[Any]:
+    """An object of each class of settings, from the keywords that a function was given.
 
     Parameters
     ----------
     function : str
-        Name of the calling function, for error messages.
+        Its name, for error messages.
     given : mapping of str to object
+    *kinds : type
+        `SteadyStateOptions`, `Execution` or both.
     unused : str
         Names of fields that the function does not take, separated by spaces.
-    **bundles : (class, object or None)
-        For each argument its class and the object that was given; None stands for the defaults.
 
     Raises
     ------
     TypeError
-        For a keyword that is no field, or an argument of another class.
+        For a keyword that is no field.
     """
-    owners: dict[str, str] = {}
-    for argument, (kind, bundle) in bundles.items():
-        if bundle is not None and not isinstance(bundle, kind):
-            raise TypeError(
-                f"{argument} must be of the class {kind.__name__}, got {abbreviate(bundle)}: "
-                f"write fl.{kind.__name__}(...)"
-            )
-        owners |= {field.name: argument for field in fields(kind) if field.name not in unused.split()}
+    known = {kind: [f.name for f in fields(kind) if f.name not in unused.split()] for kind in kinds}
+    every = [name for names in known.values() for name in names]
     for name in given:
-        if name not in owners:
-            raise unknown_keyword(function, name, [*owners, *bundles])
-    changes = {a: {n: v for n, v in given.items() if owners[n] == a} for a in bundles}
-    return [_changed(bundle, kind, changes[argument]) for argument, (kind, bundle) in bundles.items()]
-
-
-def _changed(bundle: Any, kind: type, changes: dict[str, Any]) -> Any:
-    return kind(**changes) if bundle is None else replace(bundle, **changes)
+        if name not in every:
+            raise unknown_keyword(function, name, every)
+    return [kind(**{name: given[name] for name in names if name in given}) for kind, names in known.items()]

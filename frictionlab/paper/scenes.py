@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.options import Execution, SteadyStateOptions
+from frictionlab.analysis.options import SteadyStateKeywords
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, steady_state
 from frictionlab.analysis.sweeps.bifurcation import bifurcation
@@ -230,15 +230,15 @@ def sweep_results(
 
 
 def cea_and_motions(
-    model: SliderOnBelt, values: Array, options: SteadyStateOptions, f_max: float, setting: Setting
+    model: SliderOnBelt, values: Array, options: SteadyStateKeywords, f_max: float, setting: Setting
 ) -> CEAAgainstMotion:
     """`fl.cea_against_motion` over mu_k, from rest."""
     model = setting.adapt_model(model)
     about = f"CEA against motion up to {f_max} Hz {options}"
 
     def compute(path: Path | None) -> Any:
-        how = Execution(workers=setting.workers, progress=setting.progress, resume=path)
-        return cea_against_motion(model, "mu_k", values, "rest", f_max=f_max, options=options, execution=how)
+        how = {"workers": setting.workers, "progress": setting.progress, "resume": path}
+        return cea_against_motion(model, "mu_k", values, "rest", f_max=f_max, **options, **how)
 
     return _cached([about, model.to_dict(), list(values)], setting, compute)
 

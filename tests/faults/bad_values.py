@@ -345,7 +345,6 @@ def doors() -> dict[str, Door]:
             names=("integrator", "rtol", "atol", "max_step", "max_steps", "max_events"),
         ),
         "Tableau": Door(_own_method, {}, names=("stages", "weights", "divisor")),
-        "Execution": Door(fl.Execution),
         "SteadyStateOptions": Door(fl.SteadyStateOptions),
         "TimeRecord": Door(fl.TimeRecord, {"t": [0.1, 0.2], "values": {"x": [0.1, 0.2]}}),
         "EventTimes": Door(fl.EventTimes, {"t": [0.1, 0.2], "target": "stick"}),

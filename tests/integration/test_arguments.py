@@ -159,7 +159,6 @@ def test_settings_are_plain_numbers():
     assert (type(options.transient), type(options.window)) == (float, float)
     assert type(fl.Taylor(tol=np.array(1e-10)).tol) is float
     assert type(fl.Taylor(order=np.array(12)).order) is int
-    assert type(fl.Execution(workers=np.array(2)).workers) is int
     assert hash(fl.Taylor(tol=np.array(1e-10))) == hash(fl.Taylor(tol=1e-10))
 
 

@@ -167,7 +167,6 @@ def test_a_small_file_that_takes_a_large_memory_is_refused_before(tmp_path):
 
 
 def test_integral_numbers_are_integers():
-    assert fl.Execution(workers=2.0).workers == 2
     assert type(fl.Taylor(order=12.0).order) is int
     preload = {"F": uniform(150.0, 50.0)}
     found = fl.uncertainty(fl.SliderOnBelt(), fl.GrowthRate(), preload, n=16.0, workers=1.0, **QUIET)

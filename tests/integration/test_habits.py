@@ -53,8 +53,6 @@ def test_what_is_no_span_of_time_is_refused_too(wrong):
 def test_methods_and_bundles_of_settings_explain_keywords_too(method):
     with pytest.raises(TypeError, match=f"{method.__name__} takes no 'rtol': tolerances"):
         method(rtol=1e-6)
-    with pytest.raises(TypeError, match="Execution takes no 'n_jobs': write workers=2"):
-        fl.Execution(n_jobs=2)
     with pytest.raises(TypeError, match="bifurcation takes no 'n_jobs': write workers=2"):
         fl.bifurcation(MODEL, "mu_k", [1.0], n_jobs=2)
 

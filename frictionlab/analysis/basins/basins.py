@@ -18,7 +18,7 @@ from frictionlab.analysis.basins.attractors import (
 from frictionlab.analysis.basins.tasks import run_basin_tasks
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.sweeps.journal import making_result, read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -205,9 +205,6 @@ def basins(
     x: tuple[str, Any],
     y: tuple[str, Any],
     x0: Any = "rest",
-    *,
-    options: SteadyStateOptions | None = None,
-    execution: Execution | None = None,
     **keywords: Unpack[StudyKeywords],
 ) -> Basins:
     """Basins of attraction in a plane of initial states.
@@ -226,14 +223,10 @@ def basins(
     x0 : "rest", "near", mapping, array_like (n,) or callable
         Initial values of the other states.  A callable takes the state (n,) with these zero, and returns the
         complete initial state.
-    options : SteadyStateOptions or None
-        Its method has to be a Taylor.  The transient should be as long as the slowest motion takes to settle;
-        a longer one costs time only for motions that have not settled.
-    execution : Execution or None
-        Workers, executor, file and progress bar; None takes the defaults.
     **keywords
-        Fields of :class:`SteadyStateOptions` and :class:`Execution`, which replace those of `options` and
-        `execution`: ``transient=60.0, workers=2``.
+        Fields of :class:`SteadyStateOptions`, and how tasks are run, as for :func:`sweep`:
+        ``transient=60.0, workers=2``.  The method has to be a Taylor.  The transient should be as long as the
+        slowest motion takes to settle; a longer one costs time only for motions that have not settled.
 
     Returns
     -------
@@ -262,7 +255,7 @@ def basins(
     >>> [attractor.kind for attractor in found.attractors]
     ['equilibrium', 'periodic']
     """
-    chosen, how = _options("basins", keywords, options, execution)
+    chosen, how = _options("basins", keywords)
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
         raise ValueError(f"x and y must be two states, got {abbreviate(x[0])} twice: choose another")
@@ -284,9 +277,6 @@ def basin_stability(
     samples: int = 1000,
     rng: int | np.random.Generator | None = 0,
     x0: Any = "rest",
-    *,
-    options: SteadyStateOptions | None = None,
-    execution: Execution | None = None,
     **keywords: Unpack[StudyKeywords],
 ) -> BasinStability:
     """The share of random initial states that goes to each attractor.
@@ -303,7 +293,7 @@ def basin_stability(
     rng : int, Generator or None
         Seed of the random numbers, a generator that draws one, or None for others each time.  A file of
         `resume` wants an integer.
-    x0, options, execution, **keywords
+    x0, **keywords
         As :func:`basins`.
 
     Returns
@@ -323,7 +313,7 @@ def basin_stability(
     >>> found.fractions
     {'equilibrium': 1.0}
     """
-    chosen, how = _options("basin_stability", keywords, options, execution)
+    chosen, how = _options("basin_stability", keywords)
     samples = check_number(
         "samples", samples, integer=True, least=1, most=MAX_SAMPLES, cure="1000 give errors of 0.016 at most"
     )
@@ -338,12 +328,9 @@ def basin_stability(
     return run_basin_tasks(model, starts, about, chosen, how, basin_stability_from_results)
 
 
-def _options(
-    function: str, keywords: Mapping[str, Any], options: Any, execution: Any
-) -> tuple[SteadyStateOptions, Execution]:
+def _options(function: str, keywords: Mapping[str, Any]) -> tuple[SteadyStateOptions, Execution]:
     """How motions are classified, and how the tasks are run."""
-    bundles = {"options": (SteadyStateOptions, options), "execution": (Execution, execution)}
-    chosen, how = merge_keywords(function, keywords, "t_max", **bundles)
+    chosen, how = settings_of(function, keywords, SteadyStateOptions, Execution, unused="t_max")
     if not isinstance(chosen.method, Taylor):
         raise ValueError(
             f"method must be 'taylor' or a Taylor, got {abbreviate(chosen.method)}: others have no ensembles"

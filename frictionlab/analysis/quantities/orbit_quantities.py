@@ -34,8 +34,8 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import (
     SQUARED_DISTANCE,
     displacements,
+    settled_motion,
     squared_distance,
-    steady_state,
     with_equilibrium_parameters,
 )
 from frictionlab.hybrid.solve import solve
@@ -182,7 +182,7 @@ class _OfOrbit(Quantity):
         """
         if self.near is not None:
             return periodic_orbit(model, self.near.state, period=self.near.period)
-        steady = steady_state(model, self.x0, options=self.options, progress=False)
+        steady = settled_motion(model, self.x0, self.options, progress=False)
         if steady.kind != MotionKind.PERIODIC:
             raise ValueError(
                 f"the motion must settle to a periodic orbit, "

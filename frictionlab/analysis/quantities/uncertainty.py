@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_of
 from frictionlab.analysis.quantities.quantities import Quantity
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
@@ -186,7 +186,6 @@ def uncertainty(
     *,
     n: int = 1024,
     rng: int | np.random.Generator | None = 0,
-    execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Uncertainty:
     """The distribution of a quantity when parameters have distributions.
@@ -207,10 +206,8 @@ def uncertainty(
     rng : int, Generator or None
         Seed of the random numbers, a generator that draws one, or None for others each time.  A file of
         `resume` wants an integer.
-    execution : Execution or None
-        Workers, executor, file and progress bar; see :func:`sweep`.
     **keywords
-        Fields of :class:`Execution`, which replace those of `execution`.
+        As for :func:`sweep`: ``workers=2``.
 
     Returns
     -------
@@ -238,7 +235,7 @@ def uncertainty(
     n, seed = study.n, study.seed
     seeds = range(seed * GROUPS, (seed + 1) * GROUPS)
     points = np.concatenate([sobol_points(len(study.distributions), n // GROUPS, s) for s in seeds])
-    (how,) = merge_keywords("uncertainty", keywords, execution=(Execution, execution))
+    (how,) = settings_of("uncertainty", keywords, Execution)
     values = quantiles(model, study.distributions, points)
     numbers = _evaluated(study, values, how, "uncertainty")
     return Uncertainty(model, study.label, tuple(study.distributions), values, numbers, GROUPS)
@@ -294,7 +291,6 @@ def sobol_indices(
     *,
     n: int = 1024,
     rng: int | np.random.Generator | None = 0,
-    execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> SobolIndices:
     """How much each parameter's uncertainty matters: variance-based sensitivity indices.
@@ -306,7 +302,7 @@ def sobol_indices(
 
     Parameters
     ----------
-    model, quantity, distributions, rng, execution, **keywords
+    model, quantity, distributions, rng, **keywords
         As for :func:`uncertainty`.
     n : int
         A power of two; the quantity is computed n (d + 2) times for d parameters.
@@ -331,7 +327,7 @@ def sobol_indices(
     'F'
     """
     study = _check_study(model, quantity, distributions, n, rng, least=8)
-    (how,) = merge_keywords("sobol_indices", keywords, execution=(Execution, execution))
+    (how,) = settings_of("sobol_indices", keywords, Execution)
     d = len(study.distributions)
     both = sobol_points(2 * d, study.n, study.seed)
     a, b = both[:, :d], both[:, d:]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum
-from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, merge_keywords
+from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, settings_of
 from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
 from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
@@ -197,7 +197,6 @@ def steady_state(
     model: ModelOrAutomaton,
     x0: Any = "rest",
     *,
-    options: SteadyStateOptions | None = None,
     progress: bool = True,
     **keywords: Unpack[SteadyStateKeywords],
 ) -> SteadyState:
@@ -222,11 +221,9 @@ def steady_state(
     model : Model or HybridAutomaton
     x0 : "rest", "near", mapping or array_like (2n,)
         For an automaton "rest" means all states zero.
-    options : SteadyStateOptions or None
-        The transient, the window, the section and so on; None takes the defaults.
     progress : bool
     **keywords
-        Fields of :class:`SteadyStateOptions`, which replace those of `options`: ``transient=60.0``.
+        Fields of :class:`SteadyStateOptions`: ``transient=60.0``.
 
     Returns
     -------
@@ -248,10 +245,17 @@ def steady_state(
     SteadyState(periodic, period 0.0905161 s, 1 onset of stick in it, L_s 0.0011701)
     """
     check_flag("progress", progress)
-    (chosen,) = merge_keywords("steady_state", keywords, unused="rtol", options=(SteadyStateOptions, options))
+    (chosen,) = settings_of("steady_state", keywords, SteadyStateOptions, unused="rtol")
+    return settled_motion(model, x0, chosen, progress)
+
+
+def settled_motion(
+    model: ModelOrAutomaton, x0: Any, options: SteadyStateOptions, progress: bool
+) -> SteadyState:
+    """As :func:`steady_state`, with its options as an object."""
     refuse_time(model, "a steady state")
-    check_section(model, chosen.section)
-    return find_steady_state(model, initial_state_of(model, x0), chosen, progress)
+    check_section(model, options.section)
+    return find_steady_state(model, initial_state_of(model, x0), options, progress)
 
 
 def check_section(model: ModelOrAutomaton, section: Section | None) -> None:

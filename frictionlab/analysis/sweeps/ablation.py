@@ -9,7 +9,7 @@ from itertools import product
 from operator import call
 from typing import Any, Unpack
 
-from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_of
 from frictionlab.analysis.steady_state.steady_state import steady_state
 from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
 from frictionlab.presentation import Drawable, import_optional, text_table
@@ -259,7 +259,6 @@ def ablation(
     *,
     over: Mapping[str, Any] | None = None,
     x0: Sequence[Any] = (),
-    execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Ablation:
     """Study a model with every combination of its nonlinearities, or of other alternatives.
@@ -290,12 +289,8 @@ def ablation(
     x0 : sequence
         Initial states: names, mappings, or arrays (2n,) for the full model.  Coordinates that a scene lacks
         are left out.
-    execution : Execution or None
-        Workers, executor, file and progress bar; None takes the defaults.  Results that the file of `resume`
-        keeps have to be numbers, texts, or lists and mappings of such.  The file knows studies by their names
-        only, as for :func:`sweep`.
     **keywords
-        Fields of :class:`Execution`, which replace those of `execution`: ``workers=2``.
+        As for :func:`sweep`: ``workers=2``.
 
     Returns
     -------
@@ -331,7 +326,7 @@ def ablation(
     for study, what in AT_REST.items():
         if any(study is one for one in named.values()):
             refuse_time(model, what)
-    (how,) = merge_keywords("ablation", keywords, execution=(Execution, execution))
+    (how,) = settings_of("ablation", keywords, Execution)
     factors = switches_of(model, switches)
     starts = check_sequence("x0", x0, "give initial states in a list")
     plan = _Plan(model, factors, Grid({} if over is None else check_over(over), starts))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.initial_states import carried_state_of, initial_state_of, named_state
-from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, making_result, read_journal, write_journal
@@ -213,9 +213,6 @@ def bifurcation(
     parameter: str,
     values: Any,
     x0: Any = "rest",
-    *,
-    options: SteadyStateOptions | None = None,
-    execution: Execution | None = None,
     **keywords: Unpack[StudyKeywords],
 ) -> Bifurcation:
     """The steady state for each value of a parameter.
@@ -229,13 +226,9 @@ def bifurcation(
         "continue" starts each value from where the one before ended; the first value, and one after a run
         that ended early, start from rest.  The values are then computed one after another, in one thread.
         Values that ascend and then descend show hysteresis.
-    options : SteadyStateOptions or None
-        As for :func:`steady_state`: with `t_max`, values that have not settled go on window by window.
-    execution : Execution or None
-        Workers, executor, file and progress bar; None takes the defaults.
     **keywords
-        Fields of :class:`SteadyStateOptions` and :class:`Execution`, which replace those of `options` and
-        `execution`: ``transient=60.0, workers=2``.
+        As for :func:`steady_state` and :func:`sweep`: ``transient=60.0, workers=2``.  With `t_max`, values
+        that have not settled go on window by window.
 
     Returns
     -------
@@ -262,13 +255,7 @@ def bifurcation(
     >>> fl.bifurcation(model, "mu_k", [0.2, 1.4], transient=150, window=20, progress=False).kinds
     ('equilibrium', 'periodic')
     """
-    chosen, how = merge_keywords(
-        "bifurcation",
-        keywords,
-        unused="rtol",
-        options=(SteadyStateOptions, options),
-        execution=(Execution, execution),
-    )
+    chosen, how = settings_of("bifurcation", keywords, SteadyStateOptions, Execution, unused="rtol")
     if isinstance(x0, str):
         check_choice("x0", x0, INITIAL_STATES)
     models = _models(model, parameter, values)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import highest_frequency, oscillation_period
-from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.sweep import sweep
@@ -215,8 +215,6 @@ def cea_against_motion(
     *,
     state: str | None = None,
     f_max: float | None = None,
-    options: SteadyStateOptions | None = None,
-    execution: Execution | None = None,
     **keywords: Unpack[StudyKeywords],
 ) -> CEAAgainstMotion:
     """What the complex eigenvalue analysis says at values of a parameter, beside what the motion does.
@@ -237,14 +235,10 @@ def cea_against_motion(
         The state that is measured; None takes the first coordinate, or what figures show.
     f_max : float or None
         Highest frequency of the spectra, Hz; None takes about six times the model's own.
-    options : SteadyStateOptions or None
-        As for :func:`steady_state`.  Times that are not given follow from the growth rates: the transient
-        lasts until the fastest mode would have grown a millionfold, at most 500 periods, and windows of 50
-        periods follow until the motion settles, up to 5,000.
-    execution : Execution or None
-        Workers, executor, file and progress bar; None takes the defaults.
     **keywords
-        Fields of :class:`SteadyStateOptions` and :class:`Execution`.
+        As for :func:`steady_state` and :func:`sweep`.  Times that are not given follow from the growth rates:
+        the transient lasts until the fastest mode would have grown a millionfold, at most 500 periods, and
+        windows of 50 periods follow until the motion settles, up to 5,000.
 
     Returns
     -------
@@ -266,13 +260,7 @@ def cea_against_motion(
     >>> fl.cea_against_motion(model, "mu_k", [0.1, 1.0], progress=False)
     CEAAgainstMotion(mu_k 0.1 to 1, 2 values: 2 agrees)
     """
-    chosen, how = merge_keywords(
-        "cea_against_motion",
-        keywords,
-        unused="rtol",
-        options=(SteadyStateOptions, options),
-        execution=(Execution, execution),
-    )
+    chosen, how = settings_of("cea_against_motion", keywords, SteadyStateOptions, Execution, unused="rtol")
     require_model_or_automaton(model, cure="write cea_against_motion(model, parameter, values)")
     refuse_time(model, "a comparison with eigenvalues")
     check_section(model, chosen.section)
@@ -284,14 +272,10 @@ def cea_against_motion(
     f_max = float(check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own"))
     initial_state_of(model, x0)
     locus = root_locus(model, parameter, values)
-    study = SettledMotion(shown, f_max, chosen, _given_times(options, keywords))
-    swept = sweep(model, study, {parameter: locus.at}, x0=[x0], execution=how)
+    given = frozenset(keywords) & {"transient", "window", "t_max"}
+    study = SettledMotion(shown, f_max, chosen, given)
+    swept = sweep(model, study, {parameter: locus.at}, x0=[x0], **vars(how))
     return _result(model, locus, study, swept.results[:, 0])
-
-
-def _given_times(options: SteadyStateOptions | None, keywords: Any) -> frozenset[str]:
-    names = ("transient", "window", "t_max")
-    return frozenset(names if options is not None else (name for name in names if name in keywords))
 
 
 def _result(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of, named_state
-from frictionlab.analysis.options import Execution, ExecutionKeywords, merge_keywords
+from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_of
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
@@ -100,7 +100,6 @@ def sweep(
     *,
     x0: Sequence[Any] = (),
     shard: tuple[int, int] | None = None,
-    execution: Execution | None = None,
     **keywords: Unpack[ExecutionKeywords],
 ) -> Sweep:
     """Call a function with the model at each point of a grid of parameters.
@@ -118,12 +117,21 @@ def sweep(
         ``(i, n)`` computes every n-th task only, from the i-th on, i from 0 to n - 1, as one job of an array
         of n.  With ``resume="sweep.jsonl"`` the job has a file of its own, ``sweep.i-of-n.jsonl``.  The same
         call without `shard` takes over what is in such files beside its own, and computes what is missing.
-    execution : Execution or None
-        Workers, executor, file and progress bar; None takes the defaults.  Results that the file of `resume`
-        keeps have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
-        name only: use another file for another function, and for other settings inside a function.
     **keywords
-        Fields of :class:`Execution`, which replace those of `execution`: ``workers=2``.
+        How tasks are run, by the names that follow.
+    workers : int or None
+        Threads; None takes one for each processor.  Of an executor the workers that get tasks at a time; None
+        takes all that it says it has, 32 where it does not say.
+    executor : concurrent.futures.Executor or None
+        Used instead of threads, and left open: a ProcessPoolExecutor, or a cluster's, such as Dask's
+        ``client.get_executor()``.  It gets tasks in chunks of about a second, two for each worker at a time.
+    resume : path or None
+        File in which results are kept as they come; results that it already holds are not computed again.
+        They have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
+        name only: use another file for another function, and for other settings inside a function.  The
+        complete file does not depend on the number of workers, nor on how often the sweep was interrupted.
+        Results on damaged lines are computed again, with a RuntimeWarning.
+    progress : bool
 
     Returns
     -------
@@ -156,7 +164,7 @@ def sweep(
     cure = "write sweep(model, function, over), the model made, such as fl.SliderOnBelt()"
     require_model_or_automaton(model, cure)
     check_function("function", function, "write sweep(model, function, over)")
-    (how,) = merge_keywords("sweep", keywords, execution=(Execution, execution))
+    (how,) = settings_of("sweep", keywords, Execution)
     axes, starts = check_over(over), check_sequence("x0", x0, f"write [{abbreviate(x0)}]")
     grid = Grid(axes, starts)
     for changes in grid.points() if grid.size <= MOST_CHECKED else grid.points_of_axes():

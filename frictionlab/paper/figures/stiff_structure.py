@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from frictionlab.analysis.options import SteadyStateOptions
+from frictionlab.analysis.options import SteadyStateKeywords
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.paper import scenes
 from frictionlab.paper.results import PaperFigure
@@ -189,7 +189,7 @@ def frequency_panel(name: str, setting: Setting) -> CEAAgainstMotion:
     if name == UNBOUNDED_PANEL:
         method = replace(method, max_steps=MAX_STEPS)
     times = scenes.times_of(model, setting)._asdict()
-    options = SteadyStateOptions(method=method, tolerance=setting.tolerance, **times)
+    options = SteadyStateKeywords(method=method, tolerance=setting.tolerance, **times)
     return scenes.cea_and_motions(model, scenes.mu_k_stiff(setting), options, F_MAX, setting)
 
 

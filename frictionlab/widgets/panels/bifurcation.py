@@ -133,7 +133,16 @@ class ProgressiveSweep:
             self._keep(value, result, 0)
 
     def _compute(self, values: list[float], options: SteadyStateOptions) -> dict[float, Any]:
-        done = bifurcation(self.model, self.parameter, values, self.x0, options=options, progress=False)
+        done = bifurcation(
+            self.model,
+            self.parameter,
+            values,
+            self.x0,
+            transient=options.transient,
+            window=options.window,
+            method=options.method,
+            progress=False,
+        )
         return {value: done.results[i] for i, value in enumerate(values)}
 
     def _extend(self, values: list[float]) -> None:
