@@ -58,7 +58,7 @@ class SteadyStateOptions:
     Examples
     --------
     >>> import frictionlab as fl
-    >>> options = fl.SteadyStateOptions(transient=60.0, window=10.0)
+    >>> options = fl.SteadyStateOptions(transient=300.0)
     >>> round(fl.OrbitPeriod(options=options)(fl.MassOnBelt()), 9)
     8.902605408
     """
