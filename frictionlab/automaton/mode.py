@@ -93,6 +93,14 @@ class Event:
             check_element(f"the accumulation of event {self.name!r}", self.accumulation, Reset)
 
 
+class Balance(NamedTuple):
+    """The forces (n,) on the coordinates but for M q'', which vanish at rest, and the symbols in them of the
+    reactions (r,) by which contacts hold velocities at zero."""
+
+    forces: tuple[Expr, ...]
+    reactions: tuple[Symbol, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Mode:
     """A smooth regime: x' = flow(x) while every event function is positive.
@@ -113,6 +121,8 @@ class Mode:
         before any other mode, or by an event of a limit mode that names it, and in no other way.
     whole : Mode or None
         Of a mode on one side of a border, as of a law in pieces, the mode on all sides.
+    balance : Balance or None
+        Of a mode of a mechanical model the forces, of which accelerations are M^-1 times.
     """
 
     name: str
@@ -122,6 +132,7 @@ class Mode:
     outputs: Mapping[str, Expr] = field(default_factory=dict)
     limit: bool = False
     whole: Mode | None = None
+    balance: Balance | None = None
 
     def __post_init__(self) -> None:
         check_text("the name of a mode", self.name, "give it a name", most=MAX_NAME)

@@ -17,7 +17,7 @@ from sympy.matrices import dotprodsimp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import Combination, ModesOnDemand, Regime
+from frictionlab.automaton.mode import Balance, Combination, ModesOnDemand, Regime
 from frictionlab.components.component import StructureKey
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.serialisation import structure_to_data
@@ -111,8 +111,8 @@ def conditions_of_regime(regime: ContactRegime) -> Regime:
 
 
 class ContactForces(NamedTuple):
-    """Accelerations; the force of each contact; the friction of each rigid one; and what the ends of each
-    regime that holds depend on, by its index: force and limit.
+    """Accelerations; the force of each contact; the friction of each rigid one; what the ends of each regime
+    that holds depend on, by its index: force and limit; and the balance, where `hold` is not given.
 
     A contact that holds for others of its direction has the sum of their forces and limits there.  Both are
     multiplied by a compliance where this depends on the state: where it is zero the force is infinite.
@@ -122,6 +122,7 @@ class ContactForces(NamedTuple):
     forces: list[Any]
     friction: dict[int, Any]
     holding: dict[int, tuple[Any, Any]]
+    balance: Balance | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +148,9 @@ def solve_contact_forces(
     """
     names = [regime.name for regime in chosen]
     leading = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
-    accelerations, forces, solved = hold(chosen, leading) if hold else _hold(system, chosen, leading)
+    held = [(i, one) for i in leading for one in chosen[i].held]
+    free, balance = (None, None) if hold else _free_forces(system, chosen, held)
+    accelerations, forces, solved = hold(chosen, leading) if hold else _hold(system, chosen, held, free)
     friction, holding = {}, {}
     for i, (one, *other) in solved.items():
         if chosen[i].share is not None:
@@ -157,7 +160,7 @@ def solve_contact_forces(
             friction[i], holding[i] = other[0].force, (one.scaled, other[0].scaled)
         else:
             holding[i] = _with_limit(system, chosen, forces, i, one)
-    return ContactForces(accelerations, forces, friction, holding)
+    return ContactForces(accelerations, forces, friction, holding, balance)
 
 
 def _with_limit(
@@ -180,15 +183,25 @@ Solution = tuple[list[Any], list[Any], dict[int, list[HoldingForce]]]
 Hold = Callable[[Sequence[ContactRegime], Sequence[int]], Solution]
 
 
-def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
-    """Accelerations, the force of each contact, and those of each of the contacts `leading`, which hold."""
-    contacts, forces = system.mechanics.contacts, [regime.force for regime in chosen]
+def _free_forces(
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Held
+) -> tuple[list[Any], Balance]:
+    """All forces but those that hold, for each coordinate; and the balance of all."""
     free = [load - rest for load, rest in zip(system.loads, system.internal, strict=True)]
-    for contact, regime in zip(contacts, chosen, strict=True):
+    for contact, regime in zip(system.mechanics.contacts, chosen, strict=True):
         system.apply(system.direction(contact), 0 if regime.force is None else regime.force, free)
         if regime.pressing != 0:
             system.apply(system.normal(contact), regime.pressing, free)
-    held = [(i, one) for i in leading for one in chosen[i].held]
+    reactions = tuple(sympy.Symbol(f"reaction {k + 1}", real=True) for k in range(len(held)))
+    total = list(free)
+    for (_, one), reaction in zip(held, reactions, strict=True):
+        system.apply(one.along, reaction, total)
+    return free, Balance(tuple(total), reactions)
+
+
+def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], held: Held, free: Any) -> Solution:
+    """Accelerations, the force of each contact, and by contact those that hold velocities at zero."""
+    forces = [regime.force for regime in chosen]
     if not held:
         return system.accelerations(free), forces, {}
     pair = None
@@ -203,7 +216,7 @@ def _hold(system: LagrangeSystem, chosen: Sequence[ContactRegime], leading: Sequ
         solved = [HoldingForce(force) for force in known]
     else:
         accelerations, solved = _held_by_forces(system, held, sympy.Matrix(free))
-    holding: dict[int, list[HoldingForce]] = {i: [] for i in leading}
+    holding: dict[int, list[HoldingForce]] = {i: [] for i, _ in held}
     for (i, _), one in zip(held, solved, strict=True):
         holding[i].append(one)
     for i, (first, *_) in holding.items():
@@ -307,7 +320,7 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = contact_outputs(system, chosen, solved)
     flow = system.flow(solved.accelerations, [rate for regime in chosen for rate in regime.rates])
-    return Mode(name, flow, tuple(events), constraints, outputs)
+    return Mode(name, flow, tuple(events), constraints, outputs, balance=solved.balance)
 
 
 def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:

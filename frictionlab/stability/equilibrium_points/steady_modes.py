@@ -21,8 +21,18 @@ from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders
-from frictionlab.stability.equilibrium_points.newton import Zeros, find_zeros
-from frictionlab.stability.equilibrium_points.steady_rates import is_free, states_by_constraints, steady_rates
+from frictionlab.stability.equilibrium_points.newton import (
+    SAME_CANDIDATE_RTOL,
+    Zeros,
+    distinct_zeros,
+    find_zeros,
+)
+from frictionlab.stability.equilibrium_points.steady_rates import (
+    is_free,
+    states_by_constraints,
+    static_rates,
+    steady_rates,
+)
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
@@ -44,6 +54,9 @@ class SteadyMode:
         Whether it has constraints that give no states.
     flow : Flow
         With the margins that have to stay positive: event functions and normal force.
+    statics : Flow
+        What is zero at the equilibria, of the states and the reactions of rigid contacts; the flow itself
+        where no balance of forces is known.
     derivations : Derivations
         What is cached on disk of its structure.
     derive : callable
@@ -57,6 +70,7 @@ class SteadyMode:
     name: str
     holds: bool
     flow: Flow
+    statics: Flow
     derivations: Derivations
     derive: Callable[[], Mode]
     inputs: Callable[[], Sequence[Any]]
@@ -208,7 +222,11 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
 @lru_cache(maxsize=256)
 def _zeros_of_mode(mode: SteadyMode, values: tuple[float, ...]) -> Zeros:
     """The zeros of a mode's flow, inside its guards or not."""
-    return find_zeros(mode.flow, values)
+    zeros, m = find_zeros(mode.statics, values), mode.flow.size
+    if len(zeros.points) == m:
+        return zeros
+    states = zeros.points[:m]  # their distances from the origin are without the reactions
+    return Zeros(distinct_zeros(states, SAME_CANDIDATE_RTOL * np.abs(states)), zeros.why)
 
 
 def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Iterator[SteadyMode]:
@@ -242,19 +260,37 @@ def _steady_mode(key: ModeKey) -> SteadyMode:
     on_disk = isinstance(key.structure, Derivations)
     derivations = key.structure if on_disk else Derivations(None)
 
-    def formulas(what: str, expressions: Callable[[Mode], Sequence[Any]]) -> Formulas:
-        return kept_formulas(
-            derivations,
-            f"{what} in {key.name}",
-            lambda: formulas_of(_inputs(automaton), expressions(derive())),
-        )
+    def formulas(
+        what: str,
+        expressions: Callable[[Mode], Sequence[Any]],
+        reactions: Callable[[Mode], Sequence[Any]] = lambda _: (),
+    ) -> Formulas:
+        def formulas_of_mode() -> Formulas:
+            mode = derive()
+            inputs = (*automaton.states, *reactions(mode), *automaton.parameters)
+            return formulas_of(inputs, expressions(mode))
+
+        return kept_formulas(derivations, f"{what} in {key.name}", formulas_of_mode)
 
     rates = formulas("rates", lambda mode: steady_rates(automaton, mode).rates)
-    flow = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
+    flow = statics = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
+    balance = formulas("statics", partial(_statics, automaton), _reactions)
+    if balance.outputs:
+        margins = formulas("static margins", _margins, _reactions)
+        statics = Flow(flow.parameters, balance, margins)
     name = f"following states in {key.name}"
     following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive()).following))
     holds = not on_disk and bool(states_by_constraints(automaton, derive()).left)  # those on disk are free
-    return SteadyMode(key.name, holds, flow, derivations, derive, partial(_inputs, automaton), following)
+    inputs = partial(_inputs, automaton)
+    return SteadyMode(key.name, holds, flow, statics, derivations, derive, inputs, following)
+
+
+def _statics(automaton: HybridAutomaton, mode: Mode) -> Sequence[Any]:
+    return static_rates(automaton, mode) if mode.balance and is_free(automaton, mode) else ()
+
+
+def _reactions(mode: Mode) -> Sequence[Any]:
+    return mode.balance.reactions if mode.balance else ()
 
 
 def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:

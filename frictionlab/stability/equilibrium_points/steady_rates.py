@@ -36,22 +36,46 @@ class SteadyRates(NamedTuple):
 
 def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
     """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any."""
-    rates = list(mode.flow)
-    names, n = automaton.state_names, automaton.coordinates
-    places = sorted(names.index(name) for name in automaton.cyclic)
-    carriers = _carriers(automaton, mode, places) if places else {}
-    for place in places:
-        moving = (ratios.get(place, 0) * automaton.states[n + one] for one, ratios in carriers.items())
-        rates[place] = rates[place] - sum(moving, sympy.S.Zero)
-    for carrier in carriers:
-        rates[carrier] = -automaton.states[carrier]
-    given = states_by_constraints(automaton, mode).given
+    rates, carriers = _relative_rates(automaton, mode)
+    n, given = automaton.coordinates, states_by_constraints(automaton, mode).given
     held = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
     for place, rate in [*enumerate(rates)] if held else ():
         rates[place] = sympy.sympify(rate, strict=True).xreplace(held)
     for place, one in given.items():
         rates[place] = one.rate
     return SteadyRates(tuple(rates), tuple(sorted({*carriers, *given})))
+
+
+def _relative_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[list[Any], Iterable[int]]:
+    """The rates of a mode, those of cyclic coordinates relative to the carriers; and the carriers' places."""
+    rates, n = list(mode.flow), automaton.coordinates
+    places = sorted(automaton.state_names.index(name) for name in automaton.cyclic)
+    carriers = _carriers(automaton, mode, places) if places else {}
+    for place in places:
+        moving = (ratios.get(place, 0) * automaton.states[n + one] for one, ratios in carriers.items())
+        rates[place] = rates[place] - sum(moving, sympy.S.Zero)
+    for carrier in carriers:
+        rates[carrier] = -automaton.states[carrier]
+    return rates, carriers
+
+
+def static_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[Any, ...]:
+    """What vanishes at the steady motions of a mode, without M^-1: functions of states and reactions.
+
+    Forces are in place of accelerations.  A distance of zero goes with each reaction.  A coordinate that it
+    gives as a sum is replaced in the others.
+    """
+    assert mode.balance is not None
+    rates, _ = _relative_rates(automaton, mode)
+    n, (given, _, distances) = automaton.coordinates, states_by_constraints(automaton, mode)
+    rates[n : 2 * n] = mode.balance.forces
+    sums = {automaton.states[place]: one.value for place, one in given.items() if place < n and one.is_sum}
+    if sums:
+        rates = [sympy.sympify(rate, strict=True).xreplace(sums) for rate in rates]
+    for place, one in given.items():
+        if place >= 2 * n:
+            rates[place] = one.rate
+    return (*rates, *distances)
 
 
 def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
@@ -63,17 +87,21 @@ def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
 
 
 class GivenState(NamedTuple):
-    """What a constraint says of a state: its value by the others, and a rate that is zero there."""
+    """What a constraint says of a state: its value by the others, and a rate that is zero there; and whether
+    the value follows without a division by functions of states."""
 
     value: Any
     rate: Any
+    is_sum: bool = False
 
 
 class ConstrainedStates(NamedTuple):
-    """The states that the constraints of a mode give, by their places, and the constraints that give none."""
+    """The states that the constraints of a mode give, by their places, the constraints that give none, and
+    the distances among them."""
 
     given: dict[int, GivenState]
     left: tuple[Any, ...]
+    distances: tuple[Any, ...]
 
 
 def states_by_constraints(automaton: HybridAutomaton, mode: Mode) -> ConstrainedStates:
@@ -98,7 +126,7 @@ def states_by_constraints(automaton: HybridAutomaton, mode: Mode) -> Constrained
         else:
             rate = -constraint / slope
             given[place] = GivenState(states[place] + rate, rate)
-    return ConstrainedStates(given, tuple(unknown))
+    return ConstrainedStates(given, tuple(unknown), tuple(distances))
 
 
 def _is_distance(constraint: Any, states: Sequence[Any], n: int) -> bool:
@@ -127,11 +155,10 @@ def _held_coordinates(automaton: HybridAutomaton, distances: Sequence[Any]) -> d
         if not candidates:
             return {}
         x = min(reversed(candidates), key=lambda x: _order_of_choice(sympy.diff(left, x), x, states))
-        root = _root(left, x)
-        solved = {
-            other: GivenState(*(part.xreplace({x: root.value}) for part in one))
-            for other, one in solved.items()
-        }
+        root = _root(left, x, states)
+        for other, one in solved.items():
+            value, rate = (part.xreplace({x: root.value}) for part in one[:2])
+            solved[other] = GivenState(value, rate, one.is_sum and root.is_sum)
         solved[x] = root
     free = [i for i in range(n) if q[i] not in solved]
     given = {}
@@ -153,14 +180,14 @@ def _order_of_choice(slope: Any, x: Any, states: Sequence[Any]) -> int:
     return 2 if x in used else 1 if used else 0
 
 
-def _root(function: Any, x: Any) -> GivenState:
+def _root(function: Any, x: Any, states: Sequence[Any]) -> GivenState:
     """Where a function of x is zero, if it is linear in x; else two steps of Newton's method from x."""
     slope = sympy.diff(function, x)
     if x in slope.free_symbols:
         step = x - function / slope
         return GivenState(step.xreplace({x: step}), -function / slope)
     value = sympy.expand(-function.subs(x, 0) / slope)
-    return GivenState(value, value - x)
+    return GivenState(value, value - x, slope.free_symbols.isdisjoint(states))
 
 
 def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> dict[int, dict[int, Any]]:
