@@ -123,8 +123,10 @@ def _problem_from_equilibrium(
     model: ModelOrAutomaton, automaton: HybridAutomaton, mode: SteadyMode, x: Array, **changes: float
 ) -> EquilibriumProblem:
     """The problem of a mode's equilibrium, followed from `x` (m,), its state with `changes` of parameters."""
-    flow, values = mode.flow, parameter_values(automaton)
+    values = parameter_values(automaton)
     start = parameter_values(automaton.replace(**changes)) if changes else values
+    mode = mode.regular_at(x, start)
+    flow = mode.flow
     return EquilibriumProblem(
         model,
         _state_names(automaton),
@@ -384,7 +386,7 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
         Equilibrium(
             x,
             *mode.shown(x, values),
-            residual=_newton_residual(mode.flow, x, values),
+            residual=_newton_residual(mode.regular_at(x, values).flow, x, values),
             model=model,
             names=names,
         )

@@ -35,6 +35,7 @@ ONE_TURN = -3.3, 2 * np.pi - 3.3  # rad: its ends are no likely equilibria, as -
 PERIODIC_RTOL = 1e-9  # share of its terms by which a function may differ after a turn
 MOST_UNKNOWNS = 4  # with more the boxes that come near to zeros are too many
 MOST_BOXES = 12_000  # divided by the number of unknowns
+LATE = 0.05  # decades: unknowns that equations give by the others are bisected once these are as narrow
 FEW_BOXES = 64  # of one unknown are cut in two at once as often as possible: bounds of many cost as much
 FINEST = 2.0**-30  # share of a state below which boxes are not bisected
 ROUNDED = 1e-5  # the same if the equations are zero up to rounding in the middle of the box
@@ -365,6 +366,16 @@ class ReducedFlow:
         """Which of the unknowns are angles (k,)."""
         return np.array([i in self.angles for i in self.unknowns], dtype=bool)
 
+    @property
+    def proportional(self) -> NDArray[np.bool_]:
+        """Which of several unknowns have slopes that do not depend on themselves, as reactions have (k,)."""
+        if len(self.unknowns) < 2:
+            return np.zeros(len(self.unknowns), dtype=bool)
+        entries = self.flow.derivative
+        known = [*zip(entries.places, entries.formulas.dependences, strict=True)]
+        bent = {j for (_, j), inputs in known if j in inputs} | {*self.flow.stepped}
+        return np.array([i not in bent for i in self.unknowns], dtype=bool)
+
     def steps(self, w: float) -> list[float]:
         """The values of all steps at a value of the one unknown."""
         return list(map(float, self.flow.rates.steps(*self._states([w]), *self.values)))
@@ -483,7 +494,7 @@ def isolate_zeros(
     single, narrow, undecided = [boxes.take([])], [boxes.take([])], [boxes.take([])]
     most, count = MOST_BOXES // max(len(reduced.unknowns), 1), 1 + boxes.owners.max(initial=0)
     spent, settled_at = np.zeros(count, dtype=np.intp), np.full(count, np.inf)
-    turning = reduced.turning
+    turning, proportional = reduced.turning, reduced.proportional
     while len(boxes.owners):
         spent += np.bincount(boxes.owners, minlength=count)
         boxes, one = _prune(reduced, boxes)
@@ -493,6 +504,7 @@ def isolate_zeros(
             np.minimum.at(settled_at, enough.owners, enough.ends[1, 0])
         boxes = _below(boxes, settled_at)
         width = _widths(*boxes.ends, turning)
+        width[proportional] = np.minimum(width[proportional], LATE)
         fine = width.max(axis=0, initial=0.0) <= _finest(reduced.of(boxes.owners), *boxes.ends)
         narrow.append(boxes.take(fine))
         late = ~fine & (spent[boxes.owners] >= most)
@@ -640,7 +652,7 @@ def _rounds_to_zero(reduced: ReducedFlow, w: Array) -> bool:
 def _prune(reduced: ReducedFlow, boxes: Boxes) -> tuple[Boxes, Boxes]:
     """The boxes that may hold zeros, each as small as is known; and those that hold one."""
     possible = reduced.of(boxes.owners).may_vanish(_intervals(boxes.ends), len(boxes.owners))
-    boxes = boxes.take(possible)
+    boxes = _by_single_rows(reduced, boxes.take(possible))
     if not len(boxes.owners):
         return boxes, boxes
     # Zeros at the edge of a box are inside a box that is a little larger.
@@ -655,6 +667,28 @@ def _prune(reduced: ReducedFlow, boxes: Boxes) -> tuple[Boxes, Boxes]:
         crossed = _crosses(reduced.of(owners), boxes.ends) & ~np.isnan(image[0, 0]) & ~inside
         image, inside = np.where(crossed, smaller.ends, image), inside | crossed
     return smaller.take(~outside & ~inside), Boxes(image, owners).take(inside)
+
+
+def _by_single_rows(reduced: ReducedFlow, boxes: Boxes) -> Boxes:
+    """Boxes without what single equations exclude: each gives each unknown w by the others, where it has a
+    slope s of one sign, as c - f(c)/s for the middle c of its range.
+
+    A reaction, which multiplies functions of angles, is known so long before the matrix of slopes is regular.
+    """
+    if not reduced.proportional.any():
+        return boxes
+    ends, flow = boxes.ends.copy(), reduced.of(boxes.owners)
+    slopes = flow.jacobian(_intervals(ends))
+    for j in np.flatnonzero(reduced.proportional):
+        low, high = ends[:, j]
+        middle, at = (low + high) / 2, _intervals(ends)
+        at[j] = Interval(middle, middle)
+        for rate, slope in zip(flow.rates(at), slopes[j], strict=True):
+            root = Interval(middle, middle) - rate * slope.reciprocal()
+            known = np.isfinite(root.low) & np.isfinite(root.high) & ~slope.contains_zero()
+            ends[0, j] = np.where(known, np.fmax(ends[0, j], root.low), ends[0, j])
+            ends[1, j] = np.where(known, np.fmin(ends[1, j], root.high), ends[1, j])
+    return Boxes(ends, boxes.owners).take((ends[0] <= ends[1]).all(axis=0))
 
 
 def _crosses(reduced: ReducedFlow, boxes: Array) -> NDArray[np.bool_]:

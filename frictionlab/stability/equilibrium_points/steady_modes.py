@@ -9,7 +9,7 @@ friction cone is an equilibrium.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -38,6 +38,7 @@ from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 Array = NDArray[np.float64]
 MOST_MODES = 27  # in which equilibria are searched for: those of three contacts
+LEAST_SLOPE = 1e-8  # of distances by the coordinates that they give, as a share of that by all
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 # what an equilibrium shows, and the outputs that have it: F_N of a rigid contact is its reaction
 SHOWN = ("penetration",), ("normal_force", "reaction"), ("friction_force",)
@@ -65,6 +66,10 @@ class SteadyMode:
         Gives the symbols of the states, then those of the parameters.
     following : tuple of int
         Places of states that follow from the others where the motion is steady; see `SteadyRates`.
+    held : tuple of int
+        The coordinates among them that distances of zero give.
+    giving : callable or None
+        Gives the mode whose distances give other coordinates.
     """
 
     name: str
@@ -75,6 +80,28 @@ class SteadyMode:
     derive: Callable[[], Mode]
     inputs: Callable[[], Sequence[Any]]
     following: tuple[int, ...] = ()
+    held: tuple[int, ...] = ()
+    giving: Callable[[tuple[int, ...]], SteadyMode] | None = None
+
+    def regular_at(self, x: Array, values: Sequence[float]) -> SteadyMode:
+        """The mode with distances that give other coordinates, where slopes by the first ones vanish at x."""
+        m = len(x)
+        distances = Formulas(self.statics.rates.tape, self.statics.rates.outputs[m:])
+        if not self.held or not distances.outputs:
+            return self
+        places, formulas = distances.jacobian(range(m))
+        slopes = formulas.arrays(*x, *np.zeros(len(distances.outputs)), *values)
+        matrix = np.zeros((len(distances.outputs), m))
+        for place, slope in zip(places, slopes, strict=True):
+            matrix[place] = slope
+        own, all_ = (np.linalg.svd(some, compute_uv=False)[-1] for some in (matrix[:, self.held], matrix))
+        if own > LEAST_SLOPE * all_:
+            return self
+        pivots = []
+        for i, row in enumerate(matrix):
+            pivots.append(int(np.abs(row).argmax()))
+            matrix[i + 1 :] -= np.outer(matrix[i + 1 :, pivots[-1]] / row[pivots[-1]], row)
+        return self.giving(tuple(pivots)) if self.giving else self
 
     @property
     def guards(self) -> Formulas:
@@ -243,7 +270,8 @@ def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
 
 @dataclass(frozen=True)
 class ModeKey:
-    """The key of a mode's functions: its structure and name; the automaton may be any of that structure.
+    """The key of a mode's functions: its structure and name, and the coordinates that distances give, where
+    these are not the first choice; the automaton may be any of that structure.
 
     The structure is what is cached on disk of a model's, whose modes are derived only if they are not there;
     of an automaton that is nowhere on disk it is the mode itself.
@@ -252,11 +280,13 @@ class ModeKey:
     structure: Any
     name: str
     automaton: HybridAutomaton = field(compare=False)
+    held: tuple[int, ...] = ()
 
 
 @lru_cache(maxsize=256)
 def _steady_mode(key: ModeKey) -> SteadyMode:
     automaton, derive = key.automaton, partial(key.automaton.mode, key.name)
+    by = f" by {key.held}" if key.held else ""
     on_disk = isinstance(key.structure, Derivations)
     derivations = key.structure if on_disk else Derivations(None)
 
@@ -272,17 +302,22 @@ def _steady_mode(key: ModeKey) -> SteadyMode:
 
         return kept_formulas(derivations, f"{what} in {key.name}", formulas_of_mode)
 
-    rates = formulas("rates", lambda mode: steady_rates(automaton, mode).rates)
+    rates = formulas(f"rates{by}", lambda mode: steady_rates(automaton, mode, key.held).rates)
     flow = statics = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
     balance = formulas("statics", partial(_statics, automaton), _reactions)
     if balance.outputs:
         margins = formulas("static margins", _margins, _reactions)
         statics = Flow(flow.parameters, balance, margins)
-    name = f"following states in {key.name}"
-    following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive()).following))
+    name, n = f"following states{by} in {key.name}", automaton.coordinates
+    following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive(), key.held).following))
+    held = tuple(place for place in following if place < n and place + n in following)
     holds = not on_disk and bool(states_by_constraints(automaton, derive()).left)  # those on disk are free
     inputs = partial(_inputs, automaton)
-    return SteadyMode(key.name, holds, flow, statics, derivations, derive, inputs, following)
+
+    def giving(others: tuple[int, ...]) -> SteadyMode:
+        return _steady_mode(replace(key, held=others))
+
+    return SteadyMode(key.name, holds, flow, statics, derivations, derive, inputs, following, held, giving)
 
 
 def _statics(automaton: HybridAutomaton, mode: Mode) -> Sequence[Any]:

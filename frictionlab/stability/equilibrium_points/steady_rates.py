@@ -34,13 +34,16 @@ class SteadyRates(NamedTuple):
     following: tuple[int, ...] = ()
 
 
-def steady_rates(automaton: HybridAutomaton, mode: Mode) -> SteadyRates:
-    """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any."""
+def steady_rates(automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = ()) -> SteadyRates:
+    """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any.
+
+    Distances give the coordinates `held` (their places), if they can.
+    """
     rates, carriers = _relative_rates(automaton, mode)
-    n, given = automaton.coordinates, states_by_constraints(automaton, mode).given
-    held = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
-    for place, rate in [*enumerate(rates)] if held else ():
-        rates[place] = sympy.sympify(rate, strict=True).xreplace(held)
+    n, given = automaton.coordinates, states_by_constraints(automaton, mode, held).given
+    values = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
+    for place, rate in [*enumerate(rates)] if values else ():
+        rates[place] = sympy.sympify(rate, strict=True).xreplace(values)
     for place, one in given.items():
         rates[place] = one.rate
     return SteadyRates(tuple(rates), tuple(sorted({*carriers, *given})))
@@ -104,7 +107,9 @@ class ConstrainedStates(NamedTuple):
     distances: tuple[Any, ...]
 
 
-def states_by_constraints(automaton: HybridAutomaton, mode: Mode) -> ConstrainedStates:
+def states_by_constraints(
+    automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = ()
+) -> ConstrainedStates:
     """The states that constraints give: a distance a coordinate and its velocity, the limit of a friction law
     the law's state.
     """
@@ -113,7 +118,7 @@ def states_by_constraints(automaton: HybridAutomaton, mode: Mode) -> Constrained
     distances = [one for one in left if _is_distance(one, states, n)]
     rates = [_rate(one, states[:n], states[n : 2 * n]) for one in distances]
     others = [one for one in left if one not in distances and all(sympy.expand(one - r) for r in rates)]
-    given = _held_coordinates(automaton, distances)
+    given = _held_coordinates(automaton, distances, held)
     if len(given) == 2 * len(distances) == len(left) - len(others):
         left = others  # else a distance lacks its rate, or two distances are one
     else:
@@ -144,8 +149,10 @@ def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | No
     return states.index(further[-1]), slope
 
 
-def _held_coordinates(automaton: HybridAutomaton, distances: Sequence[Any]) -> dict[int, GivenState]:
-    """The coordinates that distances of zero give, and their velocities, by their places."""
+def _held_coordinates(
+    automaton: HybridAutomaton, distances: Sequence[Any], held: Sequence[int]
+) -> dict[int, GivenState]:
+    """The coordinates that distances of zero give, first of these, and their velocities, by their places."""
     n, states = automaton.coordinates, automaton.states
     q, v, solved = states[:n], states[n : 2 * n], {}
     for distance in distances:
@@ -154,7 +161,8 @@ def _held_coordinates(automaton: HybridAutomaton, distances: Sequence[Any]) -> d
         candidates = [x for x in candidates if x not in solved]
         if not candidates:
             return {}
-        x = min(reversed(candidates), key=lambda x: _order_of_choice(sympy.diff(left, x), x, states))
+        slopes = {x: _order_of_choice(sympy.diff(left, x), x, states) for x in reversed(candidates)}
+        x = min(slopes, key=lambda x: (q.index(x) not in held, slopes[x]))
         root = _root(left, x, states)
         for other, one in solved.items():
             value, rate = (part.xreplace({x: root.value}) for part in one[:2])

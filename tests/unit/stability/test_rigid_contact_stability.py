@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.optimize
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 
 sin, cos = fl.functions.sin, fl.functions.cos
 
@@ -192,11 +194,89 @@ def test_a_rod_that_slides_on_its_end_has_the_eigenvalues_of_its_pencil():
 @pytest.mark.slow  # its modes are derived
 def test_a_rod_without_its_spring_has_all_its_equilibria_within_one_turn():
     """Where the contact's force passes through its centre, tan(theta) = 1/mu, above the belt and below it."""
+    assert fl.equilibria(RodOnBelt()).complete  # with its spring it has one, of all angles
     known = fl.equilibria(RodOnBelt(turning=0.0))
     assert known.complete
     upright = math.atan(1 / 0.3)
     assert [point.q[2] for point in known] == pytest.approx([upright, upright - math.pi], rel=1e-14)
     assert [point.normal_force for point in known] == pytest.approx([40.0, 40.0], rel=1e-13)
+
+
+@fl.model
+class TwoArms(fl.MechanicalModel):
+    """Two arms of length 1, with masses of 1 kg at knee and tip; that slides on a belt 0.3 m below."""
+
+    pull: float = 0.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    coordinates = ("alpha", "beta")
+
+    def mechanics(self, q, v):
+        speed = -sin(q.alpha) * v.alpha - sin(q.beta) * v.beta
+        rise = cos(q.alpha) * v.alpha + cos(q.beta) * v.beta
+        weights = 10.0 * (2 * sin(q.alpha) + sin(q.beta))
+        gap = sin(q.alpha) + sin(q.beta) + 0.3
+        return fl.Mechanics(
+            kinetic=(v.alpha**2 + speed**2 + rise**2) / 2,
+            potential=weights - self.pull * (cos(q.alpha) + cos(q.beta)),
+            contacts=(
+                fl.Stop(gap, fl.PlasticImpact(), friction=self.friction, relative_velocity=1.0 - speed),
+            ),
+        )
+
+
+def sliding_arms(pull, mu=0.3):
+    """Angles and reaction where moments of loads and of the tip's force balance, along the contact."""
+
+    def moments(a, b):
+        loads = [20 * math.cos(a) + pull * math.sin(a), 10 * math.cos(b) + pull * math.sin(b)]
+        return loads, [math.cos(x) - mu * math.sin(x) for x in (a, b)]
+
+    def excess(a, elbow):
+        (load, other), (arm, lever) = moments(a, below(a, elbow))
+        return load * lever - other * arm
+
+    def below(a, elbow):
+        b = math.asin(-0.3 - math.sin(a))
+        return b if elbow else -math.pi - b
+
+    ends = math.asin(0.7)
+    for elbow in (True, False):
+        at = np.linspace(-math.pi - ends, ends, 2000)[1:-1]
+        values = [excess(a, elbow) for a in at]
+        for i in np.flatnonzero(np.diff(np.sign(values))):
+            a = scipy.optimize.brentq(excess, at[i], at[i + 1], args=(elbow,), xtol=1e-15)
+            loads, levers = moments(a, below(a, elbow))
+            side = int(np.abs(levers).argmax())
+            yield a, below(a, elbow), loads[side] / levers[side]
+
+
+@pytest.mark.slow  # sympy takes 3 s to derive its modes
+def test_arms_on_a_belt_have_all_equilibria_also_where_the_distance_does_not_change_with_an_arm():
+    def sorted_by_turns(rows):
+        return sorted([math.cos(a), math.sin(a), math.cos(b), math.sin(b), push] for a, b, push in rows)
+
+    for pull in (0.0, -5.0, -12.0):
+        known = fl.equilibria(TwoArms(pull=pull))
+        assert known.complete
+        points = [(*one.q, one.normal_force) for one in known if one.normal_force > 0]
+        expected = [row for row in sliding_arms(pull) if row[2] > 0]
+        np.testing.assert_allclose(sorted_by_turns(points), sorted_by_turns(expected), atol=1e-10)
+    # At this pull an arm hangs straight down: its slope of the distance is zero.
+    known = fl.equilibria(TwoArms(pull=-6.0))
+    assert known.complete
+
+    def chosen(one):
+        return abs(math.cos(one.q[1])) < 1e-3
+
+    hanging = [one for one in known if chosen(one)]
+    assert sorted(one.q[0] for one in hanging) == pytest.approx([math.asin(0.7), math.pi - math.asin(0.7)])
+    assert [one.normal_force for one in hanging] == pytest.approx([20.0, 20.0], rel=1e-12)
+    # Beside it the distance gives that arm's angle, there the other's.
+    rates = []
+    for model in (TwoArms(pull=pull) for pull in (-6.001, -6.0, -5.999)):
+        problems = (equilibrium_problem(model, one) for one in fl.equilibria(model) if chosen(one))
+        rates.append([np.sort(problem.spectra({}).real) for problem in problems])
+    assert rates[1] == pytest.approx(np.mean([rates[0], rates[2]], axis=0), rel=1e-5)
 
 
 @pytest.mark.slow
