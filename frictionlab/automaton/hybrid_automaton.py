@@ -39,8 +39,8 @@ class HybridAutomaton:
         In the order in which they are tried, at the start too, after those that an event names first.
         What is derived from them is cached per Mode object: build them once, vary `parameters`.
     parameters : mapping of Symbol to float
-        Every symbol of the expressions that is not a state.  The solver sets one called ``chatter`` to the
-        dwell time (s) below which it replaces a sequence of events by its limit mode.
+        Every symbol of the expressions that is not a state.  Where there are limit modes, the solver sets one
+        called ``chatter`` to the dwell time (s) below which it replaces a sequence of events by them.
     coordinates : int
         How many of the states are coordinates; as many velocities follow them.
     cyclic : tuple of str

@@ -32,8 +32,10 @@ CHATTER = "chatter"  # the parameter of an automaton that the solver sets to the
 
 @lru_cache(maxsize=64)  # an automaton never changes
 def with_chatter_limit(automaton: HybridAutomaton, limit: float) -> HybridAutomaton:
-    """The automaton with its parameter `chatter`, if it has one, set to a `limit` in seconds."""
-    return automaton.replace(chatter=limit) if CHATTER in automaton.values else automaton
+    """The automaton with the parameter `chatter` of its limit modes, if it has them, set to a `limit` (s)."""
+    if CHATTER not in automaton.values or not _has_limit_mode(automaton):
+        return automaton
+    return automaton.replace(chatter=limit)
 
 
 @lru_cache(maxsize=64)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, Ty
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, is_decorated, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
+from frictionlab.presentation import CLOCK, TIME
 from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
@@ -191,10 +192,17 @@ class Model(Component):
         raise NotImplementedError(f"{type(self).__name__} must define derive()")
 
     def check(self) -> None:
-        """Raise ValueError if a parameter is named like a coordinate or the phase: both become symbols."""
-        for name in (*self.coordinates, "phase"):
+        """Raise ValueError if two of the names that become symbols are one."""
+        for name in self.coordinates:
+            if name in (CLOCK, TIME) or self.coordinates.count(name) > 1:
+                raise ValueError(
+                    f"coordinates must have different names, and none of 'phase' and 't', got {name!r}: "
+                    "rename it"
+                )
+        for name in (*self.coordinates, "phase", "chatter"):  # the last is the solver's
             if name in self.parameters:
-                raise ValueError(f"a parameter must not be named like the coordinate {name!r}: rename it")
+                like = "like the solver's limit" if name == "chatter" else "like the coordinate"
+                raise ValueError(f"a parameter must not be named {like} {name!r}: rename it")
 
     @property
     def components(self) -> Mapping[str, Component]:

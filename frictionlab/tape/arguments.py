@@ -73,6 +73,15 @@ def check_structure(
             f"coordinates must leave room for as many velocities among the {len(states)} states, "
             f"got {coordinates}: list the coordinates first, then their velocities"
         )
+    symbols = [symbol.name for symbol in (*states, *parameters)]
+    if twice := sorted({name for name in symbols if symbols.count(name) > 1}):
+        raise ValueError(f"states and parameters must have different names, got {twice} twice: rename one")
+    for mode in modes:
+        if {*mode.outputs} != {*modes[0].outputs}:
+            raise ValueError(
+                f"every mode must have the same outputs, got {abbreviate([*mode.outputs])} in {mode.name!r} "
+                f"and {abbreviate([*modes[0].outputs])} in {modes[0].name!r}: give each mode all of them"
+            )
     known = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:
         check_mode(mode, *known)

@@ -297,8 +297,11 @@ class Comparison(NamedTuple):
         return self.drift.leave_out(states)
 
     def sizes(self) -> Array:
-        """Size of the motion in each of the columns; 0 where a drift leaves but rounding of it."""
-        size = state_ranges(self.columns(self.run.raw.step_states))
+        """Size of the motion in each of the columns: its range, or its value where but rounding moves it; 0
+        where a drift leaves but rounding of it."""
+        states = self.columns(self.run.raw.step_states)
+        size, values = state_ranges(states), np.abs(states).max(axis=0, initial=0.0)
+        size = np.where(size < AT_REST_RTOL * values, values, size)
         if self.drift is not None:
             left = size[: self.drift.across.shape[1]]
             left[left <= self.drift.rounding] = 0.0

@@ -67,3 +67,28 @@ def test_time_as_a_symbol_is_refused_with_a_cure_that_moves():
     forced = fl.Mode("only", (v, sp.cos(clock) - 4 * x, sp.S.One))
     run = fl.solve(fl.HybridAutomaton((x, v, clock), (forced,), {}, 1), 5.0, x0=[0, 0, 0], progress=False)
     assert run.final_state[0] == pytest.approx((math.cos(5) - math.cos(10)) / 3, rel=1e-12)
+
+
+def test_names_that_are_there_twice_are_refused():
+    """Values go by names: of two parameters k the first kept its value, whatever replaced it."""
+    other, on = sp.Symbol("k", positive=True), fl.Mode("on", (V, -X * K))
+    pair = fl.Mode("on", (V, -X * (K + other)))
+    for states, mode, values in (((X, X), on, {K: 1.0}), ((X, V), pair, {K: 1.0, other: 2.0})):
+        with pytest.raises(ValueError, match=r"must have different names, got \['(x|k)'\] twice: rename one"):
+            fl.solve(fl.HybridAutomaton(states, (mode,), values, 1), 1.0, x0=[1.0, 0.0])
+
+
+def test_modes_with_other_outputs_are_refused():
+    off = fl.Mode("off", (V, -X), outputs={"E": X**2})
+    with pytest.raises(
+        ValueError, match=r"the same outputs, got \['E'\] in 'off' and \[\] in 'on': give each"
+    ):
+        fl.solve(fl.HybridAutomaton((X, V), (ON, off), {}, 1), 1.0, x0=[1.0, 0.0])
+
+
+def test_a_parameter_named_chatter_keeps_its_value():
+    """It is the solver's only where there are limit modes; cos 2 and -2 sin 2."""
+    chatter = sp.Symbol("chatter")
+    swing = fl.HybridAutomaton((X, V), (fl.Mode("on", (V, -X * chatter)),), {chatter: 4.0}, 1)
+    run = fl.solve(swing, 1.0, x0=[1.0, 0.0], progress=False)
+    assert run.final_state == pytest.approx([math.cos(2.0), -2.0 * math.sin(2.0)], rel=1e-14)

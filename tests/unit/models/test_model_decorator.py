@@ -172,3 +172,34 @@ def of_functions(function):
 def test_errors_name_the_cure(call, message):
     with pytest.raises(TypeError, match=message):
         call()
+
+
+@pytest.mark.parametrize("names", [("x", "x"), ("t",), ("x", "phase")])
+def test_coordinates_have_names_of_their_own(names):
+    """A coordinate named t stood for the time: such a model was refused every steady state."""
+
+    @fl.model
+    class Mine(fl.MechanicalModel):
+        k: float = 1.0
+        coordinates = names
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2)
+
+    with pytest.raises(
+        ValueError, match="coordinates must have different names, and none of 'phase' and 't'"
+    ):
+        Mine()
+
+
+def test_a_parameter_is_not_named_like_the_limit_that_the_solver_sets():
+    @fl.model
+    class Mine(fl.MechanicalModel):
+        chatter: float = 4.0
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2, self.chatter * q.x**2 / 2)
+
+    with pytest.raises(ValueError, match="like the solver's limit 'chatter': rename it"):
+        Mine()

@@ -164,6 +164,7 @@ def of(states, rates=None, load=0, stored=0, rubbing=None):
         ),
         (of(("x'",)), ValueError, 'got "x\'": rename it'),
         (of(("i", "i")), ValueError, "got 'i': rename it"),
+        (of(("t",)), ValueError, "got 't': rename it"),
         (of(("i",)), ValueError, "rates of Mine must be those of its states i, got none"),
         (of((), lambda q, v, s: {"i": v.x}), ValueError, r"its states \(it has none\), got i"),
         (of(("i",), lambda q, v, s: {"i": s.j}), AttributeError, "'j': known are i"),

@@ -215,3 +215,17 @@ def test_onsets_of_stick_are_counted_of_each_contact():
         model, "v", [0.2], [0.1, -0.2, 0.0, 0.0], transient=100, window=100, progress=False
     )
     assert swept.onsets.tolist() == [2]
+
+
+@pytest.mark.parametrize("r", [2.5, 2.8, 3.2])
+def test_a_map_that_alternates_by_rounding_has_its_own_period(r):
+    """The logistic map once a second: the product of r (1 - 2 a) over a period is the multiplier."""
+    a, clock = sp.symbols("a clock")
+    tick = fl.Event("tick", 1 - clock, ("on",), fl.Reset({a: r * a * (1 - a), clock: 0}))
+    scene = fl.HybridAutomaton((a, clock), (fl.Mode("on", (sp.S.Zero, sp.S.One), (tick,)),))
+    found = settled(scene, [0.2, 0.0], transient=200.0, window=50.0)
+    period = 1.0 if r < 3.0 else 2.0
+    assert (found.kind, found.period) == ("periodic", pytest.approx(period, rel=1e-12))
+    points = 1 - 1 / r if r < 3.0 else (r + 1 + np.array([1, -1]) * np.sqrt((r - 3) * (r + 1))) / (2 * r)
+    orbit = fl.periodic_orbit(scene, found)
+    assert orbit.multipliers == pytest.approx([1.0, np.prod(r * (1 - 2 * points))], abs=1e-9)
