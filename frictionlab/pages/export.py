@@ -27,8 +27,18 @@ from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
 from frictionlab.models.model import Model
-from frictionlab.pages.page_data import chosen_sliders, scene_menu, structure_data, structures, switch_names
+from frictionlab.pages.page_data import (
+    chosen_sliders,
+    page_laws,
+    scene_menu,
+    structure_data,
+    structures,
+    switch_names,
+)
 from frictionlab.pages.scene import (
+    controls_of_models,
+    formula_controls,
+    law_control,
     panels_of,
     parameter_controls,
     require_shown_model,
@@ -42,6 +52,7 @@ from frictionlab.validation import check_path, check_t_end, check_text
 
 BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
+LAWS_HINT = "the law of friction; fl.explore in Python has further ones, and those of contact and impact"
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
@@ -69,6 +80,7 @@ def export_page(
     sliders: Mapping[str, tuple[float, float]] | Sequence[str] | None = None,
     switches: Sequence[str] | None = None,
     presets: Mapping[str, Mapping[str, Any]] | None = None,
+    laws: Sequence[str] | None = None,
     t_end: float | None = None,
     title: str | None = None,
 ) -> Path:
@@ -91,6 +103,10 @@ def export_page(
         Nonlinearities that get a switch; None takes all that the model can do without.
     presets : mapping of name to mapping, or None
         Values by name, such as ``{"flutter": {"mu_k": 1.4, "without": ["geometry"]}}``.
+    laws : sequence of names or None
+        Laws of friction in a menu, by their names in that of :func:`frictionlab.explore`, such as "LuGre".
+        None takes five that follow from the speed alone, where the model has few modes.  The others of the
+        menu need Python.
     t_end : float or None
         End time in seconds; None takes some 300 periods.
     title : str or None
@@ -122,8 +138,9 @@ def export_page(
     if t_end is None:
         t_end = usual_duration(model)
     check_t_end(t_end)
-    scene = page_scene(model, names, sliders, presets, float(t_end), title)
-    return write_text(path, page_content(model, names, scene))
+    with_laws = page_laws(model, laws)
+    scene = page_scene(model, names, sliders, presets, float(t_end), title, with_laws)
+    return write_text(path, page_content(model, names, scene, with_laws))
 
 
 def usual_duration(model: Model) -> float:
@@ -131,8 +148,16 @@ def usual_duration(model: Model) -> float:
     return round_down_1_2_5(PERIODS * oscillation_period(model))
 
 
-def page_content(model: Model, names: tuple[str, ...], scene: dict[str, Any], mark: str = "") -> str:
+def page_content(
+    model: Model,
+    names: tuple[str, ...],
+    scene: dict[str, Any],
+    with_laws: Mapping[str, Model],
+    mark: str = "",
+) -> str:
     """The page of a model whose switches have these names; `mark` stands in its head.
+
+    A law is there with all nonlinearities of the model.
 
     Raises
     ------
@@ -143,18 +168,30 @@ def page_content(model: Model, names: tuple[str, ...], scene: dict[str, Any], ma
     """
     script = script_text(SCRIPTS)
     solver = solver_data(script)
-    derived = {key: structure_data(each) for key, each in structures(model, names).items()}
+    models = structures(model, names) | {f"|{law}": each for law, each in list(with_laws.items())[1:]}
+    derived = {key: structure_data(each) for key, each in models.items()}
     constants = {"SCENE": scene, "SOLVER": solver}
     return html_page(scene["title"], constants, f"const STRUCTURES = {_structures(derived)};\n{script}", mark)
 
 
 def page_scene(
-    model: Model, names: tuple[str, ...], sliders: Any, presets: Any, t_end: float, title: str | None
+    model: Model,
+    names: tuple[str, ...],
+    sliders: Any,
+    presets: Any,
+    t_end: float,
+    title: str | None,
+    with_laws: Mapping[str, Model],
 ) -> dict[str, Any]:
-    """The scene of a page: its switches are those of these names."""
+    """The scene of a page: its switches are those of these names, its menu that of these laws."""
     chosen, ranges = chosen_sliders(model, sliders)
     switches = [switch_control(model, name) for name in names]
-    controls = [*switches, *parameter_controls(model, chosen, ranges), *run_controls(model, t_end)]
+    menus = [law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []
+    own = parameter_controls(model, chosen, ranges)
+    known = model.parameters
+    others = [each for each in controls_of_models(with_laws.values()) if each["name"] not in known]
+    formula = formula_controls([model, *with_laws.values()])
+    controls = [*switches, *menus, *formula, *own, *others, *run_controls(model, t_end)]
     scene = scene_data(model, controls, panels_of(model), title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"
     menu = scene_menu(model, names, presets)

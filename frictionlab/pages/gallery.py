@@ -27,7 +27,7 @@ from frictionlab.pages.export import (
     solver_data,
     usual_duration,
 )
-from frictionlab.pages.page_data import switch_names
+from frictionlab.pages.page_data import page_laws, switch_names
 from frictionlab.pages.scene import Data, mechanism_data
 from frictionlab.validation import check_path
 
@@ -156,9 +156,10 @@ def write_scene(scene: LibraryScene, path: Path, menu: list[Data], mark: str = "
         Where a page cannot show the model.
     """
     names = switch_names(scene.model, None)
-    data = page_scene(scene.model, names, None, None, usual_duration(scene.model), scene.name)
+    laws = page_laws(scene.model, None)
+    data = page_scene(scene.model, names, None, None, usual_duration(scene.model), scene.name, laws)
     data |= {"name": scene.name, "about": scene.about, "menu": menu}
-    return write_text(path, page_content(scene.model, names, data, mark))
+    return write_text(path, page_content(scene.model, names, data, laws, mark))
 
 
 def index_page(scenes: Iterable[LibraryScene], refused: dict[str, str], explorer: str = "") -> str:

@@ -26,7 +26,14 @@ from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
 from frictionlab.models.symbols import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
-from frictionlab.pages.scene import friction_points, main_parameters, quantity_data
+from frictionlab.pages.scene import (
+    has_friction_curve,
+    law_menus,
+    main_parameters,
+    model_call,
+    own_law,
+    quantity_data,
+)
 from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rates import is_free, steady_rates
@@ -41,6 +48,10 @@ from frictionlab.validation import (
     did_you_mean_or_known,
 )
 
+# The laws that pages offer unless others are asked for, where the model has few modes: with more, each would
+# take seconds to derive.
+PAGE_LAWS = "Coulomb", "exponential decay", "hyperbolic decay", "Stribeck", "weakening-strengthening"
+MODES_WITH_LAWS = 5
 MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 
 
@@ -85,6 +96,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         ],
         "rules": rule_data(model, parameters),
         "friction": _friction_force(model, parameters),
+        "call": model_call(model),
         "near": _known_equilibrium(model, automaton),
     }
 
@@ -107,7 +119,7 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
 
 
 def _friction_force(model: Model, parameters: tuple[Any, ...]) -> str:
-    if not friction_points(model):
+    if not has_friction_curve(model):
         return "null"
     return javascript_of_formulas(friction_formulas(model.structure_key, parameters), [2, len(parameters)])
 
@@ -227,6 +239,30 @@ def structures(model: Model, switches: Sequence[str]) -> dict[str, Model]:
     """The model for every set of switches that are off; the key is their names, joined by commas."""
     sets = [some for k in range(len(switches) + 1) for some in combinations(switches, k)]
     return {",".join(some): model.without(*some) if some else model for some in sets}
+
+
+def page_laws(model: Model, laws: Sequence[str] | None) -> dict[str, Model]:
+    """The model with each law of friction that its page offers, by the law's name, its own first; empty where
+    there is nothing to choose.
+
+    Raises
+    ------
+    ValueError
+        For a name that is none of the menu of `friction`.
+    """
+    menu = law_menus(model).get("friction", {})
+    if laws is None:
+        few = bool(menu) and len(model.automaton().modes) <= MODES_WITH_LAWS
+        laws = [name for name in PAGE_LAWS if name in menu] if few else []
+    names = check_sequence("laws", laws, "give names of laws in a list")
+    for name in names:
+        if name not in menu:
+            hint = did_you_mean_or_known(name, list(menu))
+            raise ValueError(f"laws has no law of friction {abbreviate(name)}{hint}")
+    others = [name for name in names if name != own_law(model, "friction")]
+    if not others:
+        return {}
+    return {own_law(model, "friction"): model} | {name: model.replace(friction=menu[name]) for name in others}
 
 
 def chosen_sliders(model: Model, sliders: Any) -> tuple[list[str], dict[str, tuple[float, float]]]:

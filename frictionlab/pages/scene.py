@@ -7,13 +7,28 @@ The state of a front end holds a value for each control, by its name.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
+import frictionlab
 from frictionlab.analysis.motion_scales import highest_frequency, rounded_period
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Parameter
-from frictionlab.components.friction import FrictionCurve, FrictionLaw
+from frictionlab.components.component import Component, Parameter, structure_of
+from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact
+from frictionlab.components.dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSlip
+from frictionlab.components.friction import (
+    Coulomb,
+    ExponentialDecay,
+    FrictionCurve,
+    FrictionLaw,
+    HyperbolicDecay,
+    PressureDependent,
+    Stribeck,
+    WeakeningStrengthening,
+)
+from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
 from frictionlab.models.composition import parameter_metadata, parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
@@ -27,6 +42,32 @@ from frictionlab.presentation import state_unit
 Data = dict[str, Any]
 
 PANELS = ("mechanism", "friction", "response", "phase", "forces", "spectrum", "eigenvalues")
+# What the menu of a role offers, by the kind of law.  A linear contact is what the switch "cubic" leaves.
+LAWS: Mapping[type[Component], Mapping[str, Component]] = MappingProxyType(
+    {
+        FrictionLaw: {
+            "Coulomb": Coulomb(),
+            "exponential decay": ExponentialDecay(),
+            "hyperbolic decay": HyperbolicDecay(),
+            "Stribeck": Stribeck(),
+            "weakening-strengthening": WeakeningStrengthening(),
+            "pressure-dependent": PressureDependent(),
+            "curve of points": FrictionCurve(),
+            "Dahl": Dahl(),
+            "LuGre": LuGre(),
+            "Jenkins": Jenkins(),
+            "rate and state (aging)": RateAndState(),
+            "rate and state (slip)": RateAndStateSlip(),
+        },
+        ContactLaw: {"cubic": CubicContact(), "Hertz": HertzContact(), "polynomial": PolynomialContact()},
+        ImpactLaw: {
+            "plastic, Eq. (13)": PlasticImpact("material"),
+            "plastic, full gap rate": PlasticImpact("full"),
+            "restitution": RestitutionImpact(),
+        },
+    }
+)
+LAW_HINTS = {ImpactLaw: "the velocity after a body has landed"}
 OPERATION_PARAMETERS = "F", "v", "Omega"  # the model's own parameters that are changed most in operation
 MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
@@ -56,7 +97,6 @@ def scene_data(
     return {
         "title": title or type(model).__name__,
         "about": "",
-        "call": model_call(model),
         "model": repr(model),
         "controls": controls,
         "initial": {each["name"]: each["value"] for each in controls},
@@ -65,16 +105,20 @@ def scene_data(
         "highest": float(highest_frequency(model)),
         "windows": windows(model),
         "mechanism": mechanism_data(model),
-        "points": friction_points(model),
         "challenges": challenge_data(model),
         "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
     }
 
 
 def panels_of(model: Model) -> list[str]:
-    """The panels that are shown unless others are asked for: the friction curve where it can be drawn."""
-    lacking = {"mechanism": model.mechanism is None, "friction": not friction_points(model)}
-    return [name for name in PANELS if not lacking.get(name)]
+    """The panels that are shown unless others are asked for; the friction curve comes last unless its points
+    are dragged."""
+    names = [name for name in PANELS if name != "friction"]
+    if model.mechanism is None:
+        names.remove("mechanism")
+    if friction_points(model):
+        return [*names[:1], "friction", *names[1:]]
+    return [*names, "friction"] if FrictionLaw in model.roles.values() else names
 
 
 def has_friction_curve(model: Model) -> bool:
@@ -108,9 +152,9 @@ def challenge_data(model: Model) -> list[Data]:
 
 
 def model_call(model: Model) -> str:
-    """The name by which Python code calls the model's class."""
-    name, ours = type(model).__name__, type(model).__module__.startswith("frictionlab.")
-    return f"fl.{name}" if ours else name
+    """Python that makes the model; names of the package have its prefix."""
+    names = re.compile(r"\b([A-Z]\w*)\(")
+    return names.sub(lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], repr(model))
 
 
 def number(name: str, about: Parameter, value: float, group: str, bounds: Any = None) -> Data:
@@ -168,6 +212,66 @@ def _regimes(model: Model, words: str) -> str:
     regimes = {part for mode in model.automaton().modes for part in mode.name.split(" | ")}
     fitting = [word for word in words.split(", ") if any(part.startswith(word) for part in regimes)]
     return ", ".join(fitting) or "impacts"
+
+
+def law_menus(model: Model) -> dict[str, dict[str, Component]]:
+    """For each role for which the library has laws: those that the model takes, and its own, by name."""
+    return {role: _laws_of(model, role) for role, kind in model.roles.items() if kind in LAWS}
+
+
+def _laws_of(model: Model, role: str) -> dict[str, Component]:
+    own = getattr(model, role)
+    laws = {name: law for name, law in LAWS[model.roles[role]].items() if _takes(model, role, law)}
+    return laws | {own_law(model, role): own}
+
+
+def own_law(model: Model, role: str) -> str:
+    """The name in the menu of the law that the model has."""
+    own = getattr(model, role)
+    return next(
+        (name for name, law in LAWS[model.roles[role]].items() if _alike(law, own)), type(own).__name__
+    )
+
+
+def _alike(law: Component, other: Component) -> bool:
+    """Whether two laws differ in nothing but the values of parameters."""
+    if type(law) is not type(other):
+        return False
+    return all(getattr(law, name) == getattr(other, name) for name in structure_of(type(law)))
+
+
+def _takes(model: Model, role: str, law: Component) -> bool:
+    try:
+        model.replace(**{role: law})
+    except (TypeError, ValueError):  # a parameter's name is taken, or the model asks for another kind of law
+        return False
+    return True
+
+
+def law_control(model: Model, role: str, names: Iterable[str]) -> Data:
+    """A menu of the laws of a role, by these names."""
+    hint = LAW_HINTS.get(model.roles[role], f"the law of {role}")
+    return choice(role, names, own_law(model, role), "main", hint=hint) | {"text": f"{role} law"}
+
+
+def formula_controls(models: Iterable[Model]) -> list[Data]:
+    """The field of a formula that puts the points of a friction curve on it, where a model has some."""
+    points = next(filter(None, map(friction_points, models)), None)
+    if points is None:
+        return []
+    about = {"name": "formula", "kind": "formula", "group": "main", "text": "μ(v) =", "value": ""}
+    hint = "a formula of the sliding speed v in m/s, on which the points of the friction curve are put"
+    return [about | {"needs": points[0][1], "hint": hint}]
+
+
+def controls_of_models(models: Iterable[Model]) -> Iterator[Data]:
+    """A number for each parameter of any of these models; the first that has it gives its value."""
+    seen: set[str] = set()
+    for each in models:
+        for about in parameter_controls(each, main_parameters(each)):
+            if about["name"] not in seen:
+                seen.add(about["name"])
+                yield about
 
 
 def choice(
@@ -260,6 +364,7 @@ def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
         "units": {name: state_unit(name) for name in names},
         "forces": forces,
         "slides": can_slide_steadily(automaton),
+        "points": friction_points(model),
     }
 
 

@@ -1,19 +1,17 @@
 """Controls of an explorer: the values of its state, each of which can be observed and linked to any widget.
 
-`model_controls` has a control for every parameter, nonlinearity and impact law of a model, `run_choices`
+`model_controls` has a control for every parameter, nonlinearity and law of a model, `run_choices`
 those of a run.  The front end shows them; their data are those of `frictionlab.pages.scene`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from types import MappingProxyType
 from typing import Any
 
 import traitlets
 
-from frictionlab.components.component import Component, Parameter, check_value
-from frictionlab.components.impact import PlasticImpact, RestitutionImpact
+from frictionlab.components.component import Parameter, check_value
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -22,9 +20,11 @@ from frictionlab.models.model import Model
 from frictionlab.pages.scene import (
     Data,
     choice,
-    main_parameters,
+    controls_of_models,
+    formula_controls,
+    law_control,
+    law_menus,
     number,
-    parameter_controls,
     run_controls,
     switch_control,
     windows,
@@ -33,13 +33,6 @@ from frictionlab.validation import abbreviate, check_number, did_you_mean
 
 from .result import QUICK_METHOD, Settings
 
-IMPACT_LAWS: Mapping[str, Component] = MappingProxyType(
-    {
-        "plastic, Eq. (13)": PlasticImpact("material"),
-        "plastic, full gap rate": PlasticImpact("full"),
-        "restitution": RestitutionImpact(),
-    }
-)
 OWN_STATE, FIXED_STEP = "own", "rk4"
 METHODS = {"quick (Taylor)": QUICK_METHOD, "exact (Taylor)": Taylor(), "paper's (RK4)": FIXED_STEP}
 DEFAULT_STEP, MIN_STEP, MAX_STEP = 2e-4, 2e-5, 1e-2  # s; the paper's step
@@ -129,7 +122,7 @@ class Control(traitlets.HasTraits):
             return float(checked)
         if kind == "choice" and data in self.values:
             return self.values[data]
-        if (kind == "switch" and isinstance(data, bool)) or (kind == "text" and isinstance(data, str)):
+        if isinstance(data, {"switch": bool, "text": str, "formula": str}.get(kind, ())):
             return data
         if kind == "range" and isinstance(data, (list, tuple)) and len(data) == 2 and data[0] < data[1]:
             return float(data[0]), float(data[1])
@@ -145,39 +138,32 @@ def controls_of(model: Model, settings: Settings) -> dict[str, Control]:
 
 
 def model_controls(model: Model) -> Iterator[Control]:
-    """A switch for each nonlinearity, a menu of impact laws, a number for each parameter of these models."""
+    """A switch for each nonlinearity, a menu of laws for each role, a number for each parameter of these
+    models."""
     for name in model.nonlinearities:
         yield Control(switch_control(model, name))
-    if "impact" in model.roles:
-        values, own = impact_laws(model.impact)
-        about = choice("impact", values, own, "main", hint="the velocity after the slider has landed")
-        yield Control(about | {"text": "impact law"}, values)
-    seen: set[str] = set()
-    for each in _reachable(model):
-        rules = parameter_metadata(type(each), each.components)
-        for about in parameter_controls(each, main_parameters(each)):
-            if about["name"] not in seen:
-                seen.add(about["name"])
-                yield Control(about, rule=rules[about["name"]])
-
-
-def impact_laws(own: Component) -> tuple[dict[str, Component], str]:
-    """The laws of the menu, and the option that is the model's own."""
-    known = {type(law): text for text, law in IMPACT_LAWS.items() if type(law) is not PlasticImpact}
-    text = known.get(type(own), next((t for t, law in IMPACT_LAWS.items() if law == own), type(own).__name__))
-    return {**IMPACT_LAWS, text: own}, text
+    for role, laws in law_menus(model).items():
+        yield Control(law_control(model, role, laws), laws)
+    rules: dict[str, Parameter] = {}
+    models = list(_reachable(model))
+    for each in models:
+        rules = parameter_metadata(type(each), each.components) | rules
+    for about in formula_controls(models):
+        yield Control(about)
+    for about in controls_of_models(models):
+        yield Control(about, rule=rules[about["name"]])
 
 
 def _reachable(model: Model) -> Iterator[Model]:
-    """The model, and those that its switches and its menu of impact laws lead to, for their parameters."""
+    """The model, and those that its switches and its menus of laws lead to, for their parameters."""
     yield model
     full = model
     for restored in restoring_components(model).values():
         full = full.replace(**restored)
     yield full
-    if "impact" in model.roles:
-        for law in IMPACT_LAWS.values():
-            yield full.replace(impact=law)
+    for role, laws in law_menus(model).items():
+        for law in laws.values():
+            yield full.replace(**{role: law})
 
 
 def restoring_components(model: Model) -> dict[str, dict[str, Any]]:
@@ -195,9 +181,7 @@ def chosen_model(model: Model, controls: Mapping[str, Control]) -> Model:
     ValueError
         If a law cannot do without its nonlinearity, or a parameter breaks a rule.
     """
-    chosen: dict[str, Any] = {}
-    if "impact" in controls:
-        chosen["impact"] = controls["impact"].value
+    chosen: dict[str, Any] = {role: controls[role].value for role in model.roles if role in controls}
     nonlinearities = model.nonlinearities
     off = [name for name in nonlinearities if not controls[f"switch-{name}"].value]
     restored = restoring_components(model)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -11,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-import frictionlab
 from frictionlab.analysis.motion_scales import (
     Spectrum,
     amplitude_spectrum,
@@ -27,7 +25,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import MAKE_ONE
 from frictionlab.models.serialisation import is_public
-from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, require_shown_model
+from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, model_call, require_shown_model
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 if TYPE_CHECKING:
@@ -118,14 +116,10 @@ def tighten_tolerance(method: Method) -> Method:
 def python_snippet(settings: Settings) -> str:
     """Python code that recreates the model and the run."""
     start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
-    described = _with_package_prefix(f"{type(settings.model).__name__}, {settings.model!r}").partition(", ")[
-        2
-    ]
     arguments = f"model, {settings.t_end!r}, x0={start!r}{_method_argument(settings.method)}"
     run = f"run = fl.simulate({arguments})"
-    return "\n".join(
-        ["import frictionlab as fl", *_import_lines(settings.model), f"model = {described}", run]
-    )
+    model = f"model = {model_call(settings.model)}"
+    return "\n".join(["import frictionlab as fl", *_import_lines(settings.model), model, run])
 
 
 def _method_argument(method: Method) -> str:
@@ -134,11 +128,6 @@ def _method_argument(method: Method) -> str:
     differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
     values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
     return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
-
-
-def _with_package_prefix(text: str) -> str:
-    """The text with "fl." put before every class of the package that is called in it."""
-    return re.sub(r"\b([A-Z]\w*)\(", lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], text)
 
 
 def _import_lines(model: Model) -> Iterator[str]:

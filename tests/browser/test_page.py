@@ -347,7 +347,8 @@ def test_a_slider_stops_where_a_rule_does(page):
 
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
-    at_ends = """(end) => SCENE.controls.filter(({ parameter }) => parameter).map((about) => {
+    at_ends = """(end) => SCENE.controls.filter(({ name, parameter }) =>
+      parameter && explorer.engine.has(name, SCENE.initial)).map((about) => {
       explorer.state = { ...SCENE.initial, duration: 0.05, [about.name]: about[end] };
       explorer.compute(false);
       const { parameters } = explorer.result;
@@ -414,6 +415,23 @@ def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
     assert found["times"] == run.events.t.tolist()
     assert not page.problems
     page.context.close()
+
+
+def test_a_law_of_the_menu_has_the_bits_of_simulate_and_its_own_parameters(page):
+    page.evaluate("explorer.set(SCENE.initial)")
+    page.get_by_label("friction law").select_option("Stribeck")
+    wait_until(page, "explorer.request === null && 'v_s' in (explorer.result?.parameters ?? {})")
+    assert page.locator(".fl-panel-friction").is_visible()
+    assert "friction=Stribeck" in page.evaluate("explorer.link()")
+    law, scope = fl.Stribeck(mu_k=1.4, mu_s=3.0, v_s=0.7), {}
+    check_same_bits(page, fl.SliderOnBelt(friction=law), {"v_s": 0.7, "friction": "Stribeck"})
+    exec(page.evaluate("explorer.engine.python(explorer.state)"), scope)
+    assert scope["model"].friction == law
+    page.get_by_role("checkbox", name="cubic contact").uncheck()
+    wait_until(page, "explorer.error.includes('only with all nonlinearities on')")
+    page.evaluate("explorer.set(SCENE.initial)")
+    wait_until(page, "explorer.request === null && !explorer.error")
+    assert page.locator(".fl-panel-friction").is_hidden()
 
 
 LONG_RUN = """([end]) => {
@@ -524,6 +542,15 @@ WHERE_A_POINT_IS = """(i) => {
 }"""
 
 
+FORMULAS = {
+    "0.3 + alert(1)": "no name but v, pi, e, exp",
+    "constructor": "got 'constructor'",
+    "2*(v": "close a bracket where it has its end",
+    "0.3 v": "have an operation where it has 'v'",
+    "sqrt(-1 - v)": "a number at each point",
+}
+
+
 def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(browser, tmp_path):
     model = fl.MassOnBelt(friction=fl.FrictionCurve(), c=0.1, v=0.5)
     page = opened(browser, exported(model, tmp_path / "curve.html", t_end=20.0))
@@ -544,6 +571,21 @@ def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(
     assert (speed, slope) == (0.5, damper)
     assert -(0.1 + damper) / 2 == pytest.approx(growth, rel=1e-12)
     assert "unstable" in page.inner_text(".fl-words")
+    field = page.get_by_label("μ(v) =")
+    field.fill("0.3 + 0.1*exp(-abs(v)/0.2)")
+    field.press("Enter")
+    wait_until(page, "explorer.request === null && explorer.panels.friction.drawing.note.includes('formula')")
+    speeds = [0.0, *(page.evaluate(f"explorer.state.v_{i}") for i in range(1, 5))]
+    expected = [0.3 + 0.1 * np.exp(-v / 0.2) for v in speeds]
+    values = page.evaluate("[0, 1, 2, 3, 4].map((i) => explorer.state[`mu_${i}`])")
+    assert values == pytest.approx(expected, rel=1e-3)
+    slope = -0.5 * np.exp(-0.5 / 0.2)
+    assert f"formula: slope −{-slope:.3g} s/m" in page.evaluate("explorer.panels.friction.drawing.note")
+    for text, words in FORMULAS.items():
+        field.fill(text)
+        field.press("Enter")
+        assert words in page.inner_text(".fl-formula .fl-message")
+    assert page.evaluate("explorer.state.formula").startswith("0.3 + ")
     assert not page.problems
     page.context.close()
 

@@ -8,9 +8,10 @@ const FRICTION_REACH = 1.1, FRICTION_SAMPLES = 200; // of a friction curve; as i
 class BrowserEngine {
   constructor(solver) { Object.assign(this, { solver, run: null, equilibrium: null }); }
 
-  structureOf(state) {
-    const off = switchesOff(state);
-    return STRUCTURES[SCENE.switches.filter((name) => off.includes(name)).join(",")];
+  structureOf(state) { // undefined where the page has none: a law with some nonlinearities switched off
+    const off = switchesOff(state), switched = SCENE.switches.filter((name) => off.includes(name)).join(",");
+    const law = (state.friction ?? SCENE.initial.friction) !== SCENE.initial.friction ? `|${state.friction}` : "";
+    return STRUCTURES[switched + law];
   }
 
   parametersOf(structure, state) { // in the order of the automaton's parameters
@@ -24,7 +25,7 @@ class BrowserEngine {
     location.href = `${page}#${linkText(changed, { initial: {}, controls: [] })}`;
   }
 
-  has(name, state) { return this.structureOf(state).parameters.includes(name); }
+  has(name, state) { return this.structureOf(state)?.parameters.includes(name) ?? true; }
 
   ask(state, dragging, explorer) {
     try { explorer.show(this.compute(state, dragging), dragging);
@@ -32,16 +33,19 @@ class BrowserEngine {
   }
 
   limits(state, { moved, result }) { // the last value of what was moved at which the rules of the model hold
-    const structure = this.structureOf(state), values = this.parametersOf(structure, state),
-      place = structure.parameters.indexOf(moved);
+    const structure = this.structureOf(state);
+    if (!structure) return {};
+    const values = this.parametersOf(structure, state), place = structure.parameters.indexOf(moved);
     const holds = (value) => !brokenRule(structure, values.map((v, i) => (i === place ? value : v)));
     const good = result?.parameters[moved];
     return place < 0 || !holds(good) || holds(values[place]) ? {} : { [moved]: lastValue(holds, good, values[place]) };
   }
 
   compute(state, dragging) { // the result; an error in words where there is none
-    const structure = this.structureOf(state), values = this.parametersOf(structure, state),
-      broken = brokenRule(structure, values);
+    const structure = this.structureOf(state);
+    if (!structure) throw new RangeError(`This page computes friction by the law "${state.friction}" only with `
+      + "all nonlinearities on: switch them on, or take Python (fl.explore).");
+    const values = this.parametersOf(structure, state), broken = brokenRule(structure, values);
     if (broken) throw new RangeError(broken);
     const [known, start] = this.startState(structure, values, state);
     const run = this.solver.run(structure, values, start, state.duration, dragging ? DRAG_PATIENCE : PATIENCE);
@@ -99,7 +103,7 @@ class BrowserEngine {
   }
 
   frictionOf(known, { structure, values }) {
-    const speeds = SCENE.points.filter(([speed]) => speed).map(([speed]) =>
+    const speeds = structure.points.filter(([speed]) => speed).map(([speed]) =>
       values[structure.parameters.indexOf(speed)]);
     const { names, functions } = structure.outputs, outputs = known && functions[known.sliding.mode](known.z, values);
     const sliding = known && { speed: Math.abs(outputs[names.indexOf("relative_velocity")]),
@@ -169,21 +173,16 @@ class BrowserEngine {
   }
 
   python(state) {
-    const { parameters } = this.structureOf(state),
+    const { parameters, call } = this.structureOf(state) ?? STRUCTURES[""],
       names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
-    const off = switchesOff(state),
-      without = off.length ? `.without(${off.map((name) => `"${name}"`).join(", ")})` : "";
     const values = names.map(({ name }) => `${name}=${formatted(state[name])}`).join(", ");
     const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]`
       : `"${state.start}"`;
-    const model = without ? `${SCENE.call}()${without}.replace(${values})` : `${SCENE.call}(${values})`;
+    const model = `${call}.replace(${values})`;
     const run = `fl.simulate(model, ${formatted(state.duration)}, x0=${start})`;
     return `import frictionlab as fl\n\nmodel = ${model}\nrun = ${run}\nprint(run.final_state.tolist())\n`;
   }
 }
-
-// of the coordinate that varies most
-const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])])));
 
 function ownState(text, names = null) {
   const values = text.split(/[,;]/).filter((part) => part.trim()).map(Number);

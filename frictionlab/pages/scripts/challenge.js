@@ -1,6 +1,6 @@
 // A challenge: a question, what may be changed, and a goal that the result of an answer has to meet. They are data,
 // of frictionlab/models/library/challenges.py.
-const FREE_CONTROLS = ["window", "coordinate"]; // what is looked at
+const FREE_CONTROLS = ["window", "coordinate", "formula"]; // what is looked at, and what tells how points came to be
 
 const challengeState = (scene, { state }) => ({ ...scene.initial, ...state });
 

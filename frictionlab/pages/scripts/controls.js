@@ -130,6 +130,24 @@ function textControl(about, changed) {
     "text-field"), show: (value) => { field.value = value; } };
 }
 
+function formulaControl(about, changed) { // a text that is taken only where it can be read
+  const { node, show, ...control } = textControl(about, (name, text, dragging) => {
+    try {
+      refuse("");
+      changed(name, text.trim(), dragging);
+    } catch (error) { refuse(error.message); }
+  });
+  const field = node.querySelector("input"),
+    message = html("div", { className: "fl-message", role: "alert", hidden: true });
+  const refuse = (text) => {
+    Object.assign(message, { textContent: text, hidden: !text });
+    field.setAttribute("aria-invalid", String(Boolean(text)));
+  };
+  field.placeholder = EXAMPLE;
+  node.append(message);
+  return { ...control, node, refuse, show: (value) => { show(value); refuse(""); } };
+}
+
 function rangeControl(about, changed) { // two numbers, from and to
   const control = { name: about.name, about, value: about.value };
   const fields = ["from", "to"].map((which) =>
@@ -156,4 +174,4 @@ function rangeControl(about, changed) { // two numbers, from and to
 }
 
 const CONTROLS = { number: numberControl, switch: switchControl, choice: choiceControl, text: textControl,
-  range: rangeControl };
+  range: rangeControl, formula: formulaControl };

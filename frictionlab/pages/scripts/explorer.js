@@ -158,7 +158,7 @@ class Explorer {
     if (name === "mechanism") figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
     if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
-    if (name === "friction" && this.scene.points.length) new PointDrag(this, panel);
+    if (name === "friction") new PointDrag(this, panel);
     return figure;
   }
 
@@ -186,8 +186,8 @@ class Explorer {
       show(this.state[name]);
       if (this.clamped?.name === name) refuse(this.clamped.text);
       const [other, value] = about.when ?? [];
-      node.hidden = other !== undefined && this.state[other] !== value || about.kind === "number" && about.parameter
-        && !this.engine.has(name, this.state);
+      const needs = about.parameter ? name : about.needs;
+      node.hidden = other !== undefined && this.state[other] !== value || needs && !this.engine.has(needs, this.state);
     }
     const runs = /** @type {HTMLElement} */ (this.root.querySelector(".fl-group-run"));
     if (runs && this.result) runs.hidden = !this.result.samples; // where no panel shows a run
@@ -199,7 +199,11 @@ class Explorer {
 
   // --- from a control to the pictures ------------------------------------------------------------------------------
 
-  change(name, value, dragging, slid = false) { this.changeAll({ [name]: value }, dragging, slid); }
+  change(name, value, dragging, slid = false) {
+    const { parameters, structure } = this.result ?? {};
+    const moved = name === "formula" && value ? pointsOnFormula(value, structure.points, parameters) : {};
+    this.changeAll({ [name]: value, ...moved }, dragging, slid);
+  }
 
   changeAll(values, dragging, slid) { // of some controls; what slides stops where a rule of the model does
     const [name] = Object.keys(values);
@@ -313,7 +317,7 @@ class Explorer {
     this.frame();
   }
 
-  drawingOf(name, result) { return PANELS[name] ? PANELS[name](result, this.scene.points) : result.drawings[name]; }
+  drawingOf(name, result) { return PANELS[name] ? PANELS[name](result, this.state) : result.drawings[name]; }
 
   paint(panel, look) {
     if (panel.name === "spectrum" && this.result.spectrum === undefined) return; // it waits until the slider stops

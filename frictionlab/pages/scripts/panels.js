@@ -7,6 +7,9 @@ const PALETTE = ["#000000", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7
 const GREY = "#999999", ROUNDING = 1e-12; // share of an eigenvalue's size below which its real part is a rounding error
 const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
 
+// of the array that varies most
+const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])])));
+
 function samplesByName(times, modes, names, columns) {
   const byName = Object.fromEntries(names.map((name, i) => [name, columns[i]]));
   return { times, modes, byName, column: (name) => byName[name] };

@@ -61,7 +61,7 @@ function readLink(text, scene) { // {state, scene, plays}; what no control can b
     } else if (about?.kind === "number" && value !== "" && Number.isFinite(number)
       && (word !== "t_end" || number > 0)) state[about.name] = number;
     else if (about?.kind === "choice" && about.options.includes(value)
-      || about?.kind === "text") state[about.name] = value;
+      || about?.kind === "text" || about?.kind === "formula") state[about.name] = value;
     else if (about?.kind === "range") state[about.name] = value.split(",").map(Number);
   }
   return found;
