@@ -2,27 +2,21 @@
 
 A computation that is stopped keeps what it has for `partial_result`, and raises KeyboardInterrupt.  A press
 is counted, not raised where it happens to arrive (`InterruptCounter`), so that no step and no line of a
-file is half done.  Compilation takes seconds: it runs in a thread of its own (`call_in_background`), so that
-a press is answered meanwhile.  A computation in a thread of a sweep looks at the `STOP_SIGN` of that sweep.
+file is half done.  A computation in a thread of a sweep looks at the `STOP_SIGN` of that sweep.
 
-Bars and lines go to standard error.  Where there is none (pythonw), or the disk behind it is full, the
-computation goes on, and the exit status of a script is the same.  Warnings and tracebacks are Python's own:
-where one of these cannot be written, the interpreter ends with status 120.
+Bars and lines go to standard error.  Where there is none (pythonw), or it cannot be written, the computation
+goes on.
 """
 
 from __future__ import annotations
 
-import atexit
-import ctypes
 import os
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import Future, wait
 from contextlib import suppress
-from contextvars import ContextVar, copy_context
+from contextvars import ContextVar
 from functools import cache
 from types import TracebackType
 from typing import Any, ClassVar, Self
@@ -117,43 +111,6 @@ class InterruptCounter:
             raise KeyboardInterrupt
 
 
-def call_in_background(function: Callable[[], Any], abandoned: Callable[[], Any]) -> Future[Any]:
-    """Call a function in a thread of its own; returns when it is done, or once `abandoned` gives true.
-
-    An abandoned call goes on, and its result is ignored: a compiler must not be stopped half-way, and the
-    next run need not compile what it has compiled.
-    """
-    future: Future[Any] = Future()
-
-    def work() -> None:
-        try:
-            future.set_result(function())
-        except BaseException as error:
-            future.set_exception(error)
-
-    context = copy_context()
-    thread = threading.Thread(target=context.run, args=(work,), name="frictionlab-compiler", daemon=True)
-    thread.start()
-    while not wait([future], POLL_TIME).done and not abandoned():
-        pass
-    if not future.done():
-        atexit.register(_end_thread, thread)
-    return future
-
-
-def _end_thread(thread: threading.Thread) -> None:
-    """End an abandoned call before the interpreter ends, which would take LLVM from it while it works.
-
-    This takes as long as the present pass of the compiler.
-    """
-    sys.unraisablehook = lambda _: None  # SystemExit may arrive in a callback, which cannot raise it
-    while thread.is_alive():
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(
-            ctypes.c_ulong(thread.ident or 0), ctypes.py_object(SystemExit)
-        )
-        thread.join(POLL_TIME)
-
-
 class ProgressSetting:
     """A setting of `progress`; the end of a ``with`` block restores the setting before it."""
 
@@ -196,24 +153,14 @@ def progress(shown: bool) -> ProgressSetting:
 
 
 class _ForgivingStream:
-    """A stream whose failure stops nothing, neither now nor when the interpreter ends.
-
-    Text that Python cannot flush from the buffer of its own standard error makes a script end with status
-    120, however well it went: so that buffer is bypassed.
-    """
+    """A stream whose failure stops nothing."""
 
     def __init__(self, stream: Any) -> None:
         self._stream = stream
-        own = stream is sys.__stderr__  # others, as that of a notebook, do not lead to a file
-        self._raw = getattr(getattr(stream, "buffer", None), "raw", None) if own else None
 
     def write(self, text: str) -> None:
         with suppress(OSError, ValueError):  # a full disk; a closed stream
-            if self._raw is None:
-                self._stream.write(text)
-            else:
-                self._stream.flush()
-                self._raw.write(text.encode(self._stream.encoding, "replace"))
+            self._stream.write(text)
 
     def flush(self) -> None:
         with suppress(OSError, ValueError):
@@ -278,7 +225,7 @@ class Progress(InterruptCounter):
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
         super().__init__(URGENT_PRESS)
         self._t_end, self._show = t_end, show and _switch["shown"]
-        self._compiling, self._started = compiling, False
+        self._compiling = compiling
         self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
         self._bar: Any = None
@@ -296,23 +243,6 @@ class Progress(InterruptCounter):
         if self._bar is not None:
             self._bar.close()
 
-    def call(self, integrate: Callable[..., Any], *arguments: Any) -> Any:
-        """Call ``integrate(*arguments, progress)``; ctrl-C is answered even while the solver is compiled.
-
-        Raises
-        ------
-        KeyboardInterrupt
-            After ctrl-C before the first update: nothing has been computed.
-        """
-        if not (self._compiling and self.installed):
-            return integrate(*arguments, self)
-        call = call_in_background(
-            lambda: integrate(*arguments, self), lambda: self.count and not self._started
-        )
-        if not call.done():
-            raise interruption("the compilation of the solver was left", None)
-        return call.result()
-
     @property
     def stopped(self) -> bool:
         """Whether the user or the sweep asked to stop, even if the run had just come to its end."""
@@ -320,7 +250,6 @@ class Progress(InterruptCounter):
 
     def update(self, t: float) -> bool:
         """Show that time `t` was reached; returns whether the run is to stop."""
-        self._started = True
         if self.stopped:
             return True
         late = time.monotonic() - self._since > PROGRESS_DELAY

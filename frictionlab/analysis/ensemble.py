@@ -103,7 +103,7 @@ def ensemble(
                 "call ensemble for each kind, or use fl.sweep"
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
-        ends = bar.call(integrate_batch, problems, chosen)
+        ends = integrate_batch(problems, chosen, bar)
     for i in np.flatnonzero((ends.steps == 0) & (np.array(ends.status) == Status.NOT_FINITE)):
         if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
             raise ValueError(f"x0 of models[{i}] {words}")

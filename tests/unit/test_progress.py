@@ -1,6 +1,5 @@
 """Progress bars can be switched off for all functions; what goes on inside is logged."""
 
-import io
 import logging
 import os
 import subprocess
@@ -11,7 +10,7 @@ import time
 import pytest
 
 import frictionlab as fl
-from frictionlab.interruption import PROGRESS_VARIABLE, Progress, progress_bar, tell
+from frictionlab.interruption import PROGRESS_VARIABLE, Progress, progress_bar
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from tests.helpers.cases import slow_but
 
@@ -80,34 +79,6 @@ def test_models_modes_and_runs_are_logged(caplog):
     assert any(level == logging.INFO and "automaton of TwoBlocks" in text for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("deriving mode") for level, text in said)
     assert any(level == logging.DEBUG and text.startswith("run to 1 s") for level, text in said)
-
-
-class FullDisk(io.RawIOBase):
-    """A file that nothing can be written to."""
-
-    def writable(self):
-        return True
-
-    def write(self, data):
-        raise OSError(28, "No space left on device")
-
-
-def test_nothing_is_left_for_the_interpreter_to_write_to_a_full_disk(monkeypatch):
-    """It would fail as it ends, with status 120."""
-    stream = io.TextIOWrapper(io.BufferedWriter(FullDisk()), line_buffering=True)
-    monkeypatch.setattr(sys, "stderr", stream)
-    monkeypatch.setattr(sys, "__stderr__", stream)
-    tell("compiling the solver")
-    with progress_bar(total=2, delay=0.0) as bar:
-        bar.update()
-    stream.flush()
-
-
-def test_another_stream_than_the_interpreters_own_is_written_through_itself(monkeypatch):
-    stream = io.TextIOWrapper(io.BytesIO(), write_through=True)
-    monkeypatch.setattr(sys, "stderr", stream)
-    tell("a line")
-    assert stream.buffer.getvalue() == b"a line\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.compilers import HAS_NUMBA
-
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 HEAD = """
@@ -23,19 +21,19 @@ flat = model.without("geometry")
 """
 
 
-def pressed(script, presses=1, wait=1.0, sign="ready", **variables):
+def pressed(script, presses=1):
     """Standard output, standard error and exit status of a script that gets ctrl-C after its sign."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), **variables}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-u", "-c", HEAD + textwrap.dedent(script)]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            if line.startswith(sign):
+            if line.startswith("ready"):
                 break
         for _ in range(presses):
-            time.sleep(wait)
+            time.sleep(1.0)
             process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=900)
     return out, err, process.returncode
@@ -110,40 +108,3 @@ def test_a_computation_that_was_stopped_keeps_what_it_has(call, presses, kept):
     """
     out, err, status = pressed(script, presses)
     assert (out, status) == ("kept\n", 0), err
-
-
-@pytest.fixture
-def compiling(tmp_path):
-    """With an empty cache, where numba compiles all kernels."""
-    if not HAS_NUMBA:
-        pytest.skip("numba is not installed")
-    cache = {"FRICTIONLAB_CACHE_DIR": str(tmp_path), "FRICTIONLAB_COMPILE_KERNELS": "1"}
-    return {"sign": "compiling the solver", "wait": 1.0, **cache}
-
-
-def test_ctrl_c_is_answered_while_the_solver_is_compiled(compiling):
-    script = """
-    import threading
-    sys.stderr = sys.stdout
-    try:
-        fl.simulate(model, 0.02)
-        print("returned")
-    except KeyboardInterrupt as stopped:
-        # The compiler has not been waited for: it is still at work.
-        print(any(thread.name == "frictionlab-compiler" for thread in threading.enumerate()), stopped)
-    """
-    out, err, status = pressed(script, **compiling)
-    assert out == "True the compilation of the solver was left by ctrl-C; nothing was computed yet\n", err
-    assert status == 0
-
-
-def test_what_was_compiled_in_the_background_serves_the_next_run(compiling):
-    script = """
-    sys.stderr = sys.stdout
-    try:
-        fl.simulate(model, 0.02)
-    except KeyboardInterrupt:
-        print(fl.simulate(model, 0.02, progress=False).status.name)
-    """
-    out, err, status = pressed(script, **compiling)
-    assert (out, status) == ("FINISHED\n", 0), err

@@ -1,5 +1,5 @@
-"""Standard streams that are closed or full, numba that cannot be loaded, a package in a zip file: a process
-runs on, or ends with one line.
+"""Standard streams that are closed, a full standard output, numba that cannot be loaded, a package in a zip
+file: a process runs on, or ends with one line.
 """
 
 import os
@@ -42,12 +42,11 @@ def test_full_standard_output_is_told_in_one_line(words, tmp_path, monkeypatch):
 
 
 @posix
-@pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full"])
-def test_without_standard_error_a_command_runs_on(redirection):
-    status, out, _ = frictionlab(RUN, redirection)
+def test_without_standard_error_a_command_runs_on():
+    status, out, _ = frictionlab(RUN, "2>&-")
     assert status == 0
     assert "Computed 0.1 s" in out
-    assert frictionlab("runn", redirection)[0] == 2
+    assert frictionlab("runn", "2>&-")[0] == 2
 
 
 @posix
@@ -72,9 +71,8 @@ def test_without_standard_output_every_command_ends_well(words):
 
 
 @posix
-@pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full"])
-def test_without_standard_error_a_run_has_no_bar(redirection):
-    assert ended(["-c", f"{LONG_RUN}; print('ran')"], redirection)[:2] == (0, "ran\n")
+def test_without_standard_error_a_run_has_no_bar():
+    assert ended(["-c", f"{LONG_RUN}; print('ran')"], "2>&-")[:2] == (0, "ran\n")
 
 
 def test_without_any_stream_as_under_pythonw():
