@@ -110,19 +110,12 @@ def write(path: Path, content: bytes) -> None:
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(_checksum(path, content) + content)
-            _put_in_place(name, path)
+            os.replace(name, path)
         except BaseException:
             os.unlink(name)
             raise
         if path.parent.match(VERSION_FOLDER):
             prune(path.parent.parent)
-
-
-def _put_in_place(name: str, path: Path) -> None:
-    """Rename a file into its place; a folder found there, a miss at every start, is moved aside."""
-    if path.is_dir() and not path.is_symlink():
-        path.rename(f"{name}.aside")
-    os.replace(name, path)
 
 
 def _opened(path: str, flags: int) -> int:

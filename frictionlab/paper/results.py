@@ -134,13 +134,6 @@ class Claims:
 
     __repr__ = __str__
 
-    def to_markdown(self) -> str:
-        """The table as Markdown."""
-        from frictionlab.presentation import markdown_table
-
-        lines = (" | ".join(cell.replace("|", r"\|") for cell in row.cells) for row in self.rows)
-        return markdown_table(" | ".join(TABLE_HEAD), lines)
-
     def _repr_html_(self) -> str:
         lines = (_html_row("td", row.cells) for row in self.rows)
         return f"<table>{_html_row('th', TABLE_HEAD)}{''.join(lines)}</table>"

@@ -1,7 +1,8 @@
 """What another user has put where the package looks is never executed.
 
 The other user is one of a number that nobody has; only root can act in its name.  What is planted has a right
-checksum, and would leave a folder behind, or end the process.
+checksum, and would leave a folder behind, or end the process.  Which folders and files are not used
+tests/unit/test_cache_folder.py tells.
 """
 
 import os
@@ -113,56 +114,15 @@ def test_planted_files_would_be_executed(known, shared):
     assert executed.exists() or found.returncode != 0
 
 
-@pytest.mark.parametrize("where", ["sticky", "open"])
-def test_in_the_temporary_folder(known, shared, where):
+def test_in_the_temporary_folder(known, shared):
     """Its name there is known to everybody; it is used where there is no home."""
-    base, executed = shared / where / f"frictionlab-{os.getuid()}", shared / where / "executed"
+    base, executed = shared / "sticky" / f"frictionlab-{os.getuid()}", shared / "sticky" / "executed"
     as_other_user(lambda: plant(base / known[0], known[1], executed))
-    nowhere = {"FRICTIONLAB_CACHE_DIR": "/dev/null/none", "TMPDIR": str(shared / where)}
+    nowhere = {"FRICTIONLAB_CACHE_DIR": "/dev/null/none", "TMPDIR": str(shared / "sticky")}
     found = run(nowhere)
     nothing_was_executed(found, known, executed)
     assert b"other users could write there" in found.stderr
     assert str(base).encode() in found.stderr
-
-
-def test_in_a_folder_that_is_shared_by_choice(known, shared):
-    executed, base = shared / "sticky" / "executed", shared / "open"
-    as_other_user(lambda: plant(base / known[0], known[1], executed))
-    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
-
-
-def test_within_a_folder_that_became_open(known, shared):
-    """A private folder, but for one that was made for its version with other rights."""
-    base, executed = shared / "sticky" / "cache", shared / "sticky" / "executed"
-    (base / known[0]).mkdir(parents=True)
-    base.chmod(0o711)
-    (base / known[0]).chmod(0o777)
-    as_other_user(lambda: plant(base / known[0], known[1], executed))
-    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
-
-
-def test_links_from_a_private_folder_to_files_of_others(known, shared):
-    base, executed = shared / "sticky" / "cache", shared / "sticky" / "executed"
-    theirs = shared / "sticky" / "theirs" / known[0]
-    as_other_user(lambda: plant(theirs, known[1], executed))
-    (base / known[0]).mkdir(mode=0o700, parents=True)
-    base.chmod(0o700)
-    for name in known[1]:
-        (base / known[0] / name).symlink_to(theirs / name)
-    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
-
-
-def test_a_cache_that_was_exchanged_for_another(known, shared):
-    """Where its parent is open to all, another user can move it away."""
-    base, executed = shared / "open" / "cache", shared / "open" / "executed"
-    assert run({"FRICTIONLAB_CACHE_DIR": str(base)}).stdout == known[2]
-
-    def exchange():
-        base.rename(base.with_name("moved"))
-        plant(base / known[0], known[1], executed)
-
-    as_other_user(exchange)
-    nothing_was_executed(run({"FRICTIONLAB_CACHE_DIR": str(base)}), known, executed)
 
 
 def test_in_files_of_runs_and_sweeps(shared):

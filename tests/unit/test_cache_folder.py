@@ -76,18 +76,6 @@ def test_neither_a_folder_nor_nothing_is_read(kept):
     assert cache_folder.read(kept) is None
     kept.mkdir()
     assert cache_folder.read(kept) is None
-    cache_folder.write(kept, CONTENT)
-    assert cache_folder.read(kept) == CONTENT
-
-
-def test_a_folder_in_the_place_of_a_file_is_moved_aside(kept):
-    """Else the cache would miss at every start; what is in it is not ours to remove."""
-    kept.unlink()
-    kept.mkdir()
-    (kept / "note").write_text("mine")
-    cache_folder.write(kept, CONTENT)
-    assert cache_folder.read(kept) == CONTENT
-    assert [path.read_text() for path in kept.parent.glob("*.aside/note")] == ["mine"]
 
 
 @posix

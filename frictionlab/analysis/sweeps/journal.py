@@ -323,10 +323,7 @@ def _content(line: bytes) -> dict[str, Any] | None:
     match = LINE.fullmatch(line)
     if match is None or zlib.crc32(match[1]) != int(match[2], 16):
         return None
-    try:
-        return json.loads(match[1] + b"}")
-    except (ValueError, RecursionError):
-        return None
+    return json.loads(match[1] + b"}")
 
 
 def _json_value(value: Any) -> Any:
