@@ -80,6 +80,17 @@ def state_unit(name: str) -> str:
     return f"{length}/s" if name.endswith("'") else length
 
 
+def unit_of_state(source: Any, name: str) -> str:
+    """SI unit of a coordinate of a model or structure, of its rate, of time and of a phase.
+
+    "" of further states, such as a current, and where `source` is an automaton or None: nothing tells theirs.
+    """
+    coordinates = getattr(source, "coordinates", 0)
+    if isinstance(coordinates, int) or name.removesuffix("'") not in (*coordinates, TIME, CLOCK):
+        return ""
+    return state_unit(name)
+
+
 def output_unit(name: str) -> str:
     """SI unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
     base, _, number = name.rpartition("_")

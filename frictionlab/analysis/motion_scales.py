@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.models import Model
 from frictionlab.models.model import ModelOrAutomaton, MovingSystem
-from frictionlab.presentation import Drawable, count
+from frictionlab.presentation import Drawable, count, unit_of_state
 from frictionlab.validation import check_choice, check_number
 
 Array = NDArray[np.float64]
@@ -131,7 +131,10 @@ def round_down_1_2_5(x: float) -> float:
 
 
 class Spectrum(NamedTuple):
-    """Amplitude spectrum of the state `name` from `start` to `stop` (s), lines `resolution` (Hz) apart."""
+    """Amplitude spectrum of the state `name` from `start` to `stop` (s), lines `resolution` (Hz) apart.
+
+    Amplitudes are in `unit`, "" where it is not known.
+    """
 
     frequencies: Array
     amplitudes: Array
@@ -139,6 +142,7 @@ class Spectrum(NamedTuple):
     start: float
     stop: float
     name: str = ""
+    unit: str = ""
 
     drawn_by = "plot_amplitudes"
     several_axes = False
@@ -223,7 +227,8 @@ def amplitude_spectrum(
     amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
     frequencies = np.arange(len(amplitudes)) / length
     in_range = frequencies <= f_max
-    return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, shown)
+    unit = unit_of_state(run.source, shown)
+    return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, shown, unit)
 
 
 def highest_frequency(source: ModelOrAutomaton | None) -> float:

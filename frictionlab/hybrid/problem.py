@@ -23,7 +23,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels.run_state import Record, new_record
-from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, state_unit
+from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.program import Code, Numbers, Program
 from frictionlab.validation import abbreviate, is_sequence
@@ -221,7 +221,7 @@ class Events:
     guard : (E,) names of the event functions that reached zero
     state, before : (E, states) state after and before the reset
     closed : (E,) whether the event closed a Zeno accumulation
-    names : names of the states
+    names, units : names of the states, and their units, "" where they are not known
     """
 
     t: np.ndarray
@@ -232,6 +232,7 @@ class Events:
     before: np.ndarray
     closed: np.ndarray
     names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.t)
@@ -279,7 +280,7 @@ class Events:
         about = {name: getattr(self, name) for name in ("source", "target", "guard", "closed")}
         after = dict(zip(self.names, self.state.T, strict=True))
         before = {f"{name} before": column for name, column in zip(self.names, self.before.T, strict=True)}
-        units = {name: state_unit(name.removesuffix(" before")) for name in (*after, *before)}
+        units = dict(zip((*after, *before), (*self.units, *self.units)))
         return dataframe(about | after | before, {"t": self.t}, {"t": "s"} | units)
 
     def __repr__(self) -> str:

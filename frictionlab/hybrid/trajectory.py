@@ -47,7 +47,7 @@ from frictionlab.presentation import (
     dataframe,
     dataset,
     output_unit,
-    state_unit,
+    unit_of_state,
 )
 from frictionlab.tape.automaton_data import storable_automaton
 from frictionlab.tape.packing import program_of, program_of_modes
@@ -336,6 +336,7 @@ class Trajectory(Drawable):
             before=raw.event_states[:, 0],
             closed=raw.event_codes[:, 2].astype(bool),
             names=self.names,
+            units=tuple(unit_of_state(self.source, name) for name in self.names),
         )
 
     @property
@@ -477,10 +478,7 @@ class Trajectory(Drawable):
         return {name: self[name] for name in (*self.names, *self.automaton.outputs)}
 
     def _units(self) -> dict[str, str]:
-        known = bool(
-            self.automaton.coordinates
-        )  # states of an automaton without coordinates may have any unit
-        states = {name: state_unit(name) for name in self.names if known}
+        states = {name: unit_of_state(self.source, name) for name in self.names}
         return {"t": "s"} | states | {name: output_unit(name) for name in self.automaton.outputs}
 
     def __repr__(self) -> str:

@@ -37,7 +37,7 @@ from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_outputs
-from frictionlab.presentation import state_unit
+from frictionlab.presentation import unit_of_state
 
 Data = dict[str, Any]
 
@@ -361,7 +361,7 @@ def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
         "states": names,
         "coordinates": len(model.coordinates),
         "labels": {name: state_label(name) for name in names},
-        "units": {name: state_unit(name) for name in names},
+        "units": {name: unit_of_state(model, name) for name in names},
         "forces": forces,
         "slides": can_slide_steadily(automaton),
         "points": friction_points(model),

@@ -13,7 +13,7 @@ from typing import Any
 from frictionlab.components.component import Parameter
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton
-from frictionlab.presentation import ANGLE_LETTERS, TIME, is_angle
+from frictionlab.presentation import ANGLE_LETTERS, TIME, is_angle, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import FrozenAutomaton
 
 LEGEND_WIDTH = 36  # characters of a line in a legend
@@ -45,6 +45,12 @@ def state_label(name: str) -> str:
     word = parts[3] and (parts[3] if len(parts[3]) == 1 else rf"\mathrm{{{parts[3]}}}")
     index = parts[2] or word
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
+
+
+def state_with_unit(source: Any, name: str) -> str:
+    """The name as above, and the unit if the model that is the source of a run, or of a result, tells it."""
+    unit = unit_of_state(source, name)
+    return f"{state_label(name)} ({unit})" if unit else state_label(name)
 
 
 def parameter_symbol(model: ModelOrAutomaton, name: str) -> str:

@@ -62,7 +62,7 @@ from frictionlab.plotting.figure import (
     set_long_title,
     set_title,
 )
-from frictionlab.plotting.labels import state_label
+from frictionlab.plotting.labels import state_label, state_with_unit
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
     Array,
@@ -79,7 +79,7 @@ from frictionlab.plotting.time_histories import (
     window_limits,
     window_text,
 )
-from frictionlab.presentation import output_unit, state_unit
+from frictionlab.presentation import output_unit, unit_of_state
 from frictionlab.validation import abbreviate, check_choice, check_number, explains_keywords
 
 if TYPE_CHECKING:
@@ -145,7 +145,8 @@ def plot_phase_plane(
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, label=mode, **pen_of_mode)
-    label_phase_plane(ax, shown, f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}")
+    title = f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}"
+    label_phase_plane(ax, run.source, shown, title)
     ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
 
@@ -227,9 +228,9 @@ def _label_inside(line: Line2D, way: Array, middle: Array) -> Annotation:
     )
 
 
-def label_phase_plane(ax: Axes, name: str, title: str) -> None:
+def label_phase_plane(ax: Axes, source: Any, name: str, title: str) -> None:
     """Label the axes with a coordinate and its rate."""
-    x, rate = (f"{state_label(each)} ({state_unit(each)})" for each in (name, f"{name}'"))
+    x, rate = (state_with_unit(source, each) for each in (name, f"{name}'"))
     ax.set(xlabel=x, ylabel=rate)
     set_title(ax, title)
 
@@ -273,7 +274,7 @@ def plot_spectrum(
     spectrum = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
     if spectrum is None:
-        _label_spectrum(ax, shown, f_max)
+        _label_spectrum(ax, state_with_unit(run.source, shown), f_max)
         set_title(ax, f"Spectrum of {state_label(shown)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
@@ -362,7 +363,7 @@ def plot_spectrogram(
     decibels = 20.0 * np.log10(np.maximum(amplitudes[chosen], top * 10.0**-SPECTROGRAM_DECADES))
     ax = axes_or_new(ax)
     mesh = ax.pcolormesh(times, transform.f[chosen], decibels, shading="nearest", rasterized=True)
-    unit = output_unit(shown) if shown in run.automaton.outputs else state_unit(shown)
+    unit = output_unit(shown) if shown in run.automaton.outputs else unit_of_state(run.source, shown)
     label = f"amplitude of {state_label(shown)} (dB re {f'1 {unit}'.strip()})"
     ax.figure.colorbar(mesh, ax=ax, label=label)
     ax.set(xlabel="time (s)", ylabel="frequency (Hz)")
@@ -387,14 +388,14 @@ def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None, **line: Any) -> 
     ax = axes_or_new(ax)
     lines = ax.plot(spectrum.frequencies, spectrum.amplitudes, **pen(BLACK, 1.0, ax))
     _logarithmic(ax, spectrum.amplitudes)
-    _label_spectrum(ax, spectrum.name, spectrum.frequencies[-1])
+    name = state_label(spectrum.name) + (spectrum.unit and f" ({spectrum.unit})")
+    _label_spectrum(ax, name, spectrum.frequencies[-1])
     set_long_title(ax, _spectrum_title(spectrum))
     return restyle(lines, line)
 
 
 def _label_spectrum(ax: Axes, name: str, f_max: float) -> None:
-    amplitude = f"amplitude of {state_label(name)} ({state_unit(name)})"
-    ax.set(xlabel="frequency (Hz)", ylabel=amplitude, xlim=(0.0, f_max))
+    ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {name}", xlim=(0.0, f_max))
 
 
 def _logarithmic(ax: Axes, amplitudes: Array) -> None:

@@ -37,9 +37,9 @@ from frictionlab.plotting.labels import (
     parameter_value_text,
     secondary_axis_angles,
     state_label,
+    state_with_unit,
 )
 from frictionlab.plotting.time_histories import Array
-from frictionlab.presentation import state_unit
 from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
@@ -129,9 +129,9 @@ def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
         equilibrium.model.coordinates
     )  # states of an automaton without coordinates may have any unit
     mixed = known and bool(secondary_axis_angles(equilibrium.names))
-    units = [f" ({state_unit(name)})" if mixed else "" for name in equilibrium.names]
+    model = equilibrium.model if mixed else None
     bars = ax.bar(
-        [state_label(name) + unit for name, unit in zip(equilibrium.names, units)],
+        [state_with_unit(model, name) for name in equilibrium.names],
         equilibrium.q,
         color=legible(BLUE, ax),
     )

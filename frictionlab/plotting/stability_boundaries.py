@@ -40,10 +40,9 @@ from frictionlab.plotting.labels import (
     distinguishing_labels,
     parameter_label,
     parameter_value_text,
-    state_label,
+    state_with_unit,
 )
 from frictionlab.plotting.studies.sweeps import SPECIAL_POINT_STYLES
-from frictionlab.presentation import state_unit
 from frictionlab.validation import check_choice
 
 if TYPE_CHECKING:
@@ -260,9 +259,7 @@ def plot_hopf(
     lines += ax.plot(point.value, 0.0, marker, linestyle="none", label=text, **style)
     # On the left, as the axis may show an offset of its numbers on the right.
     ax.set_xlabel(parameter_label(point.model, point.parameter), loc="left")
-    # States of an automaton without coordinates may have any unit.
-    unit = f" ({state_unit(shown)})" if point.model.coordinates else ""
-    ax.set_ylabel(f"amplitude of {state_label(shown)}{unit}")
+    ax.set_ylabel(f"amplitude of {state_with_unit(point.model, shown)}")
     set_title(ax, f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz")
     ax.margins(x=0)
     ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value

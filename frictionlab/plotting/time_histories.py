@@ -31,8 +31,8 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, restyle, set_title
-from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_label
-from frictionlab.presentation import is_angle, state_unit
+from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_with_unit
+from frictionlab.presentation import is_angle, unit_of_state
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
 if TYPE_CHECKING:
@@ -236,15 +236,18 @@ def plot_displacements(
     start, stop = window_limits(run, window)
     t = sample_times(start, stop)
     states, names = run(t), run.names[: run.automaton.coordinates]
-    angles = secondary_axis_angles(names)
+    known = bool(unit_of_state(run.source, run.names[0]))
+    angles = secondary_axis_angles(names) if known else ()
     right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
         axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
     lines = []
     for i, name in enumerate(names):
-        axis, text = right if name in angles else ax, f"{state_label(name)} ({state_unit(name)})"
+        axis, text = right if name in angles else ax, state_with_unit(run.source, name)
         lines += axis.plot(t, states[:, i], label=text, **line_style(i, name, ax))
-    label_time_axes(run, ax, (start, stop), shade, "Displacements", coordinate_axis_label(names))
+    label_time_axes(
+        run, ax, (start, stop), shade, "Displacements", coordinate_axis_label(names) if known else ""
+    )
     return restyle(lines, line)
 
 
@@ -288,11 +291,12 @@ def plot_rates(
     t, n = sample_times(start, stop), run.automaton.coordinates
     states, lines = run(t), []
     names = run.names[n : 2 * n]
+    label = "rate" if any(map(is_angle, names)) else "velocity (m/s)"
     for i, name in enumerate(names):
-        text = f"{state_label(name)} ({state_unit(name)})"
+        text = state_with_unit(run.source, name)
         lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name, ax))
     label_time_axes(
-        run, ax, (start, stop), shade, "Rates", "rate" if any(map(is_angle, names)) else "velocity (m/s)"
+        run, ax, (start, stop), shade, "Rates", label if unit_of_state(run.source, run.names[0]) else "rate"
     )
     return restyle(lines, line)
 

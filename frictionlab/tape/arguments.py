@@ -74,7 +74,8 @@ def check_structure(
             f"got {coordinates}: list the coordinates first, then their velocities"
         )
     symbols = [symbol.name for symbol in (*states, *parameters)]
-    if twice := sorted({name for name in symbols if symbols.count(name) > 1}):
+    if len({*symbols}) < len(symbols):
+        twice = sorted({name for name in symbols if symbols.count(name) > 1})
         raise ValueError(f"states and parameters must have different names, got {twice} twice: rename one")
     for mode in modes:
         if {*mode.outputs} != {*modes[0].outputs}:

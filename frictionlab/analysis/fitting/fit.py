@@ -267,7 +267,7 @@ def fit(
     if not problem.moving:
         return _result(problem, _solve(problem, None, problem.first(), "one run"), None)
     run = first_run(problem)
-    for doubt in doubts_about(problem.data, run) if run.status.ok else ():
+    for doubt in doubts_about(problem.data, run, problem.model) if run.status.ok else ():
         warnings.warn(doubt, RuntimeWarning, 2)
     unknowns, pieces = problem.first(), even_segments(problem, run, segments)
     if segments > 1:

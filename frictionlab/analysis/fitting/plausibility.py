@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.fitting.data import TimeRecord, of_kind
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.presentation import state_unit
+from frictionlab.models.model import ModelOrAutomaton
+from frictionlab.presentation import unit_of_state
 
 Array = NDArray[np.float64]
 MAX_SIZE_RATIO = 100.0  # of a state's range in the record and in the run: a larger one is rather one of units
@@ -22,13 +23,13 @@ MAX_LEAD = 10.0  # times the samples' distance: a record that begins later leave
 DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle to have passed it
 
 
-def doubts_about(data: Sequence[Any], run: Trajectory) -> Iterator[str]:
+def doubts_about(data: Sequence[Any], run: Trajectory, model: ModelOrAutomaton) -> Iterator[str]:
     """What is odd about time records, each in a sentence; `run` is the model's where the search begins."""
     shortest = shortest_period(run)
     for record in of_kind(data, TimeRecord):
         yield from _doubts_about_times(record.t, shortest)
         for name, column in record.values.items():
-            yield from _doubts_about_size(name, column, run)
+            yield from _doubts_about_size(name, column, run, unit_of_state(model, name))
 
 
 def _doubts_about_times(t: Array, shortest: float) -> Iterator[str]:
@@ -45,12 +46,12 @@ def _doubts_about_times(t: Array, shortest: float) -> Iterator[str]:
         )
 
 
-def _doubts_about_size(name: str, column: Array, run: Trajectory) -> Iterator[str]:
+def _doubts_about_size(name: str, column: Array, run: Trajectory, unit: str) -> Iterator[str]:
     measured, own = (float(np.ptp(values)) for values in (column, run.states[:, run.names.index(name)]))
     if min(measured, own) > 0.0 and not 1.0 / MAX_SIZE_RATIO < measured / own < MAX_SIZE_RATIO:
         yield (
-            f"{name} ranges over {measured:.3g} in a record and over {own:.3g} {state_unit(name)} in the "
-            f"model's run: values must be in {state_unit(name)}"
+            f"{name} ranges over {measured:.3g} in a record and over {f'{own:.3g} {unit}'.rstrip()} in the "
+            f"model's run: values must be in {unit or 'its units'}"
         )
 
 

@@ -97,7 +97,7 @@ def plot_steady_state(
     else:
         seconds = SHOWN_PERIODS * steady.period if steady.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         lines = plot_phase_plane(run, ax, name=shown, window=min(seconds, float(run.raw.t)))
-    label_phase_plane(ax, shown, f"Steady state: {steady.kind}")
+    label_phase_plane(ax, run.source, shown, f"Steady state: {steady.kind}")
     if alone:
         legend_beside(ax)
     return restyle(lines, line)
@@ -156,7 +156,7 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **l
     x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
-    label_phase_plane(ax, shown, f"Ends of {len(x)} runs")
+    label_phase_plane(ax, None, shown, f"Ends of {len(x)} runs")
     return restyle(lines, line)
 
 
@@ -268,8 +268,8 @@ def plot_basins(basins: Basins, ax: Axes | None = None, *, legend: bool = True) 
     ax.set(
         xlim=limits[0],
         ylim=limits[1],
-        xlabel=_initial_state_label(basins.x),
-        ylabel=_initial_state_label(basins.y),
+        xlabel=_initial_state_label(basins, basins.x),
+        ylabel=_initial_state_label(basins, basins.y),
     )
     if legend:
         legend_beside(ax, _handles(basins, colours, background(ax)))
@@ -320,8 +320,9 @@ def _attractor(basins: Basins, attractor: Any, ax: Axes) -> list[Line2D]:
     return lines
 
 
-def _initial_state_label(name: str) -> str:
-    return f"initial {state_label(name)} ({state_unit(name)})"
+def _initial_state_label(basins: Basins, name: str) -> str:
+    known = "automaton" not in basins.specification["model"]
+    return f"initial {state_label(name)}{f' ({state_unit(name)})' if known else ''}"
 
 
 def _handles(basins: Basins, colours: list[str], empty: str) -> list[Any]:

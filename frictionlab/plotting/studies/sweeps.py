@@ -36,8 +36,8 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
-from frictionlab.plotting.labels import parameter_label, state_label
-from frictionlab.presentation import state_unit
+from frictionlab.plotting.labels import parameter_label, state_label, state_with_unit
+from frictionlab.presentation import unit_of_state
 from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def plot_bifurcation(
     """
     automaton = automaton_of(result.model)
     state: str = name or automaton.shown_state
-    unit = f" ({state_unit(state)})" if automaton.coordinates else ""
+    unit = unit_of_state(result.model, state)
     groups = {kind: result.section(state, kind) for kind in MOTION_STYLES}
     ax = axes_or_new(ax)
     lines = []
@@ -124,7 +124,7 @@ def plot_bifurcation(
             lines += ax.plot(values, states, label=kind, transform=where, **style)
     ax.set(
         xlabel=_swept_parameter_label(result),
-        ylabel=f"{state_label(state)} at {_section_text(result)}{unit}",
+        ylabel=f"{state_label(state)} at {_section_text(result)}{unit and f' ({unit})'}",
     )
     if legend:
         legend_beside(ax)
@@ -280,7 +280,7 @@ def plot_orbit_branch(
         )
         colour, marker = SPECIAL_POINT_STYLES[kind]
         lines += ax.plot(*at, marker, color=legible(colour, ax), label=kind)
-    text = "period (s)" if name is None else f"largest {state_label(name)} ({state_unit(name)})"
+    text = "period (s)" if name is None else f"largest {state_with_unit(branch.orbits[0].model, name)}"
     ax.set(xlabel=parameter_label(branch.orbits[0].model, branch.parameter), ylabel=text)
     legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
     return restyle(lines, line)
@@ -341,8 +341,7 @@ def plot_cea_against_motion(
     grid = np.linspace(0.0, result.f_max, lines.shape[1] + 1)
     shown, scale = np.maximum(lines.T, foot), LogNorm(foot, top)
     mesh = ax.pcolormesh(_cell_edges(result.values), grid, shown, norm=scale, cmap="viridis", rasterized=True)
-    name = state_label(result.state)
-    ax.figure.colorbar(mesh, ax=ax, label=f"amplitude of {name} ({state_unit(result.state)})")
+    ax.figure.colorbar(mesh, ax=ax, label=f"amplitude of {state_with_unit(result.model, result.state)}")
     artists: list[Artist] = [mesh]
     style: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": "none", "color": VERMILLION}
     points = ax.plot(result.values, result.unstable, **style)

@@ -28,7 +28,7 @@ from frictionlab.presentation import (
     output_unit,
     shorten,
     span,
-    state_unit,
+    unit_of_state,
 )
 from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, damping_ratios, jacobian
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
@@ -101,8 +101,8 @@ class LinearSystem(Drawable):
 
     def gain_unit(self, output: str, input: str) -> str:
         """SI unit of the response of an output to an input; "" where it is not known."""
-        model, known = self.equilibrium.model, self.equilibrium.model.coordinates
-        above = state_unit(output) if output in self.states and known else output_unit(output)
+        model = self.equilibrium.model
+        above = unit_of_state(model, output) if output in self.states else output_unit(output)
         if input in self.states:
             below = "N m" if is_angle(input) else "N"
         else:

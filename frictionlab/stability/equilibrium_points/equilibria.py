@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.presentation import Drawable, shorten, state_unit
+from frictionlab.presentation import Drawable, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
@@ -235,14 +235,14 @@ class Equilibrium(Drawable):
 
     def __repr__(self) -> str:
         known = bool(self.model.coordinates)  # states of an automaton without coordinates may have any unit
-        units = {name: f" {state_unit(name)}" if known else "" for name in self.names}
+        units = {name: unit_of_state(self.model, name) for name in self.names}
         n = len(self.names)
         turning = [
             (f"{name}'", v) for name, v in zip(self.names, self.state[n : 2 * n]) if known and v != 0.0
         ]
-        units |= {name: f" {state_unit(name)}" for name, _ in turning}
+        units |= {name: unit_of_state(self.model, name) for name, _ in turning}
         shown = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
-        places = shorten(f"{name} {value:.4g}{units.get(name, '')}" for name, value in shown)
+        places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in shown)
         forces = {"F_N": self.normal_force, "F_T": self.friction_force}
         acting = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
         return f"Equilibrium({places}{acting})"

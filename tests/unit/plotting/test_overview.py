@@ -7,6 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 import frictionlab as fl
+from frictionlab import plotting
 from tests.helpers.results import result
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
@@ -62,7 +63,7 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     automaton = fl.HybridAutomaton(states=(h, w), modes=(mode,), coordinates=1, parameters={})
     run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
     assert np.isclose(run.final_state[0], 0.5)
-    assert fl.plot_run(run).axes[2].get_ylabel() == "velocity (m/s)"
+    assert fl.plot_run(run).axes[2].get_ylabel() == "rate"  # of which nothing tells the unit
     run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
     with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
         fl.plot_run(run)
@@ -88,3 +89,17 @@ def test_labels_of_modes_need_axes_and_lines():
     assert fl.label_modes(Figure().add_subplot()) == []
     with pytest.raises(TypeError, match=r"ax must be axes of matplotlib, got None: write fl.label_modes"):
         fl.label_modes(None)
+
+
+def test_states_of_an_automaton_have_no_unit_that_nobody_states():
+    """They were metres in phase planes, spectra and tables; so was the current of a motor."""
+    x, v = sp.symbols("x v")
+    swing = fl.HybridAutomaton((x, v), (fl.Mode("on", (v, -x - 0.1 * v)),), coordinates=1)
+    run = fl.solve(swing, 60.0, x0=[1.0, 0.0], progress=False)
+    axes = plotting.plot_phase_plane(run, window=None)[0].axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", r"$\dot{x}$")
+    assert plotting.plot_spectrum(run, f_max=2.0)[0].axes.get_ylabel() == "amplitude of $x$"
+    assert repr(fl.equilibrium(swing)) == "Equilibrium(x 0)"
+    assert run.to_dataframe().attrs["units"] == run.events.to_dataframe().attrs["units"] == {"t": "s"}
+    motor = fl.simulate(fl.MotorAndCart(), 0.1, progress=False).to_dataframe().attrs["units"]
+    assert "i" not in motor
