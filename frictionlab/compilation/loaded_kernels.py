@@ -240,18 +240,19 @@ def _append(arguments: Iterable[Any], words: array[int], kinds: list[str]) -> No
             words.extend(shape)
             kinds.append(_TYPES[each.dtype] if each.flags.c_contiguous else GAPS)
             kinds.append(AXES[len(shape)])
+        elif isinstance(each, tuple):
+            table = getattr(each, "table", None)
+            if table is None:
+                _append(each, words, kinds)
+            else:
+                words.extend(table[0])
+                kinds.append(table[1])
         elif isinstance(each, (float, np.floating)):
             words.frombytes(DOUBLE.pack(each))
             kinds.append(FLOAT)
-        elif not isinstance(each, tuple):
-            if each is not None:
-                words.append(int(each))
-                kinds.append(INTEGER)
-        elif (table := getattr(each, "table", None)) is None:
-            _append(each, words, kinds)
-        else:
-            words.extend(table[0])
-            kinds.append(table[1])
+        elif each is not None:
+            words.append(int(each))
+            kinds.append(INTEGER)
 
 
 @cache

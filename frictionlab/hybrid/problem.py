@@ -159,7 +159,8 @@ class RecordList:
         """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
         lengths = (steps, steps, steps, events, events, events, points, points, points)
         try:
-            parts, self.copied = [array[:n].copy() for array, n in zip(record, lengths)], True
+            parts = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
+            self.copied = True
         except MemoryError:
             parts, self.copied = [array[:n] for array, n in zip(record, lengths)], False
         self._parts.append(parts)

@@ -127,7 +127,7 @@ class CachedAutomaton(HybridAutomaton):
         """The parameters by name."""
         return self._values
 
-    @property
+    @cached_property
     def on_demand(self) -> bool:
         """Whether modes are derived as a run comes to them."""
         return isinstance(self._outline.names, ModeNames)

@@ -116,6 +116,7 @@ class ActiveRun(NamedTuple):
     problem: Problem
     native: NativeCode
     system: System  # with the addresses of native code
+    order: int  # of the series
     cursor: run_state.RunState
     scratch: run_state.Scratch
     queue: CombinationQueue | None
@@ -157,7 +158,7 @@ class ActiveRun(NamedTuple):
 ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
 
 
-def initial_mode(run: ActiveRun, order: int) -> Selection:
+def initial_mode(run: ActiveRun) -> Selection:
     """First admissible mode at the initial state; leaves the jets that it used in the scratch arrays.
 
     Raises
@@ -165,7 +166,7 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     ValueError
         Where the mode that was asked for cannot be entered there.
     """
-    problem, scratch = run.problem, run.scratch
+    problem, scratch, order = run.problem, run.scratch, run.order
     program = problem.program
     if run.queue is None and not program.code.function_slots.size:  # no mode has a condition
         run.cursor.counts[run_state.JETS_READY] = 0
@@ -190,6 +191,9 @@ def initial_mode(run: ActiveRun, order: int) -> Selection:
     return selection
 
 
+PLAIN = str, float, int, type(None)  # nearly all settings are
+
+
 @cache
 def _settings(kind: type[Method]) -> tuple[str, ...]:
     """Name and fields of a method."""
@@ -197,8 +201,6 @@ def _settings(kind: type[Method]) -> tuple[str, ...]:
 
 
 def _as_data(value: Any) -> Any:
-    if value is None or isinstance(value, (str, float, int)):  # the quick case
-        return value
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
 
 
@@ -238,7 +240,8 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        return {name: _as_data(getattr(self, name)) for name in _settings(type(self))}
+        settings = ((name, getattr(self, name)) for name in _settings(type(self)))
+        return {name: value if isinstance(value, PLAIN) else _as_data(value) for name, value in settings}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""
@@ -274,7 +277,7 @@ class Method(ABC):
                 elif end == run_state.MODE_NOT_DERIVED:
                     run = self._with_missing_mode(run)
             program = run.problem.program
-            SPARE_SCRATCH.give((program, self.order_of(program)), run.scratch)
+            SPARE_SCRATCH.give((program, run.order), run.scratch)
             if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
                 SPARE_RECORDS.give(_record_sizes(record), record)
             end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
@@ -291,14 +294,14 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        sizes, order = _state_sizes(problem.program.code), self.order_of(problem.program)
+        sizes = _state_sizes(problem.program.code)
         cursor = SPARE_STATES.take(sizes, lambda: new_run_state(*sizes))
         begin_run(cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         run = self._prepare(problem, cursor)
-        mode, missing = initial_mode(run, order)
+        mode, missing = initial_mode(run)
         while missing != NO_MODE:
             run = self._prepare(run.with_missing_mode(), cursor)
-            mode, missing = initial_mode(run, order)
+            mode, missing = initial_mode(run)
         cursor.counts[run_state.MODE] = mode
         return run
 
@@ -318,7 +321,8 @@ class Method(ABC):
             (program, order), lambda: new_scratch(program.slots, program.code, order)
         )
         clear_scratch(scratch)
-        return ActiveRun(problem, native, native.system(problem.numbers), cursor, scratch, queue, event)
+        system = native.system(problem.numbers)
+        return ActiveRun(problem, native, system, order, cursor, scratch, queue, event)
 
     def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
         """A record to fill: the last one again if its content was copied.
@@ -335,7 +339,7 @@ class Method(ABC):
             and (steps, events) == (len(last.step_modes), len(last.event_times))
         ):
             return last
-        points = (self.order_of(run.problem.program) + 2) * code.sections.shape[1]
+        points = (run.order + 2) * code.sections.shape[1]
         sizes = code.inputs, steps, events, points + (RECORD_CAPACITY if points else 0)
         return SPARE_RECORDS.take(sizes, lambda: new_record(code, *sizes[1:]))
 

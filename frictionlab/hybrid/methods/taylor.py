@@ -315,7 +315,7 @@ class Taylor(Method):
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
-        truncation = prepared_truncation(self.order_of(run.problem.program), self.tol)
+        truncation = prepared_truncation(run.order, self.tol)
         arrays = run.cursor, record, run.scratch
         longest = longest_step(truncation.order)
         if run.problem.t_end > longest:
