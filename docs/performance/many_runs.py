@@ -33,7 +33,7 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.models import Model, SliderOnBelt
 from frictionlab.presentation import markdown_table
 from reference_scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
-from timing import interleaved_medians, warm_up, warm_up_lanes
+from timing import least_times, warm_up, warm_up_lanes
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)
 SWEEP_STARTS = ("rest", "near")
@@ -74,7 +74,7 @@ ENSEMBLE_SCENES = (
 
 @dataclass(frozen=True)
 class EnsembleRow:
-    """Wall times in s of `runs` runs of a scene."""
+    """Processor times in s of `runs` runs of a scene."""
 
     scene: str
     runs: int
@@ -98,7 +98,7 @@ def _ensemble_row(scene: EnsembleScene, count: int, t_end: float, repeats: int) 
     warm_up(scene.model.automaton(), Taylor())
     warm_up_lanes(scene.model.automaton(), Taylor())
     ways = partial(_one_by_one, models, t_end), partial(ensemble, models, t_end, progress=False)
-    return EnsembleRow(scene.name, count, *interleaved_medians(ways, repeats))
+    return EnsembleRow(scene.name, count, *least_times(ways, repeats))
 
 
 def _one_by_one(models: Sequence[Model], t_end: float) -> None:
@@ -134,8 +134,8 @@ def sweep_times(t_end: float = 300.0, repeats: int = 3) -> list[SweepRow]:
         ("fixed step 1e-4 s, one worker", RK4(step=1e-4), some, 1),
         ("exact, one worker, the same values", Taylor(), some, 1),
     )
-    seconds = interleaved_medians(
-        [partial(run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats
+    seconds = least_times(
+        [partial(run_sweep, values, t_end, m, n) for _, m, values, n in ways], repeats, time.perf_counter
     )
     scaled = [s * len(MU_K) / len(values) for s, (_, _, values, _) in zip(seconds, ways, strict=True)]
     rows = [SweepRow(name, s, 2 * len(values)) for s, (name, _, values, _) in zip(scaled, ways, strict=True)]

@@ -4,10 +4,11 @@
     python docs/performance/measure.py --scene B --picture b.png     one scene, with its picture
     python docs/performance/measure.py --quick --json rows.json
     python docs/performance/measure.py -o docs                       writes performance.md, exact-and-fast.md
+    python docs/performance/measure.py -o docs --part Starting       one part of performance.md; others stay
 
 What is measured: scenes whose end is known, what each nonlinearity costs, Fig. 9's sweep, linear stability,
-Floquet multipliers, basins, a step of an explorer's slider, a slider of an exported page, and how time and
-memory grow.  heyoka, CVODE, PathSim and diffrax are measured where they are installed:
+Floquet multipliers, basins, a slider of an exported page, and how time and memory grow.  heyoka, CVODE,
+PathSim and diffrax are measured where they are installed:
 `pip install -r docs/performance/requirements.txt`.
 
 Files, from the bottom up:
@@ -21,7 +22,7 @@ Files, from the bottom up:
     stability_costs         many eigenvalue problems at once; exact derivatives; Floquet multipliers
     many_runs               runs side by side in lanes; Fig. 9's sweep; basin stability
     growth, chain_and_rod   time and memory against contacts, states, events, length, values, workers
-    response_times          a step of an explorer's slider; size and frames of exported pages
+    response_times          size and frames of exported pages
     page_figures, pages     pictures and text of the two pages
 """
 
@@ -30,7 +31,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import growth
@@ -43,7 +44,6 @@ import stability_costs
 import work_precision
 from frictionlab.file_writing import write_text
 from reference_scenes import ReferenceScene, scenes
-from single_costs import NonlinearityCost
 from work_precision import WorkPrecisionRow
 
 
@@ -55,21 +55,28 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="write all of it as pages")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON, after each scene")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw error against wall time")
+    parser.add_argument("--part", action="append", choices=pages.PARTS, help="only this part (repeat)")
     chosen = parser.parse_args(arguments)
     if chosen.scene and chosen.output:
         parser.error("-o needs all scenes: leave --scene out, or take --picture")
-    loads = [pages.load_average()]
-    rows = measure_scenes([scenes()[name] for name in chosen.scene or scenes()], chosen.quick, chosen.json)
-    loads.append(pages.load_average())
-    if chosen.picture:
-        page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
-    if chosen.scene:
-        return
-    switched = single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
-    tables = measure_others(chosen.quick, switched, chosen.output)
+    parts: dict[str, str] = {}
+    rows: list[WorkPrecisionRow] = []
+    if not chosen.part:
+        when = pages.measured_on()
+        names = chosen.scene or scenes()
+        rows = measure_scenes([scenes()[name] for name in names], chosen.quick, chosen.json)
+        if chosen.picture:
+            page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
+        if chosen.scene:
+            return
+        parts = pages.scene_parts(rows, when)
+    switched = [] if chosen.part else single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
+    parts |= measure_parts(chosen.part or pages.PARTS, chosen.quick, chosen.output)
     if chosen.output:
-        page = pages.write_performance(chosen.output, rows, tables, loads)
-        print(f"Pages in {page} and {pages.write_exact_and_fast(chosen.output, rows, switched)}")
+        print("Pages in", pages.write_performance(chosen.output, parts))
+    if chosen.output and rows:
+        pages.draw_scenes(chosen.output, rows)
+        print("and", pages.write_exact_and_fast(chosen.output, rows, switched))
 
 
 def measure_scenes(
@@ -87,22 +94,23 @@ def measure_scenes(
     return rows
 
 
-def measure_others(quick: bool, switched: Sequence[NonlinearityCost], folder: Path | None) -> list[str]:
-    """The tables of the page below the scenes, in its order; the picture of growth goes into `folder`."""
+def measure_parts(titles: Iterable[str], quick: bool, folder: Path | None) -> dict[str, str]:
+    """Parts of the page below the scenes; the picture of growth goes into `folder`."""
     repeats = 1 if quick else 3
 
     def costs() -> str:
         starts = single_costs.starts(repeats)
+        switched = single_costs.nonlinearity_costs(repeats=5 * repeats)
         return single_costs.nonlinearity_table(switched, starts.first, starts.imported)
 
-    measured = {
+    ways: dict[str, Callable[[], str]] = {
         "Where the time goes": lambda: single_costs.time_share_table(
-            single_costs.time_shares(repeats=5 * repeats)
+            single_costs.time_shares(repeats=20 * repeats)
         ),
         "What each nonlinearity costs": costs,
         "Native code": lambda: single_costs.native_table(single_costs.native_code_times(repeats)),
         "Starting": lambda: single_costs.start_table(single_costs.start_times(repeats)),
-        "Many runs": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=repeats)),
+        "Many runs at once": lambda: many_runs.ensemble_table(many_runs.ensemble_times(repeats=3 * repeats)),
         "Fig. 9's sweep": lambda: many_runs.sweep_table(many_runs.sweep_times(30.0 if quick else 300.0, 1)),
         "Linear stability": lambda: stability_costs.eigenproblem_table(
             stability_costs.eigenproblem_times(10_000, repeats)
@@ -110,18 +118,20 @@ def measure_others(quick: bool, switched: Sequence[NonlinearityCost], folder: Pa
         "Floquet multipliers": lambda: stability_costs.multiplier_table(
             stability_costs.multiplier_times(repeats)
         ),
-        "Basins": lambda: many_runs.basin_table(many_runs.basin_times(10_000, 20 if quick else 200)),
-        "A step of an explorer's slider": lambda: _explorer_table(3 if quick else 10),
+        "Basins of attraction": lambda: many_runs.basin_table(
+            many_runs.basin_times(10_000, 20 if quick else 200)
+        ),
         "A slider of an exported page": lambda: response_times.page_table(
             response_times.page_frames(20 if quick else 100)
         ),
-        "Growth": lambda: _growth_table(folder, 1e4 if quick else math.inf),
+        "How it grows": lambda: _growth_table(folder, 1e4 if quick else math.inf),
     }
-    tables = []
-    for title, measure in measured.items():
-        tables.append(_table_or_reason(measure))
-        print(f"\n{title}\n\n{tables[-1]}", flush=True)
-    return tables
+    parts = {}
+    for title in titles:
+        when, table = pages.measured_on(), _table_or_reason(ways[title])
+        print(f"\n{title}\n\n{table}", flush=True)
+        parts[title] = pages.part(title, table, when)
+    return parts
 
 
 def _table_or_reason(measure: Callable[[], str]) -> str:
@@ -130,12 +140,6 @@ def _table_or_reason(measure: Callable[[], str]) -> str:
         return measure()
     except Exception as error:
         return f"Not measured: {type(error).__name__}: {error}\n"
-
-
-def _explorer_table(count: int) -> str:
-    return response_times.latency_table(
-        {name: response_times.latencies(m, count=count) for name, m in response_times.LATENCY_SCENES.items()}
-    )
 
 
 def _growth_table(folder: Path | None, largest: float) -> str:

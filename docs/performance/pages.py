@@ -5,8 +5,11 @@ docs/exact-and-fast.md, three pictures for students.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import date
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -21,35 +24,40 @@ from work_precision import WorkPrecisionRow
 
 PAGE, PICTURE = "performance.md", Path("images", "performance.png")
 GROWTH_PICTURE = Path("images", "growth.png")
+VECTORS: Mapping[str, str] = MappingProxyType({"avx512f": "AVX-512", "avx2": "AVX2, without AVX-512"})
 
 HEAD = """\
 # Performance
 
-Written in a clone by `python docs/performance/measure.py -o docs`, after
-`pip install -r docs/performance/requirements.txt` for the other tools; one that is not installed has a row
-that says so. `--quick` takes a fraction of the time, `--scene B` measures one scene, `--help` says the rest.
-Absolute times belong to the machine; the columns "x" are ratios of one run, which is what to compare;
-[exact-and-fast.md](exact-and-fast.md) explains it in three pictures. Times of scenes are processor times,
-medians of interleaved runs, the caches warm; those of more than {slow:g} s are measured once. What the tools
-compile is compiled before. Load average of the machine when it began and when the scenes were done, of which
-one is this command's own work: {loads}.
+How many times our time other tools take, and where ours goes. `python docs/performance/measure.py -o docs`
+measures and writes this page in a clone, after `pip install -r docs/performance/requirements.txt` for the
+other tools. `--part "Starting"` measures one part and leaves the others as they are; each says when and on
+what it was measured. [exact-and-fast.md](exact-and-fast.md) explains it in three pictures.
+"""
 
-## How many times our time
-
+RATIOS = """\
 The columns are scenes. In A the slider on a belt sticks, slips and lifts off for 20 s, without the moving
 load; B is A with it. C slides only, for 1 s, on a stiff contact that is strongly nonlinear. D is B with
 Eq. (13) as printed, by which the slider chatters, for 1 s. Coulomb is a mass on a belt that sticks and slips
 a thousand times. In the linear scene all three nonlinearities are left out; it has no events.
 
-{ratios}
-
 A number is the tool's time divided by ours, for each of its tolerances, the tighter one first. Ours is
 the shortest of our own runs whose error is not larger than the tool's, so that nothing is gained by being
 less exact; where all of ours have a larger error, our most exact one, in brackets.
 
-## Run time against error
+{ratios}
 
-![Error against wall time]({picture})
+heyoka is given the operations of our own tape, and both ways in which it multiplies and adds. At events its
+resets are Python here; ours are compiled. Times are processor times, in which other work on the machine
+counts little, medians of runs in turns with warm caches; those of more than {slow:g} s are measured once.
+
+Ours at each tolerance. It falls as the tolerance is loosened, but for the scatter:
+
+{ours}
+"""
+
+WORK = """\
+![Error against run time]({picture})
 
 Down and to the left is better. Every method runs the same automaton with the same resets; other tools
 integrate and find the events themselves, with right-hand sides compiled for the scene; scipy's implicit
@@ -62,135 +70,77 @@ in its list, not in time; the state at an event is its interpolation. "Model mad
 sign of friction and a contact that springs back instead of impacts: it is another model, and its error is
 of the size of the motion. References: mpmath with 40 digits for A, B and C
 (`tests/reference/slider_mpmath.py`, which shares no code with the package); for D the solver itself with
-another order and the limit of chatter taken at 1e-9 s; closed forms for the others.
+another order and the limit of chatter taken at 1e-9 s; closed forms for the others. A tool that is not
+installed has a row that says so.
 """
 
-SWITCHES = """\
-
-## What each nonlinearity costs
-
+# What the parts below the scenes say before their tables, in the sequence of the page.
+PARTS: Mapping[str, str] = MappingProxyType(
+    {
+        "Where the time goes": """\
+One run at a tolerance of 1e-15. Jets are the Taylor coefficients of all steps; the floor is the time in which
+one core does as many multiplications and additions in a product of matrices, which fuses the two (we do not,
+as not every processor does). Each coefficient of a jet needs those before it, which keeps a single run from
+that floor. An event is its location, its reset and the choice of the next mode, and what the guards cost in
+all steps.
+""",
+        "What each nonlinearity costs": """\
 Scene B with nonlinearities left out. Guards, products (squares and quotients included) and operations are
 summed over the modes of the tape; what a scene lacks is not there. Times are with native code for every mode.
 The first call is that of a fresh process with warm caches: model, equations, kernels from the cache, one
 simulated second. The last row is the import before it.
-
-"""
-
-STARTS = """\
-
-## Starting
-
+""",
+        "Native code": """\
+Once on a machine: native code of a mode, written and compiled by LLVM in the background. Later processes load
+it from the cache.
+""",
+        "Starting": """\
 From the start of a process to its end, with the byte code of all modules there. The first process has an
 empty cache folder: in a clone it derives the equations with sympy and keeps what it has derived, as arrays
 and formulas, for later ones, which do not load sympy. A wheel carries these; its first process also compiles
 machine code of modes. A law of one's own is derived in every process. numba is loaded in none. The floor
 is what a process with the same libraries takes that does nothing else; "x" is a later one of a clone, in
 floors.
-
-"""
-
-NATIVE = """\
-
-What comes before that, once on a machine: native code of a mode, written and compiled by LLVM in the
-background. Later processes load it from the cache.
-
-"""
-
-MANY = """\
-
-## Many runs at once
-
+""",
+        "Many runs at once": """\
 `fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, four in the lanes
 of one vector, on one core; every run is what it would be alone, to the last bit. Values of mu_k from 2 to 2.5
 (C, 1 s) and from 0.2 to 1 (B, 20 s), from rest. It pays most where no events come between, which are found
 and handled for one run after the other. Of few runs one that takes many more steps than others ends alone.
-
-"""
-
-SWEEP = """\
-
-## Fig. 9's sweep
-
+""",
+        "Fig. 9's sweep": """\
 60 values of mu_k, from rest and from near the equilibrium, 300 s each, scene B otherwise. A fixed step and
 heyoka run one value in ten and are scaled up. heyoka's equations are compiled for each value before; its
 batch mode holds runs of one mode only, and does not go on where their events fall apart. Two workers are two
 threads: the kernels hold no GIL.
-
-"""
-
-STABILITY = """\
-
-## Linear stability
-
+""",
+        "Linear stability": """\
 Equilibrium and eigenvalues of the slider for 10,000 values of mu_k, the modes tracked by their vectors,
 against a loop of `fl.eigenvalues`; and the whole search for changes of stability. numpy solves the
 eigenvalue problems.
-
-"""
-
-MULTIPLIERS = """\
-
-## Floquet multipliers
-
+""",
+        "Floquet multipliers": """\
 Of the slider's cycle at mu_k = 1.4, from the orbit that is known: the tangent tape runs one period and
 carries all directions along it; central differences run two periods for each state. One multiplier is 1 and
 one is 0 exactly, as the cycle sticks; the largest other is compared with differences of two steps,
 extrapolated.
-
-"""
-
-BASINS = """\
-
-## Basins of attraction
-
+""",
+        "Basins of attraction": """\
 Share of random initial states of the bistable oscillator (belt at 1.5) that comes to rest; {share} is known
 independently. The exact runs end as soon as they are on an attractor; all others last 300 s: RK4 and heyoka
 with the same automaton, and the model made smooth, tanh(v_r/width) for the sign of friction, by scipy's LSODA
 with a compiled right-hand side and a relative tolerance of 1e-6. One worker; the column "x" is of this run.
-
-"""
-
-EXPLORER = """\
-
-## A step of an explorer's slider
-
-`fl.explore` with the mechanism and four panels (response, phase plane, forces, spectrum), 20 s simulated:
-from the new value of a slider to the bytes of its result. A browser adds the way there and back, and some
-5 ms in which it draws them. The sliders in sight are moved step by step, once before without being timed.
-The explorer's default method has a tolerance of 1e-7, and under Eq. (13) it replaces flights below 0.4 ms by
-their limit.
-
-"""
-
-PAGES = """\
-
-## A slider of an exported page
-
+""",
+        "A slider of an exported page": """\
 `fl.export_page`, in a Chromium without a graphics card, 1280 pixels wide: a new value of mu_k in every frame,
 the whole run computed and drawn. A screen shows a picture every 16.7 ms. A run is cut at 40 ms while the
 slider moves, and plots are drawn in turns where all of them would take longer than a frame.
-
-"""
-
-SHARES = """\
-
-## Where the time goes
-
-One run at a tolerance of 1e-15. Jets are the Taylor coefficients of all steps; the floor is the time in which
-one core does as many multiplications and additions in a product of matrices, which fuses the two (we do not,
-as not every processor does). Each coefficient of a jet needs those before it, which keeps a single run from
-that floor. An event is its location, its reset and the choice of the next mode, and what the guards cost in
-all steps.
-
-"""
-
-GROWTH = """\
-
-## How it grows
-
-![Time and memory against sizes]({picture})
-
-"""
+""",
+        "How it grows": """\
+![Time and memory against sizes]({growth})
+""",
+    }
+)
 
 TAIL = """\
 
@@ -338,46 +288,65 @@ COST_PICTURE, MISSED_PICTURE, SWITCHES_PICTURE = (
 )
 
 
-def load_average() -> str:
-    """Load average of the last minute, where the system knows it."""
-    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+def measured_on() -> str:
+    """The day, the processor and how busy it is: what a part says of its numbers."""
+    import llvmlite.binding as llvm
+
+    has = llvm.get_host_cpu_features()
+    vectors = next((name for key, name in VECTORS.items() if has.get(key)), "neither AVX2 nor AVX-512")
+    load = f", load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    return f"{date.today()}, {processor()} with {vectors}, {os.cpu_count()} cores{load}"
+
+
+def processor() -> str:
+    """Name of the processor, where the system knows it."""
+    file = Path("/proc/cpuinfo")
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())
 
 
 def folded(title: str, text: str) -> str:
     """A part of the page that a click unfolds."""
-    return f"\n<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
+    return f"<details>\n<summary>{title}</summary>\n\n{text}\n</details>\n"
 
 
-def write_performance(
-    folder: Path, rows: Sequence[WorkPrecisionRow], tables: Sequence[str], loads: Sequence[str]
-) -> Path:
-    """Write the page and its picture; `tables` are in the order of their heads below."""
-    (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
-    page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
-    ratios, loaded = work_precision.ratio_table(rows), ", ".join(loads)
-    text = HEAD.format(
-        slow=work_precision.SINGLE_RUN_ABOVE, picture=PICTURE.as_posix(), loads=loaded, ratios=ratios
-    )
+def scene_parts(rows: Sequence[WorkPrecisionRow], when: str) -> dict[str, str]:
+    """The ratios, and the tables of all scenes."""
+    ratios, ours = work_precision.ratio_table(rows), work_precision.own_table(rows)
+    text = RATIOS.format(slow=work_precision.SINGLE_RUN_ABOVE, ratios=ratios, ours=ours)
+    tables = [folded("The picture, and what is compared", WORK.format(picture=PICTURE.as_posix()))]
     for name, scene in scenes().items():
         table = work_precision.work_precision_table([row for row in rows if row.scene == name])
-        text += folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table)
-    heads = (
-        SHARES,
-        SWITCHES,
-        NATIVE,
-        STARTS,
-        MANY,
-        SWEEP,
-        STABILITY,
-        MULTIPLIERS,
-        BASINS.format(share=EQUILIBRIUM_SHARE),
-        EXPLORER,
-        PAGES,
-        GROWTH.format(picture=GROWTH_PICTURE.as_posix()),
-    )
-    for head, table in zip(heads, tables, strict=True):
-        text += f"{head}{table}\n"
-    return write_text(folder / PAGE, text + TAIL)
+        tables.append(folded(f"{name}: {scene.text}, {scene.t_end:.5g} s", table))
+    return {
+        "How many times our time": f"Measured {when}.\n\n{text}",
+        "Run time against error": "\n".join(tables),
+    }
+
+
+def draw_scenes(folder: Path, rows: Sequence[WorkPrecisionRow]) -> None:
+    """Draw error against run time into the folder of the page."""
+    (folder / PICTURE.parent).mkdir(parents=True, exist_ok=True)
+    page_figures.draw_work_precision(rows).savefig(folder / PICTURE, dpi=110)
+
+
+def part(title: str, table: str, when: str) -> str:
+    """A part below the scenes."""
+    text = PARTS[title].format(share=EQUILIBRIUM_SHARE, growth=GROWTH_PICTURE.as_posix())
+    return folded(f"Measured {when}", f"{text}\n{table}")
+
+
+def write_performance(folder: Path, parts: Mapping[str, str]) -> Path:
+    """Write the page; a part that is not among `parts` stays as it is on the page."""
+    page = folder / PAGE
+    written = page.read_text(encoding="utf-8") if page.exists() else ""
+    before = dict(each.split("\n", 1) for each in written.split("\n## ")[1:])
+    text = HEAD
+    for title in ("How many times our time", "Run time against error", *PARTS):
+        kept = parts.get(title) or before.get(title) or "Not measured yet.\n"
+        text += f"\n## {title}\n\n{kept.strip()}\n"
+    return write_text(page, text + TAIL)
 
 
 def write_exact_and_fast(

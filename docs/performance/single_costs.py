@@ -43,7 +43,7 @@ from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Program
 from frictionlab.tape.tape import Tape
 from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
-from timing import interleaved_medians, warm_up
+from timing import least_times, warm_up
 
 ROOT = Path(__file__).parents[2]
 NONLINEARITIES = ("cubic", "nonsmooth", "geometry")
@@ -55,12 +55,12 @@ MATRIX_PRODUCTS = 20
 
 FRESH_PROCESS = """\
 import time
-begin = time.perf_counter()
+begin = time.process_time()
 import frictionlab as fl
-imported = time.perf_counter()
+imported = time.process_time()
 model = fl.SliderOnBelt(mu_k=1.4, impact=fl.PlasticImpact("full")).without(*{without})
 fl.simulate(model, 1.0, progress=False)
-print(imported - begin, time.perf_counter() - imported)
+print(imported - begin, time.process_time() - imported)
 """
 
 RESULT = """\
@@ -111,16 +111,16 @@ class NonlinearityCost:
     guards: int
     products: int
     operations: int
-    nanoseconds: float  # wall time per simulated second
+    nanoseconds: float  # processor time per simulated second
 
 
 def nonlinearity_costs(t_end: float = 20.0, repeats: int = 5) -> list[NonlinearityCost]:
-    """The eight scenes with nonlinearities left out: size of the tape, and wall time."""
+    """The eight scenes with nonlinearities left out: size of the tape, and processor time."""
     models = [FULL_GAP_RATE_SLIDER.without(*names) for names in COMBINATIONS]
     for model in models:
         warm_up(model.automaton(), Taylor())
     runs = [partial(simulate, model, t_end, progress=False) for model in models]
-    seconds = interleaved_medians(runs, repeats)
+    seconds = least_times(runs, repeats)
     return [_cost_of(n, m, s / t_end) for n, m, s in zip(COMBINATIONS, models, seconds, strict=True)]
 
 
@@ -195,11 +195,11 @@ def native_code_times(repeats: int = 3) -> list[NativeCodeTime]:
 def _time_native_code(program: Program, mode: int) -> tuple[float, float]:
     with _empty_cache():
         jets = NativeCode(program)
-        begin = time.perf_counter()
+        begin = time.process_time()
         jets.compile(mode)
-        done = time.perf_counter()
+        done = time.process_time()
         NativeCode(program)  # loads the mode from the cache
-        return done - begin, time.perf_counter() - done
+        return done - begin, time.process_time() - done
 
 
 @contextmanager
@@ -323,7 +323,7 @@ def _shares(scene: ReferenceScene, repeats: int) -> TimeShares:
     run = begin(scene.t_end)
     ways = [partial(begin, scene.t_end), partial(begin, AT_ONCE_OVER)]
     ways += [_sampling(run, method.degree, count) for count in (0, 1, 2)]
-    total, python, none, once, twice = interleaved_medians(ways, repeats)
+    total, python, none, once, twice = least_times(ways, repeats)
     jets, ends = (once - none) - (twice - once), twice - once
     operations = operations_of_jets(run, method.degree)
     counts = len(run.raw.step_modes), len(run.events)

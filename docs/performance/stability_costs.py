@@ -44,7 +44,7 @@ from frictionlab.models.model import require_model
 from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 from reference_scenes import FULL_GAP_RATE_SLIDER
-from timing import interleaved_medians, warm_up
+from timing import least_times, warm_up
 
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up
 EIGENPROBLEM_MODEL = SliderOnBelt()
@@ -74,7 +74,7 @@ def eigenproblem_times(count: int = 10_000, repeats: int = 3) -> list[Eigenprobl
     """Equilibrium and eigenvalues for `count` values of mu_k: all at once, with modes tracked; in a loop."""
     values = np.linspace(0.0, 3.0, count)
     some = values[::LOOP_STRIDE]
-    at_once, loop, changes = interleaved_medians(
+    at_once, loop, changes = least_times(
         [
             lambda: root_locus(EIGENPROBLEM_MODEL, "mu_k", values),
             lambda: _eigenvalues_in_loop(some),
@@ -217,7 +217,7 @@ def _scene_rows(name: str, repeats: int) -> list[MultiplierRow]:
             partial(monodromy_by_differences, orbit, step),
             2 * count,
         )
-    seconds = interleaved_medians([way for way, _ in ways.values()], repeats)
+    seconds = least_times([way for way, _ in ways.values()], repeats)
     reference = _largest_other(monodromy_extrapolated(orbit))
     return [
         _multiplier_row(name, text, spent, runs, way(), reference)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -35,15 +34,20 @@ def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
         native.compile_step(int(mode))
 
 
-def interleaved_medians(runs: Sequence[Callable[[], Any]], repeats: int) -> list[float]:
-    """Median wall time of each, after one call to warm up; in turns, so that a slow moment affects all."""
+def least_times(
+    runs: Sequence[Callable[[], Any]], repeats: int, clock: Callable[[], float] = time.process_time
+) -> list[float]:
+    """Least time of each, after one call to warm up; in turns, so that a slow moment affects all.
+
+    The `clock` is the time of this process, in which other work on the machine counts little.
+    """
     for run in runs:
         run()
-    spent = [[_time_call(run) for run in runs] for _ in range(repeats)]
-    return [median(column) for column in zip(*spent, strict=True)]
+    spent = [[_time_call(run, clock) for run in runs] for _ in range(repeats)]
+    return [min(column) for column in zip(*spent, strict=True)]
 
 
-def _time_call(run: Callable[[], Any]) -> float:
-    begin = time.perf_counter()
+def _time_call(run: Callable[[], Any], clock: Callable[[], float]) -> float:
+    begin = clock()
     run()
-    return time.perf_counter() - begin
+    return clock() - begin

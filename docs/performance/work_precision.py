@@ -145,6 +145,18 @@ def ratio_table(rows: Sequence[WorkPrecisionRow]) -> str:
     return markdown_table(" | ".join(["tool", *names]), lines)
 
 
+def own_table(rows: Sequence[WorkPrecisionRow]) -> str:
+    """Our own times in ms, a row for each tolerance and a column for each scene."""
+    names = list(dict.fromkeys(row.scene for row in rows))
+    ours = [row for row in rows if row.family == OURS]
+    lines = []
+    for method in dict.fromkeys(row.method for row in ours):
+        times = {row.scene: 1e3 * (row.seconds or 0.0) for row in ours if row.method == method}
+        tolerance = method.rpartition(" ")[2]
+        lines.append(" | ".join([tolerance, *(three_digits(times[name]) for name in names)]))
+    return markdown_table(" | ".join(["tolerance", *names]), lines)
+
+
 def _ratio_cell(rows: Sequence[WorkPrecisionRow], scene: str, family: str) -> str:
     here = [row for row in rows if row.scene == scene and row.family == family and row.error is not None]
     ours = [row for row in rows if row.scene == scene and row.family == OURS]

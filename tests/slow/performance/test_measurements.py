@@ -10,7 +10,6 @@ import single_costs
 import stability_costs
 from frictionlab.tape.packing import program_of
 from growth import GrowthCurve, growth_table
-from response_times import latencies
 from single_costs import TimeShares, operations_of_tape, time_share_table
 from work_precision import WorkPrecisionRow, ratio_table
 
@@ -46,15 +45,6 @@ def test_each_switch_pays():
     assert costs[("cubic",)].products < full.products
     assert costs[single_costs.NONLINEARITIES].products == 0
     assert all(row.operations < full.operations for names, row in costs.items() if names)
-
-
-def test_a_step_of_a_slider_that_fails_is_an_error():
-    steps = latencies(fl.SliderOnBelt(mu_k=0.4).without("geometry"), ("F", "k2"), 2, ("response",))
-    assert [step.parameter for step in steps] == ["F", "F", "k2", "k2"]
-    assert all(0 < step.simulation < step.seconds for step in steps)
-    model = fl.SliderOnBelt(mu_k=2.0, mu_s=2.0).without("geometry")
-    with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
-        latencies(model, ("mu_k",), 1, ("eigenvalues",))
 
 
 def row(family, seconds, error, scene="A"):

@@ -132,12 +132,17 @@ def test_one_scene_as_printed(monkeypatch, tmp_path, capsys, rows):
     assert all(path.stat().st_size > 500 for path in files)
 
 
-def test_the_page_has_all_scenes_and_tables(tmp_path, rows):
+def test_the_page_has_all_scenes_and_parts(tmp_path, rows):
     every = [replace(row, scene=name) for name in scenes() for row in rows]
-    tables = [f"| table {letter} |" for letter in "abcdefghijkl"]
-    text = pages.write_performance(tmp_path, every, tables, ["0.1", "1.2"]).read_text(encoding="utf-8")
+    parts = pages.scene_parts(every, "today")
+    parts |= {title: pages.part(title, f"| table of {title} |", "today") for title in pages.PARTS}
+    text = pages.write_performance(tmp_path, parts).read_text(encoding="utf-8")
     assert text.count("frictionlab, tol 1e-15 |") == 6
-    places = [text.index(table) for table in tables]
+    places = [text.index(f"| table of {title} |") for title in pages.PARTS]
     assert places == sorted(places)
+    again = pages.write_performance(tmp_path, {"Starting": pages.part("Starting", "| new |", "later")})
+    assert again.read_text(encoding="utf-8") == text.replace(
+        parts["Starting"], pages.part("Starting", "| new |", "later")
+    )
     labels = [line.get_label() for line in page_figures.draw_work_precision(rows).axes[0].lines]
     assert labels == ["frictionlab", "frictionlab, interpreted", "RK4"]
