@@ -1,4 +1,4 @@
-"""Moreau's time-stepping scheme for rigid contacts with friction of a system with constant M and directions.
+"""Moreau's time-stepping scheme for contacts, rigid or rubbing, of a system with constant M and directions.
 
 The impulses of all contacts in a step solve Newton's and Coulomb's laws together, by projection, contact by
 contact.  No event is located, so that the error falls with the step; nothing is shared with the package.
@@ -57,3 +57,35 @@ def _with_impulses(system, inverse, closed, free, before):
         if np.abs(new - last).max() < 1e-13 * np.abs(new).max():
             break
     return new
+
+
+@dataclass(frozen=True)
+class RubbingSystem:
+    """M q'' + C q' + K q = T^T F with |F| <= limits, and F along v - T q' in slip; rows of T are contacts."""
+
+    masses: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    tangents: np.ndarray
+    limits: np.ndarray
+    v: float
+
+
+def rubbing_steps(system: RubbingSystem, q: np.ndarray, v: np.ndarray, t_end: float, h: float) -> np.ndarray:
+    """The state at the end; the midpoint rule for what is smooth."""
+    M, C, K, T = system.masses, system.damping, system.stiffness, system.tangents
+    inverse = np.linalg.inv(M + h / 2 * C + h * h / 4 * K)
+    compliance, limit, impulse = T @ inverse @ T.T, h * system.limits, np.zeros(len(T))
+    for _ in range(round(t_end / h)):
+        free = v - h * inverse @ (K @ (q + h / 2 * v) + C @ v)
+        wanted = system.v - T @ free
+        for _ in range(2000):
+            last = impulse.copy()
+            for i in range(len(T)):
+                missed = wanted[i] - compliance[i] @ impulse
+                impulse[i] = np.clip(impulse[i] + missed / compliance[i, i], -limit[i], limit[i])
+            if np.abs(impulse - last).max() < 1e-13 * limit.max():
+                break
+        new = free + inverse @ T.T @ impulse
+        q, v = q + h / 2 * (v + new), new
+    return np.concatenate([q, v])

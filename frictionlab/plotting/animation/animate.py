@@ -21,6 +21,7 @@ from frictionlab.file_writing import name_written_file, write_file
 from frictionlab.interruption import progress_bar
 from frictionlab.models import Model
 from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.models.model import MovingSystem
 from frictionlab.plotting.appearance import (
     BLACK,
     background,
@@ -149,6 +150,11 @@ def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt:
     if source is None and is_tilting_belt(run):  # a run of the model's automaton alone
         return TiltingBelt()
     of = type(run.automaton if source is None else source).__name__
+    if isinstance(source, MovingSystem):
+        raise ValueError(
+            f"{function} needs a run of a model that has a mechanism, got one of a {of}, whose matrices do "
+            "not tell what it looks like: take fl.plot_run(run)"
+        )
     raise ValueError(
         f"{function} needs a run of a model that has a mechanism, got one of a {of}: give the model a "
         "property `mechanism` (frictionlab.models.Mechanism), or use the panels of frictionlab.plotting"

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 import sympy
 from scipy.integrate import solve_ivp
+from scipy.optimize import linprog
 
 import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
+from tests.reference.moreau import RubbingSystem, rubbing_steps
 
 
 def slider_on_belt(impact: Any, **values: Any) -> tuple[fl.SliderOnBelt, fl.Structure]:
@@ -202,6 +204,70 @@ def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event():
     assert len(run.events) > 10
     np.testing.assert_allclose(run.events.t, times, atol=1e-7)
     np.testing.assert_allclose(run.final_state, end, atol=1e-7)
+
+
+def stuck_at_first(contacts: int) -> tuple[fl.Structure, np.ndarray]:
+    """A body of two freedoms on more pads than these, which a belt takes along, and its start."""
+    rng = np.random.default_rng(5)
+    rows = np.column_stack([np.ones(contacts), rng.standard_normal(contacts)])
+    pads = fl.SlidingContacts(
+        rows, N=1.0, area=rng.uniform(0.5, 1.5, contacts), v=0.2, friction=fl.Coulomb(0.5, 0.5)
+    )
+    structure = fl.Structure(np.eye(2), [[1.0, 0.2], [0.2, 0.8]], [[0.05, 0.0], [0.0, 0.05]], contacts=pads)
+    return structure, np.array([0.0, 0.0, 0.2, 0.0])
+
+
+def rubs(structure: fl.Structure) -> RubbingSystem:
+    """What Moreau's scheme knows of a structure with given normal forces."""
+    (pads,), p = structure.contacts, structure.parameters
+    zero = np.zeros((structure.size, structure.size))
+    M, C, K = (sum((one.at(p).toarray() for one in terms), zero) for terms in structure.terms)
+    return RubbingSystem(M, C, K, pads.tangential.toarray(), p["mu_k"] * p["N"] * pads.area, p["v"])
+
+
+def test_more_stuck_contacts_than_freedoms_hold_up_to_the_load_of_limit_analysis():
+    structure, x0 = stuck_at_first(5)
+    run = fl.simulate(structure, 12.0, x0=x0, progress=False)
+    held = np.array([name.split(" | ").count("stick") for name in run.events.target])
+    assert run.mode[0].split(" | ").count("stick") == 2
+    end = run.events.t[np.argmax(held < 2)]
+    of = rubs(structure)
+    # the longest time t at which forces within their limits balance the springs' and the dampers'
+    push, still = of.stiffness @ [of.v, 0.0], of.damping @ [of.v, 0.0]
+    balance = np.column_stack([of.tangents.T, -push])
+    bounds = [*((-limit, limit) for limit in of.limits), (0.0, None)]
+    longest = linprog([*np.zeros(5), -1.0], A_eq=balance, b_eq=still, bounds=bounds)
+    assert end == pytest.approx(longest.x[-1], rel=1e-9)
+
+
+@pytest.mark.slow(reason="Moreau's scheme takes seconds in Python")
+def test_more_stuck_contacts_than_freedoms_move_as_moreaus_scheme_says():
+    structure, x0 = stuck_at_first(5)
+    run = fl.simulate(structure, 40.0, x0=x0, progress=False)
+    assert len(run.events) > 4
+    np.testing.assert_allclose(
+        rubbing_steps(rubs(structure), x0[:2], x0[2:], 40.0, 2e-3), run.final_state, atol=2e-3
+    )
+
+
+@pytest.mark.slow(reason="Moreau's scheme takes seconds in Python")
+@pytest.mark.parametrize("seed", [1, 2])
+def test_contacts_that_change_together_change_at_the_first_trial(seed):
+    n, rng = 10, np.random.default_rng(seed)
+    A, B = rng.standard_normal((2, n, n))
+    M, K = np.eye(n) + 0.3 * B @ B.T / n, np.eye(n) + A @ A.T / n
+    q = rng.uniform(-1.0, 1.0, n)
+    pads = fl.SlidingContacts(
+        np.eye(n), N=1.0, area=np.abs(K @ (q + 0.1)), v=0.1, friction=fl.Coulomb(1.0, 1.0)
+    )
+    structure = fl.Structure((M + M.T) / 2, (K + K.T) / 2, contacts=pads)
+    x0 = np.concatenate([q, np.full(n, 0.1)])  # no contact slips, and the forces that hold some are too large
+    run = fl.simulate(structure, 1.3, x0=x0, progress=False)
+    assert 1 < run.mode[0].count("slip") < n
+    modes: Any = structure.automaton().modes
+    assert len(modes.derived) <= len({*run.events.target}) + 3
+    by_steps = rubbing_steps(rubs(structure), q, x0[n:], 1.3, 2e-3)
+    np.testing.assert_allclose(by_steps, run.final_state, atol=2e-6)
 
 
 def test_values_of_parameters_derive_nothing():
