@@ -89,21 +89,21 @@ def _modules(folder: Any, package: str) -> Iterator[str]:
 def needed_names(module: str, name: str) -> list[Name]:
     """The names of the package that the definition of a name uses, each with the module it comes from."""
     definitions, imports = module_contents(module)
-    found = []
+    needed = []
     for node in definitions.get(name, []):
         for part in ast.walk(node):
             if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
                 origin = imports.get(part.value.id)
                 if origin is not None and _is_module(".".join(origin)):
-                    found.append((".".join(origin), part.attr))
+                    needed.append((".".join(origin), part.attr))
             elif isinstance(part, ast.Name):
                 if part.id in imports:
-                    found.append(imports[part.id])
+                    needed.append(imports[part.id])
                 elif part.id in definitions:
-                    found.append((module, part.id))
+                    needed.append((module, part.id))
     if not definitions.get(name) and name in imports:
-        found.append(imports[name])
-    return [(home, one) for home, one in found if _is_module(home) and not _is_module(f"{home}.{one}")]
+        needed.append(imports[name])
+    return [(home, one) for home, one in needed if _is_module(home) and not _is_module(f"{home}.{one}")]
 
 
 @cache

@@ -80,8 +80,8 @@ def _largest_defects(
     scratch = new_defect_scratch(program.slots, steps.states.shape[1], order)
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, worst, scratch)
-    found = zip(program.modes, worst.tolist())
-    return FrozenMapping({name: defect for name, defect in found if not defect <= above})
+    by_mode = zip(program.modes, worst.tolist())
+    return FrozenMapping({name: defect for name, defect in by_mode if not defect <= above})
 
 
 def defect_warning(

@@ -287,7 +287,7 @@ def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
     The first point is on the first piece that has one, unless so many pieces are in doubt that some are left
     out.
     """
-    found, guards, until = [], len(tape.guards), np.inf
+    points, guards, until = [], len(tape.guards), np.inf
     with np.errstate(all="ignore"):
         for _ in range(MOST_HALVINGS):
             values, doubtful = _judge(tape, pieces, bounds)
@@ -295,13 +295,13 @@ def negative_points(tape: Tape, pieces: Pieces, bounds: Array) -> Negative:
             bad[..., guards:] = ~(np.abs(values[..., guards:]) <= -bounds[guards:])
             piece, point, function = np.nonzero(bad)
             times = pieces.starts[piece] + 0.5 * (1.0 + POINTS[point]) * pieces.lengths[piece]
-            found.append((times, function, values[piece, point, function], pieces.starts[piece]))
+            points.append((times, function, values[piece, point, function], pieces.starts[piece]))
             until = min(until, times.min(initial=np.inf))
             doubtful &= (pieces.starts < until) & (pieces.lengths > 0.0)
             if not 0 < doubtful.sum() <= MOST_PIECES:
                 break
             pieces = pieces.chosen(doubtful).halves()
-    return Negative(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    return Negative(*(np.concatenate(parts) for parts in zip(*points, strict=True)))
 
 
 class Defect(NamedTuple):

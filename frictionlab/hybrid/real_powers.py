@@ -35,9 +35,11 @@ def cut_where_undefined(problem: Problem, raw: RunData) -> RunData:
     if first == len(raw.step_modes):  # after the last step
         return raw._replace(status=Status.NOT_FINITE)
     t = float(raw.step_times[first, 0])
-    kept = {"step_": np.arange(len(raw.step_modes)) < first}
-    kept |= {part: getattr(raw, part + "times") <= (t if first else -1.0) for part in ("event_", "point_")}
-    arrays = {name: getattr(raw, name)[kept[part]] for name in raw._fields for part in kept if part in name}
+    before = {"step_": np.arange(len(raw.step_modes)) < first}
+    before |= {part: getattr(raw, part + "times") <= (t if first else -1.0) for part in ("event_", "point_")}
+    arrays = {
+        name: getattr(raw, name)[before[part]] for name in raw._fields for part in before if part in name
+    }
     mode, state = int(modes[first]), raw.step_states[first].copy()
     return raw._replace(**arrays, t=t, state=state, mode=mode, status=Status.NOT_FINITE)
 

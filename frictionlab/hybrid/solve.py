@@ -57,9 +57,9 @@ def method_of(method: Any) -> Method:
     """
     if isinstance(method, Method):
         return method
-    found = _method_named(method.lower()) if isinstance(method, str) else None
-    if found is not None:
-        return found
+    named = _method_named(method.lower()) if isinstance(method, str) else None
+    if named is not None:
+        return named
     known = [*NAMED_METHODS, *INTEGRATORS]
     names = ", ".join(map(repr, known))
     raise ValueError(
@@ -292,9 +292,9 @@ def _records(automaton: HybridAutomaton, options: RunOptions) -> tuple[dict[str,
     sections, quadratures = options.sections or {}, options.quadratures or {}
 
     def read(kind: str, name: str, function: Any) -> Any:
-        found = read_expression(automaton, function, f"{kind} {name!r}")
-        check_section_or_quadrature(name, found, automaton)
-        return found
+        expression = read_expression(automaton, function, f"{kind} {name!r}")
+        check_section_or_quadrature(name, expression, automaton)
+        return expression
 
     asked = {name: _section(name, each) for name, each in sections.items()}
     return (

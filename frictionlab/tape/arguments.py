@@ -165,10 +165,10 @@ def _cure_of_unknown(strange: set[Any]) -> str:
 
 def _free_symbols(what: str, mode: Mode, expr: Any) -> set:
     try:
-        found = sp.sympify(expr, strict=True)
-        if not isinstance(found, sp.Expr):
+        expression = sp.sympify(expr, strict=True)
+        if not isinstance(expression, sp.Expr):
             raise TypeError
-        return found.free_symbols
+        return expression.free_symbols
     except (TypeError, ValueError, AttributeError, OverflowError):  # SympifyError is a ValueError
         raise TypeError(
             f"{what} of mode {mode.name!r} must be an expression, got {abbreviate(expr)}: "
@@ -237,12 +237,12 @@ def read_expression(automaton: HybridAutomaton, text: Any, what: str) -> Any:
         raise ValueError(f"{what} {abbreviate(text)} has the unknown name {abbreviate(unknown[0])}{hint}")
     expected = f'{what} must be an expression of the states such as "x1 - x2", got {abbreviate(text)}'
     try:
-        found = symbols.get(text) or parse_expression(text, symbols)
+        expression = symbols.get(text) or parse_expression(text, symbols)
     except ValueError as error:
         raise ValueError(f"{expected}: {error}") from None
-    if not found.free_symbols & {*automaton.states}:
+    if not expression.free_symbols & {*automaton.states}:
         raise ValueError(f"{expected}: name one of {', '.join(states)}")
-    return found
+    return expression
 
 
 def names_in(text: str) -> list[str]:
@@ -295,16 +295,16 @@ def _value(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
     raise ValueError(ARITHMETIC)
 
 
-def _bounded(found: Any) -> Any:
+def _bounded(result: Any) -> Any:
     """The result of an operation, if it is within bounds: powers of powers grow without limit."""
-    if found.has(sp.zoo, sp.nan, sp.oo, sp.I):
+    if result.has(sp.zoo, sp.nan, sp.oo, sp.I):
         raise ValueError("it divides by zero, takes a root of a negative number, or is infinite")
-    for power in found.atoms(sp.Pow):
+    for power in result.atoms(sp.Pow):
         _check_exponent(power.exp)
-    for number in found.atoms(sp.Number):
+    for number in result.atoms(sp.Number):
         if any(abs(part) > MAX_NUMBER for part in number.as_numer_denom()):
             raise ValueError(f"its numbers may be at most {MAX_NUMBER:g}")
-    return found
+    return result
 
 
 def _check_exponent(exponent: Any) -> None:

@@ -605,21 +605,21 @@ def function_along_run(inputs: Sequence[Any], expression: Any) -> Callable[..., 
 _KEPT: WeakKeyDictionary[Any, dict[str, Formulas]] = WeakKeyDictionary()
 
 
-def kept_formulas(kept: Any, name: str, derive: Callable[[], Formulas]) -> Formulas:
-    """Formulas of a structure from files, `kept`; where they are not there yet, those that `derive` makes.
+def kept_formulas(derivations: Any, name: str, derive: Callable[[], Formulas]) -> Formulas:
+    """Formulas among the derivations of a structure; where they are not there yet, those that `derive` makes.
 
-    Without a structure in files (`kept` is None) they are derived.
+    Where a structure has none in files (None) they are derived.
     """
-    if kept is None:
+    if derivations is None:
         return derive()
-    known = _KEPT.setdefault(kept, {})
+    known = _KEPT.setdefault(derivations, {})
     if name not in known:
-        data = kept.get(f"{name}()")
+        data = derivations.get(f"{name}()")
         if data is not None:
             known[name] = formulas_from_data(data)
         else:
             known[name] = derive()
-            kept.keep(f"{name}()", known[name].to_data())
+            derivations.keep(f"{name}()", known[name].to_data())
     return known[name]
 
 

@@ -71,12 +71,12 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
-    kept, on_demand = automaton.derivations, automaton.on_demand
+    derivations, on_demand = automaton.derivations, automaton.on_demand
     grows = on_demand and not complete
-    if kept is not None and grows == on_demand and not sections and not quadratures:
+    if derivations is not None and grows == on_demand and not sections and not quadratures:
         with _ONE_AT_A_TIME:
             name = "program on demand" if on_demand else "program"
-            program = kept_program(kept, name, partial(_packed, automaton))
+            program = kept_program(derivations, name, partial(_packed, automaton))
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
@@ -317,8 +317,8 @@ class Packer:
     def _conditions_mode(self, modes: ModesOnDemand) -> Mode:
         """A mode that stands for those not derived; its constraints are the conditions of all regimes."""
         if self._conditions is None:
-            found = (condition for part in modes.parts for regime in part for condition in regime.conditions)
-            self._conditions = Mode("", (sp.S.Zero,) * len(self.states), constraints=tuple(found))
+            every = (condition for part in modes.parts for regime in part for condition in regime.conditions)
+            self._conditions = Mode("", (sp.S.Zero,) * len(self.states), constraints=tuple(every))
         return self._conditions
 
     def pack(

@@ -187,17 +187,17 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
     return program.numbers(array("d", values).tolist())
 
 
-def kept_program(kept: Any, name: str, packed: Callable[[], Program]) -> Program:
-    """The program of a structure from files, `kept`; if it is not there yet, the one that `packed` makes."""
-    program = _KEPT_PROGRAMS.get(kept)
+def kept_program(derivations: Any, name: str, packed: Callable[[], Program]) -> Program:
+    """The program among the derivations of a structure; if there is none yet, the one that `packed` makes."""
+    program = _KEPT_PROGRAMS.get(derivations)
     if program is None:
-        data = kept.get(name)
+        data = derivations.get(name)
         if data is not None:
             program = program_from_data(data, lambda values: packed()._undefined(values))
         else:
             program = packed()
-            kept.keep(name, program_to_data(program))
-        _KEPT_PROGRAMS[kept] = program
+            derivations.keep(name, program_to_data(program))
+        _KEPT_PROGRAMS[derivations] = program
     return program
 
 

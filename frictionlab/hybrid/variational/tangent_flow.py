@@ -129,9 +129,9 @@ def carry_frame(run: Trajectory, frame: np.ndarray, progress: bool) -> tuple[np.
     for part, event in progress_bar(list(smooth_segments(run)), desc="tangent flow", shown=progress):
         carry_rows(carry_steps, run, part, rows)
         if event is not None:
-            found = event_saltation(run, event)
-            matrices.append(found.matrix)
-            rows = np.ascontiguousarray(found.carried(rows))
+            saltation = event_saltation(run, event)
+            matrices.append(saltation.matrix)
+            rows = np.ascontiguousarray(saltation.carried(rows))
     return rows.T.copy(), matrices
 
 
@@ -278,7 +278,7 @@ def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.n
     """
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
-    kept, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)
+    left, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)
     with np.errstate(divide="ignore"):
-        growth += np.log(np.where(kept > LOST_SHARE * lengths, kept, 0.0))
+        growth += np.log(np.where(left > LOST_SHARE * lengths, left, 0.0))
     return np.ascontiguousarray(frame.T * size)

@@ -252,17 +252,17 @@ def saltation(program: Program, numbers: Numbers, event: EventCrossing, closes: 
         own, jump = jump, _closing_jacobian(program, numbers, event)
         _check_accumulation(own, jump, before, after)
     gradient, rate = left.gradients[slot], left.jets[slot, 1]
-    found = Saltation(jump, (after - jump @ before) / rate, gradient)
+    saltation = Saltation(jump, (after - jump @ before) / rate, gradient)
     # The terms that may cancel in it: a plastic impact leaves a rounding error of the velocity before.
     sizes = np.eye(len(jump)) + np.abs(jump)
     sizes += np.outer(np.abs(after) + sizes @ np.abs(before), np.abs(gradient / rate))
     _check_constraints(
         constraint_gradients(program, event.target, entered),
-        found.matrix,
+        saltation.matrix,
         sizes,
         admissible_tangents(constraint_gradients(program, source, left)),
     )
-    return found
+    return saltation
 
 
 def admissible_tangents(fixed: np.ndarray) -> np.ndarray:
