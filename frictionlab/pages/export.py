@@ -57,7 +57,7 @@ PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
 PICTURES = ("text", "svg", "plot", "layout", "friction", "panels")
-FRONT_END = (*PICTURES, "words", "controls", "state", "challenge", "touch", "explorer")
+FRONT_END = (*PICTURES, "words", "controls", "state", "challenge", "lesson", "touch", "explorer")
 SCRIPTS = (*FRONT_END, *SOLVER_SCRIPTS, "browser_engine", "page")
 
 

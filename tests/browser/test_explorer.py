@@ -1,9 +1,11 @@
 """The explorer in a browser, in Voila, in JupyterLab and as `frictionlab app`: keys, clicks, pictures."""
 
+import json
 import re
 from importlib.util import find_spec
 from itertools import combinations
 from types import SimpleNamespace
+from urllib.parse import quote
 
 import pytest
 
@@ -228,11 +230,15 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
     port = free_port()
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_page()
-        page.goto(address + printed_path(tmp_path) + "#scene=stick-slip&mu_k=0.55", wait_until="commit")
+        lesson = quote(json.dumps([{"text": "See it stick.", "control": "mu_k", "changed": {"mu_k": 0.55}}]))
+        link = f"#scene=stick-slip&mu_k=0.6&lesson={lesson}"
+        page.goto(address + printed_path(tmp_path) + link, wait_until="commit")
         page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
         page.wait_for_function("document.querySelector('.fl-mu_k .fl-field')?.value === '0.55'")
         assert "token" not in page.url
         assert page.locator(".fl-scene select").input_value() == "stick-slip"
+        assert page.inner_text(".fl-step") == "See it stick."
+        page.get_by_role("button", name="end the lesson").click()
         page.wait_for_function("location.hash === '#scene=stick-slip&mu_k=0.55'")
         page.close()
 

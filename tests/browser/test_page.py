@@ -1,5 +1,6 @@
 """An exported page in Chromium, from a file, without a network: results, controls, pictures."""
 
+import json
 import time
 from dataclasses import dataclass
 from itertools import combinations
@@ -588,6 +589,47 @@ def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(
     assert page.evaluate("explorer.state.formula").startswith("0.3 + ")
     assert not page.problems
     page.context.close()
+
+
+def test_a_lesson_is_recorded_and_replayed_from_its_link_and_its_file(browser, tmp_path):
+    model = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.2)
+    path = exported(model, tmp_path / "mass.html", laws=())
+    page = opened(browser, path)
+    page.evaluate("explorer.lesson.record()")
+    for speed, text in (("0.5", "It sticks & slips."), ("1.5", "<b>Faster</b>: it is silent.")):
+        page.fill(".fl-control.fl-v .fl-field", speed)
+        page.keyboard.press("Enter")
+        wait_until(page, f"explorer.result?.parameters.v === {speed} && explorer.request === null")
+        page.get_by_label("text of the step").fill(text)
+        page.get_by_role("button", name="add step").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="finish").click()
+    download.value.save_as(tmp_path / "lesson.json")
+    steps = json.loads((tmp_path / "lesson.json").read_text(encoding="utf-8"))["steps"]
+    assert [(step["control"], step["changed"]) for step in steps] == [("v", {"v": 0.5}), ("v", {"v": 1.5})]
+    link = page.evaluate("explorer.link()")
+    assert not page.problems
+    page.context.close()
+    learner = opened(browser, path, fragment="#" + link.partition("#")[2])
+    replay(learner)
+    learner.get_by_role("button", name="end the lesson").click()
+    assert learner.locator(".fl-lesson").is_hidden()
+    assert learner.url.partition("#")[2] == "v=1.5"
+    learner.set_input_files("input[type=file]", tmp_path / "lesson.json")
+    replay(learner)
+    assert not learner.problems
+    learner.context.close()
+
+
+def replay(page):
+    """Its first step, then the second, each with the control that it is about."""
+    wait_until(page, "explorer.state.v === 0.5")
+    assert page.inner_text(".fl-step") == "It sticks & slips."
+    page.get_by_role("button", name="next").click()
+    wait_until(page, "explorer.state.v === 1.5")
+    assert page.inner_text(".fl-step") == "<b>Faster</b>: it is silent."
+    assert page.locator(".fl-v.fl-marked").is_visible()
+    assert page.get_by_role("button", name="next").is_disabled()
 
 
 def test_a_challenge_is_solved_and_its_link_is_the_proof(browser, tmp_path):

@@ -56,9 +56,10 @@ class Explorer {
     const title = html("h1", { className: "fl-title", textContent: scene.title });
     const about = html("p", { className: "fl-about", textContent: scene.about });
     this.challengeBox = html("div", { className: "fl-challenge" });
+    this.lesson = new Lesson(this);
     const told = [this.statusBox(), part("words"), part("numbers"), part("comparison")];
     const side = html("section", { className: "fl-side", ariaLabel: "controls" },
-      [...this.challengeMenu(), this.challengeBox, ...told, ...this.controlGroups()]);
+      [...this.challengeMenu(), this.challengeBox, this.lesson.node, ...told, ...this.controlGroups()]);
     const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" },
       scene.panels.map((name) => this.panel(name)));
     const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]),
@@ -101,6 +102,11 @@ class Explorer {
     return [html("label", { className: "fl-challenges" }, ["challenge ", this.challengeList])];
   }
 
+  follow({ challenge, state, steps, step }) { // a link
+    this.take(challenge, state);
+    if (steps.length) this.lesson.play(steps, step);
+  }
+
   take(challenge, state = challenge ? challengeState(this.scene, challenge) : this.state) { // up a challenge, or none
     this.challenge = challenge;
     this.set(state);
@@ -122,7 +128,8 @@ class Explorer {
   fileMenu() {
     const name = this.scene.model.replace(/\(.*/s, ""),
       load = html("input", { type: "file", accept: ".json", hidden: true });
-    const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: does });
+    const entry = (text, does) => html("button", { type: "button", textContent: text,
+      onclick: ({ target }) => { target.closest("details").open = false; does(); } });
     load.onchange = async () => {
       try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); }
       load.value = "";
@@ -131,7 +138,8 @@ class Explorer {
       entry("figure svg", () => this.save(`${name}.svg`, "image/svg+xml", this.figure())),
       entry("data csv", () => this.save(`${name}.csv`, "text/csv", csvText(this.result))),
       entry("save state", () => this.save(`${name}.json`, "application/json", stateText(this.state, this.scene))),
-      entry("load state", () => load.click()), load,
+      entry("record a lesson", () => this.lesson.record()),
+      entry("load state or lesson", () => load.click()), load,
     ])]);
   }
 
@@ -262,7 +270,7 @@ class Explorer {
     this.history.record({ ...this.state });
     this.showState();
     if (!this.options.address) return;
-    const link = linkText(this.state, this.scene, this.challenge);
+    const link = linkText(this.state, this.scene, this);
     try { history.replaceState(null, "", `#${link}`); } catch { location.hash = link; }
   }
 
@@ -484,16 +492,17 @@ class Explorer {
       `Kept: ${this.kept.verdict}`].map((text) => html("p", { textContent: text }));
   }
 
-  link() { return `${location.href.split("#")[0]}#${linkText(this.state, this.scene, this.challenge)}`; }
+  link() { return `${location.href.split("#")[0]}#${linkText(this.state, this.scene, this)}`; }
 
   load(text) {
-    const { model, scene, changed } = stateFromText(text);
+    const { model, scene, changed, steps } = stateFromText(text);
     if (model !== this.scene.model) {
-      if (this.scene.menu?.some(({ name, state }) => name === scene && !state)) return this.engine.choose(scene,
-        changed);
+      const other = changed && this.scene.menu?.some(({ name, state }) => name === scene && !state);
+      if (other) return this.engine.choose(scene, changed);
       throw new RangeError(`the state must be that of ${this.scene.model}, got that of ${model}: open it there`);
     }
-    this.set({ ...this.scene.initial, ...changed });
+    if (steps) this.lesson.play(lessonSteps(steps, this.scene));
+    else this.set({ ...this.scene.initial, ...changed });
   }
 
   startAt(touched, coordinate) { // a run from these values of states; all others as in steady sliding

@@ -8,15 +8,15 @@ async function begin() {
   } catch (error) { root.textContent = `this browser cannot run the solver: ${error.message}`; return; }
   bindFunctions(solver);
   explorer = new Explorer(root, SCENE, new BrowserEngine(solver), { address: true });
-  const { state, plays, challenge } = readLink(location.hash, SCENE);
+  const asked = readLink(location.hash, SCENE), { state, plays, challenge, steps } = asked;
   Object.assign(explorer, { challenge, state });
   explorer.showState();
   explorer.compute(false);
+  if (steps.length) explorer.follow(asked);
   if (plays && explorer.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) explorer.toggle();
   window.onhashchange = () => {
-    if (location.hash.slice(1) === linkText(explorer.state, SCENE, explorer.challenge)) return;
-    const asked = readLink(location.hash, SCENE);
-    explorer.take(asked.challenge, asked.state);
+    if (location.hash.slice(1) !== linkText(explorer.state, SCENE, explorer)) explorer.follow(readLink(location.hash,
+      SCENE));
   };
   // from the page that embeds this one
   addEventListener("message", ({ data }) =>

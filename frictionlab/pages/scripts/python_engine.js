@@ -77,9 +77,9 @@ function render({ model, el }) {
       explorer.showState();
     }
   };
-  function follow({ state, challenge }) {
+  function follow(asked) {
     link = "";
-    explorer.take(challenge, state);
+    explorer.follow(asked);
   }
   const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon,
     "msg:custom": (...message) => engine.heard?.(...message) };

@@ -28,9 +28,12 @@ class StateHistory {
   }
 }
 
-function linkText(state, scene, challenge = null) { // what differs from the beginning
+// what differs from the beginning, and what is asked or told
+function linkText(state, scene, { challenge = null, lesson = null } = {}) {
   const changed = differences(scene.initial, state), parts = scene.name ? [["scene", scene.name]] : [];
   if (challenge) parts.push(["challenge", challenge.name]);
+  if (lesson?.steps.length && !lesson.recording) parts.push(["lesson", JSON.stringify(lesson.steps)],
+    ["step", String(lesson.place + 1)]);
   const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter),
     add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
   changed.filter(isParameter).forEach(add);
@@ -44,12 +47,16 @@ const isSwitch = (name) => name.startsWith("switch-");
 const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name)
   && !state[name]).map((name) => name.slice("switch-".length));
 
-function readLink(text, scene) { // {state, scene, plays}; what no control can be set to is left out
+// {state, scene, plays, challenge, steps, step}; what no control can be set to is left out
+function readLink(text, scene) {
   const state = { ...scene.initial },
     words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
-  const found = { state, scene: "", plays: false, challenge: null, given: {} };
+  const found = { state, scene: "", plays: false, challenge: null, steps: [], step: 0, given: {} };
   for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (word === "scene") found.scene = value;
+    else if (word === "lesson") {
+      try { found.steps = lessonSteps(JSON.parse(value), scene); } catch { found.steps = []; }
+    } else if (word === "step") found.step = Math.max(0, Number.parseInt(value, 10) - 1 || 0);
     else if (word === "challenge") found.challenge = scene.challenges.find(({ name }) => name === value) ?? null;
     // it plays as soon as it is loaded, for pages embedded in others
     else if (word === "play") found.plays = value === "1";
@@ -68,15 +75,16 @@ function readLink(text, scene) { // {state, scene, plays}; what no control can b
 }
 
 function stateText(state, scene) {
-  const changed = Object.fromEntries(differences(scene.initial, state).map((name) => [name, state[name]]));
-  return JSON.stringify({ format: FORMAT, model: scene.model, scene: scene.name ?? "", changed }, null, 1);
+  return JSON.stringify({ format: FORMAT, model: scene.model, scene: scene.name ?? "",
+    changed: changedValues(state, scene) }, null, 1);
 }
 
-function stateFromText(text) { // {model, scene, changed}
+function stateFromText(text) { // {model, scene, changed}, or {model, scene, steps} of a lesson
   let data;
   try { data = JSON.parse(text); } catch { data = null; }
-  if (!data?.changed || !data.format) throw new RangeError("the file must be one that an explorer saved");
-  if (data.format !== FORMAT) {
+  const known = data?.format && (data.changed ?? data.steps);
+  if (!known) throw new RangeError("the file must be one that an explorer saved");
+  if (data.format !== (data.steps ? LESSON_FORMAT : FORMAT)) {
     throw new RangeError(`the file must be one that an explorer saved, got the format '${data.format}'`);
   }
   return data;

@@ -11,6 +11,7 @@ interface Explorer {
   redoButton: HTMLButtonElement; resetButton: HTMLButtonElement; swapButton: HTMLButtonElement;
   themeButton: HTMLButtonElement; undoButton: HTMLButtonElement;
 }
+interface Lesson { explorer: Explorer; steps: any[]; recording: boolean }
 interface ModeWriter {
   J: any; code: any; column: any; constants: any; first: any; flow: any; inputs: any; k: any; kNumber: any; last: any;
   leastRatio: any; ops: any; order: any; row: any; share: any; slots: any; terms: any; total: any; values: any; z: any;
