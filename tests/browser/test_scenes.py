@@ -124,7 +124,7 @@ def test_a_saved_state_is_loaded_again(page, tmp_path):
     choose(page, "stick-slip")
     page.locator(".fl-files > summary").click()
     with page.expect_file_chooser() as choosing:
-        press_button(page, "load state")
+        press_button(page, "load state or lesson")
     choosing.value.set_files(saved)
     page.wait_for_function(READS, arg=["mu_k", "1.41"])
     settled(page, ROOT)

@@ -128,8 +128,7 @@ class Explorer {
   fileMenu() {
     const name = this.scene.model.replace(/\(.*/s, ""),
       load = html("input", { type: "file", accept: ".json", hidden: true });
-    const entry = (text, does) => html("button", { type: "button", textContent: text,
-      onclick: ({ target }) => { target.closest("details").open = false; does(); } });
+    const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: does });
     load.onchange = async () => {
       try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); }
       load.value = "";
@@ -138,7 +137,10 @@ class Explorer {
       entry("figure svg", () => this.save(`${name}.svg`, "image/svg+xml", this.figure())),
       entry("data csv", () => this.save(`${name}.csv`, "text/csv", csvText(this.result))),
       entry("save state", () => this.save(`${name}.json`, "application/json", stateText(this.state, this.scene))),
-      entry("record a lesson", () => this.lesson.record()),
+      entry("record a lesson", ({ target }) => {
+        target.closest("details").open = false;
+        this.lesson.record();
+      }),
       entry("load state or lesson", () => load.click()), load,
     ])]);
   }
