@@ -25,6 +25,5 @@ and give the numbers.
 from __future__ import annotations
 
 from .results import Claim, Claims, PaperFigure, Verdict, claims, figure
-from .step_sizes import StepStudy, step_study
 
-__all__ = ["Claim", "Claims", "PaperFigure", "StepStudy", "Verdict", "claims", "figure", "step_study"]
+__all__ = ["Claim", "Claims", "PaperFigure", "Verdict", "claims", "figure"]

@@ -32,7 +32,7 @@ from frictionlab.paper.results import (
     figure,
 )
 from frictionlab.paper.scenes import CHATTER_LIMIT, IMPACTS, PAPER_STEP, RETURN_TOLERANCES, Setting
-from frictionlab.paper.step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study_with
+from frictionlab.paper.step_sizes import IMPACT_LAW_NAMES, StepStudy, step_study
 
 STEP_SIZE_PAGE = "step-size.md"
 EXAMPLE_MU_K = 1.4
@@ -217,7 +217,7 @@ def _picture_path(number: int, way: str) -> Path:
 
 def _write_step_size_page(folder: Path, setting: Setting) -> None:
     """The page on what a fixed step does."""
-    study, picture = step_study_with(setting), IMAGES / "step-size.png"
+    study, picture = step_study(setting), IMAGES / "step-size.png"
     _save_picture(study.plot(), folder / picture)
     write_text(folder / STEP_SIZE_PAGE, step_size_page(study, picture.as_posix()))
 

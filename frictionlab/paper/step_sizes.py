@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,41 +95,11 @@ class StepStudy:
         return {step: deviation / exact.intensity[moving] for step, deviation in off.items()}
 
 
-def step_study(
-    steps: Sequence[float] = STUDY_STEPS,
-    *,
-    quick: bool = False,
-    workers: int | None = None,
-    progress: bool = True,
-    resume: str | Path | None = None,
-) -> StepStudy:
-    """L_s and the strongest frequency from rest over mu_k: several fixed steps, and the exact solver.
+def step_study(setting: Setting, steps: Sequence[float] = STUDY_STEPS) -> StepStudy:
+    """L_s and the strongest frequency from rest over mu_k: several fixed steps (s), and the exact solver.
 
-    Parameters
-    ----------
-    steps : sequence of float
-        Of the paper's algorithm, s.
-    quick : bool
-        A third of the values of mu_k.
-    workers, progress, resume
-        As :func:`frictionlab.paper.figure`.
-
-    Returns
-    -------
-    StepStudy
-
-    Raises
-    ------
-    ValueError
-        For a step that is no positive number.
+    Of the setting the algorithm and the impact law are not used.
     """
-    folder = None if resume is None else Path(resume)
-    setting = Setting(quick=quick, workers=workers, progress=progress, resume=folder)
-    return step_study_with(setting, tuple(RK4(step=step).step for step in steps))
-
-
-def step_study_with(setting: Setting, steps: Sequence[float] = STUDY_STEPS) -> StepStudy:
-    """As :func:`step_study`, by a setting; its algorithm and impact law are not used."""
     values = MU_K[QUICK_SLICE] if setting.quick else MU_K
     ways = [(step, impact) for impact in IMPACTS for step in (*steps, None)]
     return StepStudy(values, tuple(_series(step, impact, values, setting) for step, impact in ways))

@@ -15,7 +15,7 @@ def study(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(step_sizes, "MU_K", np.array([0.2, 1.4]))
         patch.setattr(step_sizes, "STUDY_TIMES", scenes.Times(30.0, 10.0))
-        yield step_sizes.step_study_with(Setting(progress=False), STEPS)
+        yield step_sizes.step_study(Setting(progress=False), STEPS)
 
 
 def test_series_in_order(study):

@@ -23,7 +23,7 @@ def small(monkeypatch):
     """Two claims, one figure of linear stability, and a study of step sizes made up."""
     monkeypatch.setattr(report, "EVERY_CLAIM", ("C1", "C8"))
     monkeypatch.setattr(report, "figure_variants", lambda: iter([(6, "exact")]))
-    monkeypatch.setattr(report, "step_study_with", lambda setting: MADE_UP)
+    monkeypatch.setattr(report, "step_study", lambda setting: MADE_UP)
 
 
 @pytest.mark.slow
