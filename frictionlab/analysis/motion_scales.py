@@ -31,6 +31,7 @@ SAMPLES_AT_REST = 65
 LEAST_MOTION_RTOL = 1e-6  # least size of the motion of a group of states, as a share of its largest value
 
 DEFAULT_PERIOD = 0.1  # s, about that of the slider on a belt
+DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle to have passed it
 ROUND_NUMBER_RTOL = 1e-9  # share by which rounding errors may put a number below the round one it stands for
 HARMONICS_SHOWN = 6.0  # a spectrum shows frequencies up to this multiple of the model's own
 # most periods transformed: they resolve a thousandth of the frequency, more than a figure shows
@@ -112,6 +113,24 @@ def moving_span(run: Trajectory, seconds: float) -> tuple[float, float]:
 def oscillation_period(source: ModelOrAutomaton | None) -> float:
     """Approximate period of oscillation (s) of a model; for an automaton, that of the slider on a belt."""
     return source.period if isinstance(source, (Model, MovingSystem)) else DEFAULT_PERIOD
+
+
+def shortest_period(run: Trajectory) -> float:
+    """Mean time in which the fastest of the states goes up and down, s; inf where none does twice."""
+    states = run.states
+    middle, size = 0.5 * (states.max(axis=0) + states.min(axis=0)), np.ptp(states, axis=0)
+    turns = 0
+    for column in ((states - middle) / np.where(size > 0.0, size, 1.0)).T:
+        sides = np.sign(column[np.abs(column) > DEAD_BAND])
+        turns = max(turns, int((sides[1:] != sides[:-1]).sum()))
+    return 2.0 * run.raw.t / turns if turns > 2 else np.inf
+
+
+def period_of_run(run: Trajectory) -> float:
+    """Approximate period of oscillation (s): that of the model; of an automaton, as it moved in the run."""
+    if isinstance(run.source, (Model, MovingSystem)):
+        return oscillation_period(run.source)
+    return min(shortest_period(run), float(run.raw.t)) or DEFAULT_PERIOD
 
 
 def rounded_period(source: ModelOrAutomaton | None) -> float:
@@ -203,13 +222,13 @@ def amplitude_spectrum(
     check_choice("name", shown, run.names)
     stop = float(run.raw.t)
     if f_max is None:
-        f_max = highest_frequency(run.source)
+        f_max = highest_frequency_of_run(run)
     else:
         f_max = float(
             check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
         )
     if start is None:
-        length = min(stop / 2, MAX_PERIODS * oscillation_period(run.source))
+        length = min(stop / 2, MAX_PERIODS * period_of_run(run))
     else:
         cure = "give a time of the run, in seconds"
         length = stop - check_number("start", start, least=0.0, most=stop, cure=cure)
@@ -234,3 +253,8 @@ def amplitude_spectrum(
 def highest_frequency(source: ModelOrAutomaton | None) -> float:
     """The highest frequency (Hz) that a spectrum of a model shows."""
     return HARMONICS_SHOWN / rounded_period(source)
+
+
+def highest_frequency_of_run(run: Trajectory) -> float:
+    """The highest frequency (Hz) that a spectrum of a run shows."""
+    return HARMONICS_SHOWN / round_down_1_2_5(period_of_run(run))

@@ -25,7 +25,7 @@ from frictionlab.analysis.motion_scales import (
     OVERSAMPLING,
     Spectrum,
     amplitude_spectrum,
-    highest_frequency,
+    highest_frequency_of_run,
 )
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.accuracy import largest_sound_defect
@@ -270,7 +270,7 @@ def plot_spectrum(
     """
     check_run(run)
     shown: str = run.automaton.shown_state if name is None else name
-    f_max = f_max or highest_frequency(run.source)
+    f_max = f_max or highest_frequency_of_run(run)
     spectrum = amplitude_spectrum(run, shown, f_max=f_max)
     ax = axes_or_new(ax)
     if spectrum is None:
@@ -335,7 +335,7 @@ def plot_spectrogram(
     check_run(run)
     shown: str = run.automaton.shown_state if name is None else name
     check_choice("name", shown, (*run.names, *run.automaton.outputs))
-    stop, f_max = float(run.raw.t), highest_frequency(run.source) if f_max is None else f_max
+    stop, f_max = float(run.raw.t), highest_frequency_of_run(run) if f_max is None else f_max
     highest = float(
         check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
     )

@@ -15,7 +15,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import moving_span, oscillation_period
+from frictionlab.analysis.motion_scales import moving_span, period_of_run
 from frictionlab.hybrid.trajectory import check_run
 from frictionlab.plotting.appearance import (
     BLACK,
@@ -91,7 +91,7 @@ def window_limits(run: Trajectory, window: Window = DEFAULT_WINDOW) -> tuple[flo
     if window is None:
         return 0.0, end
     if isinstance(window, Periods):
-        seconds = window.count * oscillation_period(run.source)
+        seconds = window.count * period_of_run(run)
         if isinstance(window, MovingPeriods):
             return moving_span(run, seconds)
         window = seconds

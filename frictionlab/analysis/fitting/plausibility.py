@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.fitting.data import TimeRecord, of_kind
+from frictionlab.analysis.motion_scales import shortest_period
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import unit_of_state
@@ -20,7 +21,6 @@ from frictionlab.presentation import unit_of_state
 Array = NDArray[np.float64]
 MAX_SIZE_RATIO = 100.0  # of a state's range in the record and in the run: a larger one is rather one of units
 MAX_LEAD = 10.0  # times the samples' distance: a record that begins later leaves out the motion's start
-DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle to have passed it
 
 
 def doubts_about(data: Sequence[Any], run: Trajectory, model: ModelOrAutomaton) -> Iterator[str]:
@@ -53,14 +53,3 @@ def _doubts_about_size(name: str, column: Array, run: Trajectory, unit: str) -> 
             f"{name} ranges over {measured:.3g} in a record and over {f'{own:.3g} {unit}'.rstrip()} in the "
             f"model's run: values must be in {unit or 'its units'}"
         )
-
-
-def shortest_period(run: Trajectory) -> float:
-    """Mean time in which the fastest of the states goes up and down, s; inf where none does twice."""
-    states = run.states
-    middle, size = 0.5 * (states.max(axis=0) + states.min(axis=0)), np.ptp(states, axis=0)
-    turns = 0
-    for column in ((states - middle) / np.where(size > 0.0, size, 1.0)).T:
-        sides = np.sign(column[np.abs(column) > DEAD_BAND])
-        turns = max(turns, int((sides[1:] != sides[:-1]).sum()))
-    return 2.0 * run.raw.t / turns if turns > 2 else np.inf

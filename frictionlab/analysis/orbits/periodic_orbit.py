@@ -39,6 +39,7 @@ from frictionlab.validation import abbreviate, check_number, is_sequence
 MOST_PERIODS = 64  # of an orbit in a guess
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
+RETURN_XTOL = 1e-5  # share of a step to which the time of a return is located
 SHORTEST_STAY = 1e-6  # share of a run that a stay has to last for an orbit to begin in it
 MAX_ITERATIONS = 40
 MAX_HALVINGS = 8
@@ -301,6 +302,12 @@ def state_and_period(
         Where the motion does not return to the state.
     """
     if isinstance(guess, SteadyState):
+        further = automaton.state_names[2 * automaton.coordinates :]
+        if alone := [name for name in guess.drift if name in further]:
+            raise ValueError(
+                f"the state of an orbit must return, and {alone[0]} of guess drifts for ever: let an event "
+                "set it back once a period, as Reset({p: p - 2*pi}) does with a phase p"
+            )
         if guess.kind != MotionKind.PERIODIC:
             raise ValueError(
                 f"guess must be periodic, the steady state is {guess.kind!r}: give another state"
@@ -320,7 +327,8 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
     t = run.t[::direction]
     away = _distances(run, t, start)
     largest = np.maximum.accumulate(away, axis=0)
-    still = AT_REST_RTOL * np.abs(run.states).max()
+    parts = state_groups(run.automaton.coordinates)
+    still = AT_REST_RTOL * np.array([np.abs(run.states[:, part]).max(initial=0.0) or 1.0 for part in parts])
     share = np.where(largest > still, away / np.where(largest > still, largest, 1.0), 0.0).max(axis=1)
     for i in 1 + np.flatnonzero((share[1:-1] <= share[:-2]) & (share[1:-1] < share[2:])):
         low, high = sorted((t[i - 1], t[i + 1]))
@@ -329,6 +337,7 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
             lambda at, scales=scales: float((_distances(run, [at], start) / scales).max()),
             bounds=(low, high),
             method="bounded",
+            options={"xatol": RETURN_XTOL * (high - low)},
         )
         if minimum.fun < RETURN_RTOL:
             return float(abs(minimum.x - start))

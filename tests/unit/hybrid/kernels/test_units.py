@@ -8,8 +8,10 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
+from frictionlab.analysis.motion_scales import amplitude_spectrum
 from frictionlab.analysis.steady_state.poincare_sections import section_crossings
 
 TIME_UNITS = (2.0**-20, 2.0**20)  # s, some microseconds and some weeks
@@ -91,6 +93,24 @@ def test_a_section_is_not_at_an_event_that_is_a_nanosecond_later():
     run = fl.simulate(model, 6e-9, x0=[0.0, 0.2e9], progress=False)
     assert run.events.t[0] == pytest.approx(5e-9)
     assert section_crossings(run, ("x - 0.9", 1)).t[0] == pytest.approx(4.5e-9, rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_spectra_and_orbits_of_an_automaton_have_its_own_times(unit):
+    """A mass on a belt: its period is 5 + 2 pi - 2 arctan 2.5 units of time.  Spectra were of 0.1 s."""
+    x, v = sp.symbols("x v")
+    belt, pull = 0.2 / unit, -x / unit**2
+    caught = fl.Event("caught", belt - v, ("stick",), fl.Reset({v: belt}))
+    slip = fl.Mode("slip", (v, pull + 0.5 / unit**2), (caught,))
+    pulled = fl.Event("pulled", 1 / unit**2 + pull, ("slip",))
+    stick = fl.Mode("stick", (v, sp.S.Zero), (pulled,), (belt - v,))
+    mass = fl.HybridAutomaton((x, v), (stick, slip), coordinates=1)
+    period = (5 + 2 * math.pi - 2 * math.atan(2.5)) * unit
+    orbit = fl.periodic_orbit(mass, [0.0, belt], t_max=30 * unit)
+    assert orbit.period == pytest.approx(period, rel=1e-9)
+    run = fl.solve(mass, 40 * period, x0=[0.0, belt], progress=False)
+    lines = amplitude_spectrum(run)
+    assert lines.peaks()[0][0] == pytest.approx(1 / period, rel=1e-3)
 
 
 def test_a_limit_of_chatter_that_is_long_for_the_motion_is_told():
