@@ -72,9 +72,10 @@ class SlidingContacts:
     contact : ContactLaw
         Of the normal force; per area, if there are areas.
     friction : FrictionLaw, optional
-        A law without states.  None: contacts without friction, as of a counterpart that rests.
+        A law without states.  None: contacts without friction.
     v : float
-        Velocity (m/s) with which the counterpart moves along the tangent; not 0 with friction.
+        Velocity (m/s) with which the counterpart moves along the tangent.  At 0 friction damps motions, but
+        there is no steady sliding, thus no equilibrium nor eigenvalues.
     N : float, optional
         Normal force (N) of each contact, where no penetration determines it.
     impact : ImpactLaw, optional
@@ -320,10 +321,6 @@ class SlidingContacts:
         object.__setattr__(self, "v", float(check_number("v", self.v)))
         if self.N is not None:
             object.__setattr__(self, "N", float(check_number("N", self.N, above=0.0)))
-        if self.friction is not None and not self.v:
-            raise ValueError(
-                "v must not be 0 for steady sliding, got 0.0: give the counterpart a speed, or friction=None"
-            )
 
     def _check_repeats(self) -> None:
         rows: Any = [one for one in (self.normal, self.tangential) if one is not None]

@@ -206,6 +206,14 @@ def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event():
     np.testing.assert_allclose(run.final_state, end, atol=1e-7)
 
 
+def test_friction_of_a_counterpart_at_rest_stops_an_oscillator_as_the_closed_form_says():
+    rubbed = fl.SlidingContacts([[1.0]], N=1.0, friction=fl.Coulomb(0.1, 0.1), v=0.0)
+    run = fl.simulate(fl.Structure([[1.0]], [[1.0]], contacts=rubbed), 20.0, x0=[1.05, 0.0], progress=False)
+    # the amplitude falls by 2 mu N/k at each turn, until the spring does not overcome friction
+    np.testing.assert_allclose(run.events.t, np.pi * np.arange(1, 6), rtol=1e-12)
+    np.testing.assert_allclose(run.final_state, [-0.05, 0.0], atol=1e-14)
+
+
 def stuck_at_first(contacts: int) -> tuple[fl.Structure, np.ndarray]:
     """A body of two freedoms on more pads than these, which a belt takes along, and its start."""
     rng = np.random.default_rng(5)

@@ -225,7 +225,6 @@ def test_pairs_of_freedoms():
         ({"normal": [[0.0, np.nan]]}, "finite numbers, got nan"),
         ({"normal": [[0.0, 1.0]] * 2, "tangential": [[1.0, 0.0]] * 2}, "the same rows for 0 and 1"),
         ({"N": 3.0}, "N must be None where there are rows of normal"),
-        ({"v": 0.0}, "v must not be 0 for steady sliding"),
         ({"friction": fl.LuGre()}, "a law without states"),
         ({"area": -1.0}, "area must be above 0"),
         ({"area": [1.0, 2.0]}, "area must be of 1 contacts"),
@@ -245,6 +244,10 @@ def test_contacts_that_are_refused(changes, message):
         ({"K": np.diag([0.0, 1.0])}, "K and the contacts must hold all freedoms"),
         ({"load": [("F", [0.0, 1.0])]}, "names 'F', which is no parameter"),
         ({"parameters": {"mu_k": 0.2}}, "must not contradict SlidingContacts, got mu_k = 0.2"),
+        (
+            {"contacts": fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], v=0.0)},
+            "v must not be 0 for steady sliding",
+        ),
     ],
 )
 def test_structures_with_contacts_that_are_refused(changes, message):
