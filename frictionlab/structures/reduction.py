@@ -13,7 +13,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from itertools import product
+from itertools import islice, product
 from typing import Any, Self
 
 import numpy as np
@@ -37,6 +37,7 @@ RESPONSE_SHARE = 0.1  # of the largest eigenvalue: the real shift at which respo
 KNOWN_RTOL = 1e-6  # share of an eigenvalue by which a reduced structure may miss it at the last sample
 EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
 DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and need not be known well
+ESTIMATE_SHARE = 0.5  # of the tolerance: estimates are right to a factor of two
 MOST_SAMPLES = 17  # of each parameter
 HALTON_BASES = (2, 3)
 
@@ -101,8 +102,8 @@ class ReducedStructure(Structure):
     basis : array (n, r)
         Orthonormal: ``basis @ q`` are the displacements of the large structure.
     error : float
-        Largest error of its eigenvalues, as a share, where those of the large structure are known; NaN where
-        it was not measured.
+        Largest error of its eigenvalues, as a share, at and between samples of the large structure's; NaN
+        where it was not measured.
     """
 
     full: Structure = field(kw_only=True)
@@ -231,17 +232,50 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
             RuntimeWarning,
             2,
         )
-    return _smallest(structure, samples, max(tol, error))
+    between = list(islice(_points(box), len(samples), 2 * len(samples))) if box else []
+    samples = _with_samples_between(structure, samples, between, tol)
+    return _smallest(structure, samples, between, max(tol, error))
 
 
-def _smallest(structure: Structure, samples: Sequence[Sample], tol: float) -> ReducedStructure:
-    """The reduced structure with the fewest freedoms whose eigenvalues at samples err by less than `tol`."""
+def _with_samples_between(
+    structure: Structure, samples: Sequence[Sample], between: Sequence[Point], tol: float
+) -> Sequence[Sample]:
+    """Samples, and those between them where by estimates an eigenvalue errs by more than the tolerance."""
+    small = reduced(structure, samples)
+    for point in between:
+        if small.size < structure.size and _estimate_at(small, point) > ESTIMATE_SHARE * tol:
+            samples = [*samples, _sample(structure, point)]
+            small = reduced(structure, samples)
+    return samples
+
+
+def _estimate_at(small: ReducedStructure, point: Point) -> float:
+    """Largest share by which an eigenvalue errs at a point, as estimated there."""
+    there = small.at_values(point)
+    values = there.find_eigenvalues().values
+    matters = _matters(small, values) & (values.imag >= 0.0)
+    return float(np.max(there.error_estimates()[matters] / np.abs(values[matters]), initial=0.0))
+
+
+def _smallest(
+    structure: Structure, samples: Sequence[Sample], between: Sequence[Point], tol: float
+) -> ReducedStructure:
+    """The reduced structure with the fewest freedoms whose eigenvalues err by less than `tol`.
+
+    Those between the samples are compared with what all directions of the samples give.
+    """
     vectors, sizes = proper_orthogonal(structure, samples)
     fixed = contact_responses(structure)
+    full = ReducedStructure.of(structure, extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
+    known = [*samples, *(Sample.of(full, point) for point in between)]
     for share in LEFT_OUT:
         small = ReducedStructure.of(structure, extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
-        error = max(error_at(small, one) for one in samples)
-        if error <= tol:
+        error = 0.0
+        for one in known:
+            error = max(error, error_at(small, one))
+            if error > tol:
+                break
+        else:
             break
     return ReducedStructure.of(structure, small.basis, error)
 
@@ -349,12 +383,16 @@ def error_at(small: Structure, sample: Sample) -> float:
     Neither those near the window's ends count, nor those of strongly damped modes.
     """
     found = small.at_values(sample.point).find_eigenvalues().values
-    frequencies = sample.values.imag / (2 * np.pi)
-    low, high = small.window or (-np.inf, np.inf)
-    edge = EDGE_SHARE * (high - low) if small.window else 0.0
-    matters = np.abs(sample.values.real) < DAMPED_SHARE * np.abs(sample.values)
-    matters &= (frequencies >= low + edge * (low > 0.0)) & (frequencies <= high - edge)
-    values = sample.values[matters]
+    values = sample.values[_matters(small, sample.values)]
     if not len(values) or not len(found):
         return np.inf if len(values) else 0.0
     return float((np.abs(values[:, None] - found).min(axis=1) / np.abs(values)).max())
+
+
+def _matters(small: Structure, values: Any) -> NDArray[np.bool_]:
+    """Which eigenvalues are to be known: not near the window's ends, nor strongly damped."""
+    frequencies = np.abs(values.imag) / (2 * np.pi)
+    low, high = small.window or (-np.inf, np.inf)
+    edge = EDGE_SHARE * (high - low) if small.window else 0.0
+    weak = np.abs(values.real) < DAMPED_SHARE * np.abs(values)
+    return weak & (frequencies >= low + edge * (low > 0.0)) & (frequencies <= high - edge)
