@@ -98,7 +98,9 @@ class BeamOnBelt(Structure):
         for name, value in sizes.items():
             check_number(name, value, above=0.0, cure="give it in SI units")
         check_number("angle", angle, least=0.0, most=np.pi / 2, cure="give it in rad, from 0 to pi/2")
-        at = np.array([_node(each, elements) for each in check_sequence("nodes", nodes, "write (-1,)")])
+        at = np.array([_node(each, elements) for each in check_sequence("nodes", nodes, "write (-1,)")], int)
+        if not len(at):
+            raise ValueError("nodes must name one that touches the belt, got none: write (-1,)")
         h = length / elements
         M, K = _matrices(elements, h, bending, axial, mass)
         size = len(M)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -232,3 +232,12 @@ class DiscBrake(Structure):
             parameters={"F": PRELOAD, "alpha": ALPHA, "beta": BETA},
             window=WINDOW,
         )
+
+    def replace(self, /, **changes: Any) -> Self:
+        """The brake with other values of parameters, or other fields but the plate."""
+        if "plate" in changes:
+            raise ValueError(
+                f"plate must stay, as matrices are made from it, got {abbreviate(changes['plate'])}: make "
+                "another DiscBrake"
+            )
+        return super().replace(**changes)

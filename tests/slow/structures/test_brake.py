@@ -71,7 +71,7 @@ def test_few_freedoms_have_the_modes_over_the_range():
         exact = exact[(exact.imag > 0.0) & (np.abs(exact.real) < 0.05 * np.abs(exact))]
         found = fl.eigenvalues(small.replace(r=r)).values
         errors = np.abs(exact[:, None] - found).min(axis=1) / np.abs(exact)
-        assert errors[exact.imag < 2 * np.pi * 7840].max() < 1e-5  # at samples below 1e-6
+        assert errors[exact.imag < 2 * np.pi * 7840].max() < 1e-6
 
 
 def test_a_mode_begins_to_grow():

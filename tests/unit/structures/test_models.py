@@ -104,5 +104,9 @@ def test_refused():
         fl.AnnularPlate(inner=0.2)
     with pytest.raises(ValueError, match="nodes must not be clamped, got 0"):
         fl.BeamOnBelt(nodes=(0,))
+    with pytest.raises(ValueError, match="nodes must name one"):
+        fl.BeamOnBelt(nodes=())
+    with pytest.raises(ValueError, match="plate must stay"):
+        fl.DiscBrake().replace(plate=fl.AnnularPlate())
     with pytest.raises(TypeError, match="DiscBrake takes no 'pad_mas'"):
         fl.DiscBrake(pad_mas=1.0)
