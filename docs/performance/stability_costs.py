@@ -62,8 +62,8 @@ CYCLES = (
 
 @dataclass(frozen=True)
 class EigenproblemRow:
-    """A row of the table: task, wall time (s), largest difference of an eigenvalue from those of the loop
-    (1/s)."""
+    """A row of the table: task, processor time (s), largest difference of an eigenvalue from those of the
+    loop (1/s)."""
 
     name: str
     seconds: float
@@ -109,7 +109,7 @@ def eigenproblem_table(rows: list[EigenproblemRow]) -> str:
     lines = (
         f"{r.name} | {r.seconds:.3g} s | {r.seconds / rows[0].seconds:.2g} | {r.difference:.0e}" for r in rows
     )
-    return markdown_table("eigenvalue problems | wall time | x | difference, 1/s", lines)
+    return markdown_table("eigenvalue problems | time | x | difference, 1/s", lines)
 
 
 @dataclass(frozen=True)
@@ -188,8 +188,8 @@ def sensitivity_table(rows: Sequence[SensitivityCost]) -> str:
 
 @dataclass(frozen=True)
 class MultiplierRow:
-    """A row of the table: method, wall time (s), runs over a period; error of the known multipliers, 1 and 0,
-    and of the largest other."""
+    """A row of the table: method, processor time (s), runs over a period; error of the known multipliers,
+    1 and 0, and of the largest other."""
 
     scene: str
     name: str
@@ -275,9 +275,7 @@ def multiplier_table(rows: Sequence[MultiplierRow]) -> str:
         f"| {r.known:.1e} | {r.other:.1e}"
         for r in rows
     )
-    return markdown_table(
-        "scene | way | runs | wall time | x | error of 1 and 0 | of the largest other", lines
-    )
+    return markdown_table("scene | way | runs | time | x | error of 1 and 0 | of the largest other", lines)
 
 
 if __name__ == "__main__":
