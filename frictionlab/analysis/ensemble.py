@@ -22,6 +22,7 @@ from frictionlab.hybrid.real_powers import undefined_start
 from frictionlab.hybrid.solve import method_of, problem_of
 from frictionlab.interruption import Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
+from frictionlab.presentation import unit_of_state
 from frictionlab.tape.arguments import check_automaton
 from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_flag, check_t_end, explains_keywords, is_sequence
@@ -109,7 +110,8 @@ def ensemble(
             raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
     modes = problem_for_batch(first, problems[0].x0, 0.0, chosen).program.modes
-    result = replace(ends, names=first.state_names, mode_names=modes)
+    units = tuple(unit_of_state(models[0], name) for name in first.state_names)
+    result = replace(ends, names=first.state_names, mode_names=modes, units=units)
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
     return result

@@ -49,7 +49,11 @@ def state_label(name: str) -> str:
 
 def state_with_unit(source: Any, name: str) -> str:
     """The name as above, and the unit if the model that is the source of a run, or of a result, tells it."""
-    unit = unit_of_state(source, name)
+    return with_unit(name, unit_of_state(source, name))
+
+
+def with_unit(name: str, unit: str) -> str:
+    """The name as above, and a unit unless that is "", as where it is not known."""
     return f"{state_label(name)} ({unit})" if unit else state_label(name)
 
 

@@ -62,7 +62,7 @@ from frictionlab.plotting.figure import (
     set_long_title,
     set_title,
 )
-from frictionlab.plotting.labels import state_label, state_with_unit
+from frictionlab.plotting.labels import state_label, state_with_unit, with_unit
 from frictionlab.plotting.time_histories import (
     DEFAULT_WINDOW,
     Array,
@@ -388,8 +388,7 @@ def plot_amplitudes(spectrum: Spectrum, ax: Axes | None = None, **line: Any) -> 
     ax = axes_or_new(ax)
     lines = ax.plot(spectrum.frequencies, spectrum.amplitudes, **pen(BLACK, 1.0, ax))
     _logarithmic(ax, spectrum.amplitudes)
-    name = state_label(spectrum.name) + (spectrum.unit and f" ({spectrum.unit})")
-    _label_spectrum(ax, name, spectrum.frequencies[-1])
+    _label_spectrum(ax, with_unit(spectrum.name, spectrum.unit), spectrum.frequencies[-1])
     set_long_title(ax, _spectrum_title(spectrum))
     return restyle(lines, line)
 

@@ -42,8 +42,8 @@ class BatchResult(Drawable):
         Indices into `mode_names`; -1 where a run has no mode.
     steps, events : int array (N,)
     status : tuple of Status
-    names : tuple of str
-        Names of the states.
+    names, units : tuple of str
+        Names of the states, and their units, "" where they are not known.
     mode_names : tuple of str
     """
 
@@ -57,6 +57,7 @@ class BatchResult(Drawable):
     status: tuple[Status, ...]
     names: tuple[str, ...] = ()
     mode_names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         ends = tally(status.name.lower().replace("_", " ") for status in self.status)

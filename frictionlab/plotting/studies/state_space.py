@@ -37,7 +37,7 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title
-from frictionlab.plotting.labels import state_label
+from frictionlab.plotting.labels import state_label, with_unit
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.plotting.time_histories import check_run_with_coordinates
 from frictionlab.presentation import state_unit
@@ -156,7 +156,9 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **l
     x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
-    label_phase_plane(ax, None, shown, f"Ends of {len(x)} runs")
+    units = dict(zip(ends.names, ends.units))
+    ax.set(xlabel=with_unit(shown, units[shown]), ylabel=with_unit(f"{shown}'", units[f"{shown}'"]))
+    set_title(ax, f"Ends of {len(x)} runs")
     return restyle(lines, line)
 
 
