@@ -31,6 +31,8 @@ OUTPUT_UNITS = {
     "friction_force": "N",
     "reaction": "N",
     "relative_velocity": "m/s",
+    **{f"friction_force_{one}": "N" for one in "ab"},  # the components of friction in the plane
+    **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
 TIME = "t"  # the state of models that depend on time otherwise, s
 CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad

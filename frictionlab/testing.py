@@ -352,10 +352,11 @@ def _contact_forces(stated: StatedMechanics, run: Trajectory, places: Places) ->
         if contact.rigid:
             yield run.output(f"reaction{suffix}", places.t), normal
         if contact.speed is not None:
-            yield (
-                run.output(f"friction_force{suffix}", places.t),
-                stated.rubbing_direction(contact, places.states),
-            )
+            along = stated.rubbing_direction(contact, places.states)
+            yield run.output(f"friction_force{'_a' * (contact.across is not None)}{suffix}", places.t), along
+        if contact.across is not None:
+            across = stated.direction_across(contact, places.states)
+            yield run.output(f"friction_force_b{suffix}", places.t), across
         if not contact.rigid and (contact.gap is not None or contact.normal is not None):
             yield run.output(f"normal_force{suffix}", places.t), normal
 

@@ -6,7 +6,7 @@ The balance has energies, powers, and jumps at impacts, each evaluated at the st
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -27,6 +27,7 @@ from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import (
     APART,
     CHATTER_MODE,
+    DIRECTIONS,
     material_rate,
     rubbing_direction,
 )
@@ -64,8 +65,9 @@ class ContactTerms:
         Suffix that tells its outputs from those of other contacts.
     place : int
         Index of this contact's regime among those in a mode's name.
-    speed : callable or None
-        Speed of the belt (m/s) as a function of states and parameters; None without friction.
+    speeds : mapping of str to callable
+        Speed of the belt (m/s) as a function of states and parameters, by the end of the names of outputs
+        along it: "" for friction along a line, "_a" and "_b" in the plane; empty without friction.
     approach : callable or None
         Material penetration rate (m/s), -W_N . q' plus `moved`; None where the contact cannot be lost.
     moved : callable or None
@@ -86,7 +88,7 @@ class ContactTerms:
 
     number: str
     place: int
-    speed: Callable[..., Any] | None = None
+    speeds: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     approach: Callable[..., Any] | None = None
     moved: Callable[..., Any] | None = None
     travel: Callable[..., Any] | None = None
@@ -234,10 +236,11 @@ class Balance:
         if contact.moved is not None:
             pushed = self._output(contact.normal + contact.number, states, modes)
             yield "moving contacts", pushed * self._at(contact.moved, states)
-        if contact.speed is not None:
-            friction = self._output("friction_force" + contact.number, states, modes)
-            yield "belt drive", friction * self._at(contact.speed, states)
-            yield "friction", -friction * self._output("relative_velocity" + contact.number, states, modes)
+        for direction, speed in contact.speeds.items():
+            of = direction + contact.number
+            friction = self._output("friction_force" + of, states, modes)
+            yield "belt drive", friction * self._at(speed, states)
+            yield "friction", -friction * self._output("relative_velocity" + of, states, modes)
         if contact.bristles is not None:
             yield "friction", self._of_bristles(contact, states, modes, self._rate_in_mode)
         if contact.approach is None:
@@ -346,7 +349,9 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
     for i, contact in enumerate(system.mechanics.contacts if any(momenta) else ()):
         of = contact_suffix(system, i)
         if isinstance(contact, Friction):
-            forces += [("friction_force" + of, system.direction(contact))]
+            along = system.direction(contact)
+            ends = [f"_{one}" for one in DIRECTIONS] if contact.in_plane else [""]
+            forces += [("friction_force" + end + of, along[:, k]) for k, end in enumerate(ends)]
             forces += (
                 [("normal_force" + of, system.normal(contact))] if contact.penetration is not None else []
             )
@@ -375,11 +380,16 @@ def _powers(system: LagrangeSystem) -> dict[str, Any]:
 def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: StructureKey) -> ContactTerms:
     contact, numbered = system.mechanics.contacts[i], contact_suffix(system, i)
     if isinstance(contact, Stop):
-        belt = compiled(system.at_rest(contact.relative_velocity)) if contact.rubs else None
+        belt = {"": compiled(system.at_rest(contact.relative_velocity))} if contact.rubs else {}
         return ContactTerms(numbered, i, belt, moved=_moved(system, contact, compiled), normal="reaction")
-    rubs = isinstance(contact, Friction)
-    belt = compiled(system.at_rest(contact.relative_velocity)) if rubs else None
-    terms = ContactTerms(numbered, i, belt, bristles=_bristles(system, contact) if rubs else None)
+    belt: dict[str, Any] = {}
+    bristles = None
+    if isinstance(contact, Friction):
+        bristles = _bristles(system, contact)
+        ends = [f"_{one}" for one in DIRECTIONS] if contact.in_plane else [""]
+        velocities = zip(ends, contact.velocities, strict=True)
+        belt = {end: compiled(system.at_rest(one)) for end, one in velocities}
+    terms = ContactTerms(numbered, i, belt, bristles=bristles)
     if contact.penetration is None:
         return terms
     approach = material_rate(system, contact)

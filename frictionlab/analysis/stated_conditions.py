@@ -13,6 +13,7 @@ stick, a distance of zero in contact.  Judged are
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,8 +29,8 @@ from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
 from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
-OF_CONTACTS = {*RUBBING, "slip", *APART, CHATTER_MODE, "flight", "contact"}
-CLOSED_REGIMES = [*RUBBING, "slip", "contact"]
+OF_CONTACTS = {*RUBBING, "slip", "breakaway", *APART, CHATTER_MODE, "flight", "contact"}
+CLOSED_REGIMES = [*RUBBING, "slip", "breakaway", "contact"]
 LEAST_TOLERANCE = 1e-6  # share of the forces in an equation by which differences may miss it
 PLACES_PER_MODE, LONGEST_STEPS = 12, 4
 MOST_COORDINATES = 12  # of models with more, contacts and energies alone are judged
@@ -65,6 +66,8 @@ def unjudged_statement(run: Trajectory) -> str:
         return "What the model states was not compared: the run has other states or modes."
     if check.stated.n > MOST_COORDINATES:
         return f"Lagrange's equations were not compared: there are more than {MOST_COORDINATES} coordinates."
+    if any(contact.across is not None for contact in check.stated.contacts):
+        return "Whether friction in the plane could have held what slips was not compared."
     return ""
 
 
@@ -259,6 +262,9 @@ class _StatementCheck:
         if contact.speed is not None and contact.elastic is None:
             speed = self._share(contact.speed)
             yield "v_r is not zero in stick", np.where(regimes == "stick", np.abs(speed), 0.0)
+            if contact.across is not None:
+                across = np.abs(self._share(contact.across))
+                yield "v_r is not zero in stick", np.where(regimes == "stick", across, 0.0)
             for name, sign in (("slip+", 1), ("slip-", -1)):
                 yield f"v_r has not the sign of {name}", np.where(regimes == name, -sign * speed, 0.0)
         if contact.gap is not None:
@@ -338,6 +344,14 @@ class _StatementCheck:
                     least.append(np.zeros(len(regimes)))
                     most.append(np.where(closed, np.inf, 0.0))
                 continue
+            if contact.across is not None:
+                for force, direction, largest in self._in_plane(contact, regimes, normal, places, slack):
+                    given += force[:, None] * direction
+                    sizes += np.abs(force[:, None] * direction)
+                    columns.append(direction)
+                    least.append(-largest)
+                    most.append(largest)
+                continue
             at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
             open_contact = np.isin(regimes, [*APART, CHATTER_MODE])
             pressing = np.where(open_contact, 0.0, at(contact.pressing, places.states))
@@ -368,6 +382,27 @@ class _StatementCheck:
         if not columns:
             return Forces(given, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
         return Forces(given, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
+
+    def _in_plane(
+        self, contact: StatedContact, regimes: Array, normal: Array, places: Places, slack: float
+    ) -> Iterator[tuple[Array, Array, Array]]:
+        """The normal force and both components of friction of a contact in the plane.
+
+        Given forces (N,), their directions (N, n), and the largest holding forces (N,), where each component
+        may be as large as both.
+        """
+        at, states, stated = self.stated.at, places.states, self.stated
+        pressed = np.isin(regimes, CLOSED_REGIMES)
+        yield np.where(pressed, at(contact.pressing, states), 0.0), normal, np.zeros(len(regimes))
+        holds = np.isin(regimes, ["stick", "breakaway"])  # breakaway has no direction of v_r yet
+        limit = np.where(holds, (1.0 - slack) * np.maximum(at(contact.limit, states), 0.0), 0.0)
+        share = np.where(regimes == "slip", at(contact.sliding[1], states), 0.0)
+        for component, of in (
+            (contact.speed, stated.rubbing_direction),
+            (contact.across, stated.direction_across),
+        ):
+            slides = np.where(regimes == "slip", share * at(component, states), 0.0)
+            yield slides, of(contact, states), limit
 
     def _cone(
         self, contact: StatedContact, regimes: Array, normal: Array, places: Places, slack: float
@@ -406,7 +441,10 @@ class _StatementCheck:
         """What leaves stick, or does not enter it, could not have been held."""
         events: Any = self.run.events
         n = self.stated.n
-        if n > MOST_COORDINATES or not any(c.speed is not None for c in self.stated.contacts):
+        contacts = self.stated.contacts
+        if n > MOST_COORDINATES or not any(c.speed is not None for c in contacts):
+            return ""
+        if any(c.across is not None for c in contacts):  # the limits of a vector are no linear program
             return ""
         continuous = (events.state[:, : 2 * n] == events.before[:, : 2 * n]).all(axis=1)
         index = {name: k for k, name in enumerate(self.run.mode_names)}

@@ -56,11 +56,15 @@ class StatedContact:
     law : ImpactLaw or None
     elastic : callable or None
         Friction (N) in stick of an elastic-plastic law.
+    across : callable or None
+        The second component of v_r (m/s) in the plane, where `speed` is the first, and `sliding` has friction
+        over speed, N s/m, by 1.
     """
 
     gap: StateFunction | None
     law: Any
     speed: StateFunction | None = None
+    across: StateFunction | None = None
     pressing: StateFunction | None = None
     limit: StateFunction | None = None
     sliding: Any = None
@@ -138,19 +142,23 @@ def _contact(
         return _rigid_contact(contact, compiled)
     if isinstance(contact, Contact):
         return StatedContact(compiled(-contact.penetration), None, pressing=compiled(contact.pressing))
-    speed, force, law = contact.relative_velocity, contact.pressing, contact.law
+    (speed, *across), force, law = contact.velocities, contact.pressing, contact.law
     elastic, largest = None, limit_of_state(contact)
     if largest is not None:
         elastic = compiled(values_of_law(law, force, speed, of_law).force)
         sliding = {sign: values_of_law(law, force, speed, (sign * largest,)).force for sign in (1, -1)}
     elif of_law:
         sliding = {sign: values_of_contact(contact, of_law, sign).force for sign in (1, -1)}
+    elif across:
+        size = sp.sqrt(speed**2 + across[0] ** 2)
+        sliding = {1: law.kinetic(force, size) / size}
     else:
         sliding = {sign: sign * law.kinetic(force, sign * speed) for sign in (1, -1)}
     return StatedContact(
         None if contact.penetration is None else compiled(-contact.penetration),
         contact.impact,
         compiled(speed),
+        compiled(across[0]) if across else None,
         compiled(force),
         None if of_law else compiled(law.static_limit(force)),
         {sign: compiled(friction) for sign, friction in sliding.items()},
@@ -257,9 +265,14 @@ class StatedMechanics:
         return np.stack(columns, axis=-1)
 
     def rubbing_direction(self, contact: StatedContact, states: Array) -> Array:
-        """-dv_r/dv (N, n), along which friction acts."""
+        """-dv_r/dv (N, n), along which friction acts; in the plane that of the first component."""
         assert contact.speed is not None
         return -self.gradient(contact.speed, states, 1)[0]
+
+    def direction_across(self, contact: StatedContact, states: Array) -> Array:
+        """The same (N, n) of the second component of a contact in the plane."""
+        assert contact.across is not None
+        return -self.gradient(contact.across, states, 1)[0]
 
     def normal_direction(self, contact: StatedContact, states: Array) -> Array:
         """W_N (N, n), along which the normal force or the reaction acts."""

@@ -23,9 +23,11 @@ from frictionlab.models.equations import (
 )
 from frictionlab.models.mechanical.contact_regimes import (
     APART,
+    DIRECTIONS,
     RATE_SYMBOLS,
     ContactRegime,
     friction_impulse,
+    magnitude,
     material_rate,
     normal_impulse,
     rate_after,
@@ -221,7 +223,7 @@ def _mode_equations(
     system, each = write.system, range(len(chosen))
     forces = [_force_function(system, i) for i in each]
     rubbing = [i for i in each if isinstance(system.mechanics.contacts[i], Friction)]
-    names = dict.fromkeys(rubbing, ("F_N", "v_r"))
+    names = {i: ("F_N", *_components(system, "v_r", i)) for i in rubbing}
     names |= {i: ("F_T", "v_r") for i in each if _rubs_rigidly(system.mechanics.contacts[i])}
     others = [_contact_function(system, name, i) for i, some in names.items() for name in some]
     others += map(write, (*system.q, *system.further, *(one for some in system.of_laws for one in some)))
@@ -235,7 +237,8 @@ def _mode_equations(
         definitions=_definitions(write),
         constraint=tuple(eq for regime in chosen for eq in _constraint(write, regime)),
         conditions=tuple(c for i in each for c in _conditions(write, mode, chosen[i], i)),
-        symbols={**known, **{str(f.func): f for f in (*forces, *others)}},
+        symbols={**known, **{str(f.func): f for one in forces for f in _each(one)}}
+        | {str(f.func): f for f in others},
         letters=letters,
     )
 
@@ -247,7 +250,7 @@ def _motion(write: TimeDependentSystem, forces: Sequence[Any]) -> tuple[Any, ...
     left = system.mass * second + sympy.Matrix([write(r) for r in system.internal])
     right = sympy.Matrix([write(load) for load in system.loads])
     for i, (contact, force) in enumerate(zip(system.mechanics.contacts, forces, strict=True)):
-        right += system.direction(contact) * force
+        right += system.direction(contact) * sympy.Matrix(_each(force))
         right += system.normal(contact) * _contact_function(system, "F_N", i)
         if _rubs_rigidly(contact):
             right += rubbing_direction(system, contact) * _contact_function(system, "F_T", i)
@@ -276,8 +279,8 @@ def _forces(
     if regime.name.startswith("slip") and not regime.constraints:
         friction = _friction(write, mode, regime, i)
     else:
-        friction = write(solve_contact_forces(write.named, chosen).forces[i])
-    return pressed, equation(force, friction)
+        friction = tuple(map(write, _each(solve_contact_forces(write.named, chosen).forces[i])))
+    return pressed, *map(equation, _each(force), _each(friction))
 
 
 def _forces_of_stop(
@@ -301,6 +304,10 @@ def _friction(write: TimeDependentSystem, mode: str, regime: ContactRegime, i: i
     """Eq. (3).  The sign is that of v_r, or of the belt's speed where the interface keeps it fixed."""
     system = write.system
     contact: Any = system.mechanics.contacts[i]
+    if contact.in_plane:
+        velocities = tuple(_contact_function(system, one, i) for one in _components(system, "v_r", i))
+        size = contact.law.kinetic(_contact_function(system, "F_N", i), magnitude(velocities))
+        return tuple(size * one / magnitude(velocities) for one in velocities)
     normal, velocity = (_contact_function(system, name, i) for name in ("F_N", "v_r"))
     if contact.law.states:
         return _law_values(write, mode, regime, i).force
@@ -338,8 +345,14 @@ def _law_rates(
 
 def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
     contacts = enumerate(write.system.mechanics.contacts)
-    rows = [(i, c.relative_velocity) for i, c in contacts if isinstance(c, Friction) or _rubs_rigidly(c)]
-    return tuple(equation(_contact_function(write.system, "v_r", i), write(v)) for i, v in rows)
+    rows: list[tuple[int, str, Any]] = []
+    for i, contact in contacts:
+        if isinstance(contact, Friction):
+            names = _components(write.system, "v_r", i)
+            rows += [(i, *row) for row in zip(names, contact.velocities, strict=True)]
+        elif isinstance(contact, Stop) and contact.rubs:
+            rows.append((i, "v_r", contact.relative_velocity))
+    return tuple(equation(_contact_function(write.system, name, i), write(v)) for i, name, v in rows)
 
 
 def _constraint(write: TimeDependentSystem, regime: ContactRegime) -> tuple[Any, ...]:
@@ -372,6 +385,8 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
     pressed = (sympy.Gt(normal, 0, evaluate=False),) if "separation" in contact.modes else ()
     if isinstance(contact, Contact):
         return pressed
+    if contact.in_plane:
+        return (*_conditions_in_plane(system, regime, i), *pressed)
     if regime.name == "stick" and system.of_laws[i]:
         (state,), limit = map(write, system.of_laws[i]), contact.law.state_limit(normal)
         return (sympy.Le(sympy.Abs(state), limit, evaluate=False), *pressed)
@@ -382,6 +397,16 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return pressed
     signs = {"slip": sympy.Ne, "slip+": sympy.Gt, "slip-": sympy.Lt}
     return (signs["slip" if mode == "slip" else regime.name](velocity, 0, evaluate=False), *pressed)
+
+
+def _conditions_in_plane(system: LagrangeSystem, regime: ContactRegime, i: int) -> tuple[Any, ...]:
+    """A holding force within its circle in stick, a speed in slip."""
+    contact: Any = system.mechanics.contacts[i]
+    if regime.name == "stick":
+        limit = contact.law.static_limit(_contact_function(system, "F_N", i))
+        return (sympy.Le(magnitude(_each(_force_function(system, i))), limit, evaluate=False),)
+    velocities = [_contact_function(system, one, i) for one in _components(system, "v_r", i)]
+    return (sympy.Gt(magnitude(velocities), 0, evaluate=False),)
 
 
 def _conditions_of_stop(
@@ -422,10 +447,21 @@ def _impact(copy: Any, system: LagrangeSystem, letters: Mapping[str, str]) -> Eq
 
 
 def _force_function(system: LagrangeSystem, i: int) -> Any:
-    """F_T of a contact with friction, F_N of one without."""
-    return _contact_function(
-        system, "F_T" if isinstance(system.mechanics.contacts[i], Friction) else "F_N", i
-    )
+    """F_T of a contact with friction, in the plane its components; F_N of one without."""
+    if not isinstance(system.mechanics.contacts[i], Friction):
+        return _contact_function(system, "F_N", i)
+    shown = [_contact_function(system, one, i) for one in _components(system, "F_T", i)]
+    return tuple(shown) if len(shown) > 1 else shown[0]
+
+
+def _components(system: LagrangeSystem, name: str, i: int) -> tuple[str, ...]:
+    """The names of the components of F_T or v_r of a contact."""
+    in_plane = system.mechanics.contacts[i].in_plane
+    return tuple(name + one for one in DIRECTIONS) if in_plane else (name,)
+
+
+def _each(force: Any) -> tuple[Any, ...]:
+    return force if isinstance(force, tuple) else (force,)
 
 
 def _contact_function(system: LagrangeSystem, name: str, i: int) -> Any:
@@ -439,4 +475,7 @@ def _contact_letters(system: LagrangeSystem) -> dict[str, str]:
         for name, letter in (("F_N", r"\mathrm{N}"), ("F_T", r"\mathrm{T}"), ("v_r", r"\mathrm{r}")):
             if contact_suffix(system, i):
                 letters[name + contact_suffix(system, i)] = rf"{name[0]}_{{{letter},{i + 1}}}"
+            for one in DIRECTIONS if system.mechanics.contacts[i].in_plane and name != "F_N" else ():
+                where = f"{one},{i + 1}" if contact_suffix(system, i) else one
+                letters[name + one + contact_suffix(system, i)] = rf"{name[0]}_{{{letter},{where}}}"
     return letters

@@ -40,6 +40,7 @@ MODE_COLOURS = MappingProxyType(
         "slip+": GREY,
         "slip": GREY,
         "slip-": PURPLE,
+        "breakaway": PURPLE,
         "separation": SKY,
         "chatter": YELLOW,
     },

@@ -86,7 +86,7 @@ def _only_slide(key: StructureKey) -> tuple[bool, ...]:
         from .equations_of_motion import system_of
 
         contacts = system_of(key).mechanics.contacts
-        return [isinstance(one, Friction) and "slip" in one.modes for one in contacts]
+        return [isinstance(one, Friction) and "slip" in one.modes and not one.in_plane for one in contacts]
 
     return tuple(derivations_of(key, key.parameters).value("contacts that only slide", only_slide))
 

@@ -15,7 +15,7 @@ order of r, as the limit does not tell at which point of a flight it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -44,10 +44,11 @@ if TYPE_CHECKING:
 PHASE, TIME = "phase", "t"
 # The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
-AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")
+AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "breakaway", "contact")
 APART = ("separation", "relaxation")  # regimes without contact forces
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
+DIRECTIONS = "a", "b"  # the components of friction in the plane, in names of outputs
 CHATTER_MODE = "chatter"
 CHATTER_FLIGHT = "flight"  # the event that ends it by an impact
 CHATTER_TIME = symbol("chatter")  # s, below which the solver replaces flights by their limit
@@ -108,6 +109,8 @@ class ContactRegime:
         F_T/F_N in slip of a rigid contact.
     sliding : Expr or None
         What is positive in slip of a rigid contact, whatever its forces: v_r by its sign.
+    by_holding : callable or None
+        Of breakaway in the plane: the friction force, by the one that would hold.
     """
 
     name: str
@@ -121,6 +124,7 @@ class ContactRegime:
     rates: tuple[Any, ...] = ()
     share: Any = None
     sliding: Any = None
+    by_holding: Callable[[Any], Any] | None = None
 
 
 def regimes_of_contact(contact: AnyContact, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
@@ -159,14 +163,14 @@ def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime
     pressing = contact.pressing
     limit = sign * contact.law.static_limit(pressing)
     resting = ContactRegime(
-        name, limit, (), (speed,), lambda *_: _leaving(contact, system), pressing=pressing
+        name, limit, (), (speed,), lambda *_: ends_of_contact(contact, system), pressing=pressing
     )
     return ContactRegime(
         name,
         force,
         (),
         (),
-        lambda *_: (stops, *_leaving(contact, system)),
+        lambda *_: (stops, *ends_of_contact(contact, system)),
         resting=resting,
         pressing=pressing,
     )
@@ -176,7 +180,7 @@ def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> Con
     """v_r of one sign under a dynamic law, whose force is continuous where v_r changes its sign."""
     sign, speed, pressing = 1 if name == "slip+" else -1, contact.relative_velocity, contact.pressing
     crosses = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "cross")
-    leaving = _leaving(contact, system)
+    leaving = ends_of_contact(contact, system)
     force, rates = values_of_contact(contact, system.law_states(contact), sign)
     held = ContactRegime(name, force, (), (speed,), lambda *_: leaving, pressing=pressing, rates=rates)
     return ContactRegime(
@@ -191,7 +195,7 @@ def _slip_at_limit(contact: Friction, system: LagrangeSystem, name: str) -> Cont
     force, (elastic,) = values_of_law(contact.law, pressing, contact.relative_velocity, (limit,))
     rate = system.rate(limit)
     sticks = RegimeEnd("v_r", sign * (elastic - rate), _known(contact, ("stick",)), "hold")
-    ends = (sticks, *_leaving(contact, system))
+    ends = (sticks, *ends_of_contact(contact, system))
     return ContactRegime(name, force, (), (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,))
 
 
@@ -202,7 +206,7 @@ def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     ends = (
         RegimeEnd("cone+", limit - state, _known(contact, ("slip+",)), "yield"),
         RegimeEnd("cone-", limit + state, _known(contact, ("slip-",)), "yield"),
-        *_leaving(contact, system),
+        *ends_of_contact(contact, system),
     )
     return ContactRegime("stick", force, (), (), lambda *_: ends, pressing=pressing, rates=rates)
 
@@ -213,13 +217,13 @@ def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     force = sliding_friction(contact, sign, contact.pressing, contact.relative_velocity)
     # A belt whose speed depends on time or place may turn round; then the force has no sign.
     turns = (RegimeEnd("belt", sign * belt, ()),) if system.varies(belt) else ()
-    leaving = _leaving(contact, system)
+    leaving = ends_of_contact(contact, system)
     return ContactRegime("slip", force, (), (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
 
 
 def _frictionless(contact: Contact, system: LagrangeSystem) -> ContactRegime:
     """Contact without friction."""
-    leaving = _leaving(contact, system)
+    leaving = ends_of_contact(contact, system)
     return ContactRegime("contact", sympy.S.Zero, (), (), lambda *_: leaving, pressing=contact.pressing)
 
 
@@ -232,7 +236,7 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
         forwards = RegimeEnd("cone+", largest - force, _known(contact, ("slip+",)), common=True)
         backwards = RegimeEnd("cone-", largest + force, _known(contact, ("slip-",)), common=True)
-        return (forwards, backwards, *_leaving(contact, system))
+        return (forwards, backwards, *ends_of_contact(contact, system))
 
     held = (HeldVelocity(speed, system.direction(contact), -1),)
     return ContactRegime("stick", None, held, (speed,), breaks, limit, pressing=contact.pressing)
@@ -276,7 +280,7 @@ BUILDERS: dict[str, Callable[[Any, Any], ContactRegime]] = {
 }
 
 
-def _leaving(contact: Friction | Contact, system: LagrangeSystem) -> tuple[RegimeEnd, ...]:
+def ends_of_contact(contact: Friction | Contact, system: LagrangeSystem) -> tuple[RegimeEnd, ...]:
     """What ends contact: nothing where it is bilateral, as its interface has no mode for a lost contact."""
     open_regimes = _known(contact, APART[::-1])
     states = system.law_states(contact)
@@ -527,6 +531,8 @@ def material_rate(system: LagrangeSystem, contact: Friction | Contact) -> Any:
 
 def friction_impulse(system: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
     """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
+    if contact.in_plane:
+        return 0
     stopping = contact.relative_velocity / compliance(system, system.direction(contact))
     return law.friction(normal_impulse(system, contact, law), stopping)
 
@@ -600,6 +606,22 @@ def rate_after(law: ImpactLaw, rate: Any) -> Any:
     return expand_products(rate + soft * law.impulse(-rate, -rate, soft))
 
 
+def rubbing_outputs(contact: Friction | Stop, force: Any) -> dict[str, Any]:
+    """Friction force and v_r by their names: in the plane their magnitudes, and both components of each."""
+    if not isinstance(contact, Friction) or not contact.in_plane:
+        return {"friction_force": force, "relative_velocity": contact.relative_velocity}
+    forces = force if isinstance(force, tuple) else (force, force)
+    shown = {"friction_force": magnitude(forces), "relative_velocity": magnitude(contact.velocities)}
+    for direction, one, velocity in zip(DIRECTIONS, forces, contact.velocities, strict=True):
+        shown |= {f"friction_force_{direction}": one, f"relative_velocity_{direction}": velocity}
+    return shown
+
+
+def magnitude(vector: Sequence[Any]) -> Any:
+    """The length of a vector in the plane."""
+    return sympy.sqrt(sum(one**2 for one in vector))
+
+
 def chatter_mode(system: LagrangeSystem) -> Mode | None:
     """The limit mode of a single contact at which the gap opens again after an impact; None for others."""
     for contact in system.mechanics.contacts[:1]:
@@ -616,8 +638,7 @@ def _limit(system: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
         "penetration": contact.penetration,
         "gap": -contact.penetration,
         "normal_force": force,
-        "friction_force": sympy.S.Zero,
-        "relative_velocity": contact.relative_velocity,
+        **rubbing_outputs(contact, sympy.S.Zero),
     }
     flow = system.flow(
         _accelerations(system, contact, force), rates_in_separation(contact, system.law_states(contact))

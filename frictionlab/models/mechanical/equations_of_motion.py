@@ -19,9 +19,18 @@ from frictionlab.components.contact import Interface
 from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
 
 from .common_directions import RUBBING, CommonDirection, common_directions
-from .contact_regimes import PHASE, TIME, ContactRegime, impact_resets, regimes_of_contact, stick_reset
+from .contact_regimes import (
+    PHASE,
+    TIME,
+    ContactRegime,
+    impact_resets,
+    magnitude,
+    regimes_of_contact,
+    stick_reset,
+)
 from .coupled_masses import CoupledMasses, coupled_masses
 from .dynamic_laws import limit_of_state
+from .friction_in_plane import check_alone, names_in_plane, plane_regimes, plane_stop
 from .meaning import check_linear, check_mechanics, mass_matrix
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop, mechanics_at
 
@@ -94,7 +103,12 @@ class LagrangeSystem:
     @cached_property
     def regimes(self) -> tuple[tuple[ContactRegime, ...], ...]:
         """The regimes of each contact, in the order in which they are tried."""
-        return tuple(regimes_of_contact(contact, self) for contact in self.mechanics.contacts)
+        return tuple(
+            plane_regimes(contact, self)
+            if isinstance(contact, Friction) and contact.in_plane
+            else regimes_of_contact(contact, self)
+            for contact in self.mechanics.contacts
+        )
 
     def chosen(self, combination: Combination) -> tuple[ContactRegime, ...]:
         """The regimes of a combination, which has the index of one for each contact.
@@ -155,7 +169,7 @@ class LagrangeSystem:
     def directions(self) -> tuple[CommonDirection, ...]:
         """Contacts that rub along one direction, in groups; those that share it with none left out."""
         sticking = [
-            c if isinstance(c, Friction) and "stick" in c.modes and not c.law.states else None
+            c if isinstance(c, Friction) and "stick" in c.modes and not (c.law.states or c.in_plane) else None
             for c in self.mechanics.contacts
         ]
         rows = [c and tuple(self.gradient(c.relative_velocity, self.v)) for c in sticking]
@@ -249,6 +263,8 @@ class LagrangeSystem:
 
     def stick_reset(self, contact: AnyContact) -> Reset:
         """The reset of the event at which a contact begins to stick."""
+        if isinstance(contact, Friction) and contact.in_plane:
+            return plane_stop(self, contact)
         return stick_reset(self, contact)
 
     def impact_resets(self, contact: AnyContact) -> tuple[Reset, Reset]:
@@ -288,7 +304,9 @@ class LagrangeSystem:
     def speed_at_origin(self, contact: Friction | Stop) -> Any:
         """The speed of the belt, v_r at rest, where coordinates, clocks and further states are zero."""
         origin = dict.fromkeys((*self.q, *self.clocks, *self.further), 0)
-        return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
+        velocities = contact.velocities if isinstance(contact, Friction) else (contact.relative_velocity,)
+        speeds = [sympy.sympify(self.at_rest(one), strict=True).subs(origin) for one in velocities]
+        return magnitude(speeds) if len(speeds) > 1 else speeds[0]
 
     def sliding_sign(self, contact: Friction | Stop) -> Any:
         """The sign of slip in one direction, that of the belt's speed; at the origin where it varies."""
@@ -297,9 +315,10 @@ class LagrangeSystem:
     @_remembered
     def direction(self, contact: AnyContact) -> Any:
         """W (n, 1): the direction of a contact's friction force, or of the reaction of a stop; zero for a
-        contact without friction."""
+        contact without friction.  In the plane (n, 2): one column for each component."""
         if isinstance(contact, Friction):
-            return -sympy.ImmutableMatrix(self.gradient(contact.relative_velocity, self.v))
+            columns = (sympy.Matrix(self.gradient(one, self.v)) for one in contact.velocities)
+            return -sympy.ImmutableMatrix(sympy.Matrix.hstack(*columns))
         if isinstance(contact, Contact):
             return sympy.ImmutableMatrix.zeros(len(self.q), 1)
         return sympy.ImmutableMatrix(self.gradient(contact.distance, self.q))
@@ -321,9 +340,9 @@ class LagrangeSystem:
         return gradient(expression, x)
 
     def apply(self, direction: Any, force: Any, to: list[Any]) -> None:
-        """Add a force along a direction (n, 1) to the forces `to` (n,)."""
-        for (i, _), w in direction.todok().items():
-            to[i] += w * force
+        """Add a force along a direction (n, 1), or in a plane (n, 2), to the forces `to` (n,)."""
+        for (i, k), w in direction.todok().items():
+            to[i] += w * (force[k] if isinstance(force, tuple) else force)
 
     def accelerations(self, forces: Sequence[Any]) -> list[Any]:
         """M^-1 times forces (n,)."""
@@ -379,6 +398,7 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
         check_linear(about, model, q, v)
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v, time)
     of_laws = tuple(tuple(map(symbol, some)) for some in about.law_states)
+    check_alone(about, type(model).__name__, v)
     return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further, of_laws, time)
 
 
@@ -430,6 +450,8 @@ def _names(contact: AnyContact, allowed: Interface, states: Sequence[Any]) -> tu
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
     if isinstance(contact, Friction) and contact.law.states:
         names = _names_with_states(contact, names)
+    if contact.in_plane:
+        names = names_in_plane(tuple(names))
     if isinstance(contact, Contact):
         names = tuple(dict.fromkeys("separation" if name == "separation" else "contact" for name in names))
     names = tuple(name for name in names if name != "separation" or allowed.separates)

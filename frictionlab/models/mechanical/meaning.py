@@ -20,6 +20,7 @@ from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
+from .friction_in_plane import check_directions, check_plane
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 
@@ -87,7 +88,7 @@ class _Check:
     def __init__(
         self, of: str, model: MechanicalModel, in_time: bool, q: Sequence[Any], v: Sequence[Any]
     ) -> None:
-        self.of, self.q, self.v = of, q, v
+        self.of, self.q, self.v, self.interface = of, q, v, model.interface
         self.names, self.further = model.structure_key.parameters, tuple(map(symbol, model.states))
         self.states = {*q, *v, *self.further, *([symbol(PHASE)] if in_time else []), symbol(TIME)}
         self.moving = (*v, *self.further)
@@ -205,7 +206,22 @@ class _Check:
 
     def relative_velocity(self, contact: Friction | Stop) -> None:
         """That v_r depends on velocities, and linearly."""
-        speed = self.free("relative_velocity", contact.relative_velocity, (), "")
+        if isinstance(contact, Friction) and contact.in_plane:
+            for component in check_plane(contact, self.of, self.interface):
+                self.component(component)
+            check_directions(contact, self.of, self.v)
+            return
+        if isinstance(contact.relative_velocity, (tuple, list)):
+            raise ValueError(
+                f"relative_velocity of a Stop of {self.of} must be one expression, got "
+                f"{len(contact.relative_velocity)}: friction in the plane needs a contact with a stiffness, "
+                "as in Friction((v_a, v_b), self.contact.force, law, penetration=...)"
+            )
+        self.component(contact.relative_velocity)
+
+    def component(self, relative_velocity: Any) -> None:
+        """That one component of v_r depends on velocities, and linearly."""
+        speed = self.free("relative_velocity", relative_velocity, (), "")
         if not any(gradient(speed, self.v)):
             raise ValueError(
                 f"relative_velocity of {self.of} must depend on the velocities, got {abbreviate(speed)}: "

@@ -23,17 +23,22 @@ SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what element
 @dataclass(frozen=True, eq=False)
 class Friction:
     """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, where the bodies can
-    separate, "separation".
+    separate, "separation".  In the plane they are "stick", "slip", "breakaway" and "separation".
 
     A contact does not pull: it is lost where F_N comes to zero, unless its interface is bilateral.
 
     The friction force F_T acts along the relative velocity v_r: where velocities of the bodies change v_r by
     dv_r, its power on the bodies is -F_T dv_r.
 
+    In the plane F_T and v_r are vectors of two components, a and b, and the law is given the speed |v_r|.
+    Stick lasts while |F_T| is within the static limit.  It ends by "breakaway": until v_r has a direction,
+    below 2e-9 m/s, the friction force is along the one that held.  Slip stops at 1e-9 m/s.
+
     Parameters
     ----------
-    relative_velocity : Expr
-        v_r, linear in the velocities, m/s.
+    relative_velocity : Expr, or two of them
+        v_r, linear in the velocities, m/s; in the plane a tuple of its components along two directions at
+        right angles, as in ``(self.v - v.x, -v.y)``.
     normal_force : Expr or callable
         F_N, N.  Where the bodies can separate, it should be a function of the penetration that has its sign,
         such as ``contact.force`` of a law: its integral is the energy that the contact stores.  If it depends
@@ -65,6 +70,16 @@ class Friction:
     impact: ImpactLaw | None = None
     interface: Interface | None = None
     damper: Any = 0
+
+    @property
+    def in_plane(self) -> bool:
+        """Whether v_r has two components."""
+        return isinstance(self.relative_velocity, (tuple, list))
+
+    @property
+    def velocities(self) -> tuple[Any, ...]:
+        """The components of v_r: one, or two in the plane."""
+        return tuple(self.relative_velocity) if self.in_plane else (self.relative_velocity,)
 
     @property
     def pressing(self) -> Any:
@@ -121,6 +136,7 @@ class Contact:
     normal: ClassVar[None] = None
     impact: ClassVar[None] = None
     relative_velocity: ClassVar[Any] = None
+    in_plane: ClassVar[bool] = False
 
     @property
     def pressing(self) -> Any:
@@ -184,6 +200,8 @@ class Stop:
     interface: Interface | None = None
     friction: FrictionLaw | None = None
     relative_velocity: Any = None
+
+    in_plane: ClassVar[bool] = False
 
     @property
     def rubs(self) -> bool:
@@ -259,6 +277,9 @@ class Mechanics:
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), self.frequency]
         given += self.rates.values()
         given += [getattr(contact, about.name) for contact in self.contacts for about in fields(contact)]
+        given += [
+            one for contact in self.contacts if isinstance(contact, Friction) for one in contact.velocities
+        ]
         if texts := [one for one in given if isinstance(one, str)]:  # which sympy would run as Python
             raise TypeError(
                 f"energies, loads and contacts must be expressions, got the text {abbreviate(texts[0])}: "
@@ -284,7 +305,7 @@ class Mechanics:
                 given.append(contact.distance)
             else:
                 given += [contact.pressing, contact.penetration, *(contact.normal or ())]
-                given.append(contact.damping if isinstance(contact, Contact) else contact.relative_velocity)
+                given += [contact.damping] if isinstance(contact, Contact) else contact.velocities
         return any(symbol in getattr(one, "free_symbols", ()) for one in given)
 
     @property

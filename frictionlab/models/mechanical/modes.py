@@ -7,7 +7,7 @@ contacts at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import prod
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -32,6 +32,7 @@ from .contact_regimes import (
     crossing_reset,
     holding_reset,
     period_events,
+    rubbing_outputs,
     unloading_reset,
     yielding_reset,
     zeros_in_contact,
@@ -85,7 +86,7 @@ def expressions_of(system: LagrangeSystem) -> Iterator[Any]:
         else:
             yield from (contact.penetration, contact.pressing)
             if isinstance(contact, Friction):
-                yield contact.relative_velocity
+                yield from contact.velocities
         for regime in regimes:
             yield from (regime.force, regime.held, regime.limit, *regime.rates)
             for end in regime.ends(sympy.S.Zero, sympy.S.Zero):
@@ -146,14 +147,21 @@ def solve_contact_forces(
 
     `hold` finds the forces that hold; by default sympy and arithmetic with numbers of coupled masses do.
     """
+    slipping_off = [i for i, one in enumerate(chosen) if one.by_holding is not None]
+    would_hold: dict[int, Any] = {}
+    if slipping_off:
+        would_hold, chosen = _breaking_away(system, chosen, slipping_off, hold)
     names = [regime.name for regime in chosen]
     leading = [i for i, one in enumerate(chosen) if one.force is None and system.leader(i, names) == i]
     held = [(i, one) for i in leading for one in chosen[i].held]
     free, balance = (None, None) if hold else _free_forces(system, chosen, held)
     accelerations, forces, solved = hold(chosen, leading) if hold else _hold(system, chosen, held, free)
-    friction, holding = {}, {}
+    friction, holding = {}, {i: (force, None) for i, force in would_hold.items()}
     for i, (one, *other) in solved.items():
-        if chosen[i].share is not None:
+        if system.mechanics.contacts[i].in_plane:
+            forces[i] = (one.force, other[0].force)
+            holding[i] = forces[i], chosen[i].limit
+        elif chosen[i].share is not None:
             friction[i] = chosen[i].share * one.force
             holding[i] = one.scaled, None if one.product is None else one.compliance
         elif other:
@@ -161,6 +169,21 @@ def solve_contact_forces(
         else:
             holding[i] = _with_limit(system, chosen, forces, i, one)
     return ContactForces(accelerations, forces, friction, holding, balance)
+
+
+def _breaking_away(
+    system: LagrangeSystem, chosen: Sequence[ContactRegime], which: Sequence[int], hold: Hold | None
+) -> tuple[dict[int, Any], list[ContactRegime]]:
+    """The forces that would hold the contacts `which`, and the regimes, those with the friction by them."""
+    after = list(chosen)
+    for i in which:
+        after[i] = next(one for one in system.regimes[i] if one.name == "stick")
+    forces = solve_contact_forces(system, after, hold).forces
+    for i in which:
+        by_holding = chosen[i].by_holding
+        assert by_holding is not None
+        after[i] = replace(chosen[i], force=by_holding(forces[i]))
+    return {i: forces[i] for i in which}, after
 
 
 def _with_limit(
@@ -402,10 +425,9 @@ def contact_outputs(
 def _outputs_of_contact(contact: AnyContact, regime: ContactRegime, force: Any, friction: Any) -> Any:
     if isinstance(contact, Stop):
         rigid = ("distance", contact.distance), ("reaction", force)
-        rubbing = ("friction_force", friction), ("relative_velocity", contact.relative_velocity)
-        return (*rigid, *rubbing) if contact.rubs else rigid
+        return (*rigid, *rubbing_outputs(contact, friction).items()) if contact.rubs else rigid
     shown = (("normal_force", regime.pressing),)
     if isinstance(contact, Friction):
-        shown += ("friction_force", force), ("relative_velocity", contact.relative_velocity)
+        shown += tuple(rubbing_outputs(contact, force).items())
     penetration = contact.penetration
     return shown if penetration is None else (("penetration", penetration), ("gap", -penetration), *shown)
