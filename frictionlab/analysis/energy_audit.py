@@ -32,6 +32,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     rubbing_direction,
 )
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
+from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.model import MovingSystem
@@ -168,6 +169,9 @@ class Balance:
         ends = run.events.guard == "period"
         gained = self._gain(self._terms.kinetic, before, after)
         jumps = {"impacts": np.where(ends, 0.0, gained)}
+        if any(len(contact.speeds) > 1 for contact in self._terms.contacts):  # slip ends at a least speed
+            stops = np.char.startswith(run.events.guard.astype(str), STOP)
+            jumps = {"impacts": np.where(ends | stops, 0.0, gained), "friction": np.where(stops, gained, 0.0)}
         if (moved := self._terms.moved) is not None:
             carried = np.where(ends, gained, self._gain(moved.energy, before, after))
             jumps = {"impacts": gained - carried, "moving masses": carried}

@@ -26,6 +26,7 @@ from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionI
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
+from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
@@ -530,6 +531,8 @@ class _StatementCheck:
         before, after = events.before[begins], events.before[begins].copy()
         after[:, n : 2 * n] = events.state[ends][:, n : 2 * n]
         moves = (np.abs(after - before) > RESTING * self.stated.sizes).any(axis=1)
+        if any(contact.across is not None for contact in self.stated.contacts):  # slip ends at a least speed
+            moves &= ~np.char.startswith(events.guard[begins].astype(str), STOP)
         some = np.flatnonzero(moves)[:MOST_EVENTS]
         closed = np.array(
             [events.closed[a : b + 1].any() for a, b in zip(begins, ends, strict=True)], dtype=bool

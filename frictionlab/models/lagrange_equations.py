@@ -356,6 +356,8 @@ def _definitions(write: TimeDependentSystem) -> tuple[Any, ...]:
 
 
 def _constraint(write: TimeDependentSystem, regime: ContactRegime) -> tuple[Any, ...]:
+    if regime.by_holding is not None:
+        return ()
     pair = write.system.pair(regime.held[0].velocity) if regime.held else None
     if pair is None or len(regime.constraints) > 1:
         return tuple(equation(write(c), 0) for c in regime.constraints)

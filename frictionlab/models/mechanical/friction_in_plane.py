@@ -1,16 +1,22 @@
 """Friction in the plane: the regimes of a contact whose v_r has two components, and when it stops.
 
 In slip the friction force is the law's at the speed |v_r|, along v_r.  This has a Taylor series while
-|v_r| > 0, whose radius is the time that is left before a stop.  So steps shrink with that time, and slip
-ends at STOP_SPEED, where a reset makes v_r zero.  With the deceleration a, the place errs by
-STOP_SPEED^2/(2 a) and the instant by STOP_SPEED/a.
+|v_r| > 0, whose radius is the time that is left before a stop.  So steps shrink with that time.  Slip ends
+LAST_TIME before the stop, and a reset makes v_r zero: with the deceleration a the place errs by
+a LAST_TIME^2/2.
 
 Stick holds both components, until the holding force F leaves the circle |F| <= mu_s F_N.  Then v_r is zero
 and has no direction.  In "breakaway" the friction force is along F instead, which has a series: v_r turns
-into this direction at a rate that is infinite at v_r = 0.  Slip takes over at twice STOP_SPEED.  With
-mu_s = mu_k the slip is slow at first and turns so fast that its first steps are some thousands.  Where
-inertia differs between the directions, v_r begins a little beside F; the error of velocities is of the order
-of STOP_SPEED.  Breakaway starts at v_r = 0 and counts as a mode that holds this: no motion rests in it.
+into this direction at a rate of the order of |F|/|v_r|.  With the acceleration a by |F| alone, slip takes
+over
+
+* at the speed 2 LAST_TIME a, times the ratio of |F| to its excess over kinetic friction, as v_r begins a
+  little beside F where inertia differs between the directions;
+* at most at the speed BREAKAWAY_TIME a.  Where there is hardly an excess, as with mu_s = mu_k, slip is slow
+  at first and turns so fast that its steps would be thousands.  If the excess grows at the rate a/T and F
+  turns by a radian in T, velocities err by (BREAKAWAY_TIME/T)^1.5/2 of a T.
+
+The constraint of breakaway is v_r^2 = 0, which is so but for rounding: no motion rests in it.
 """
 
 from __future__ import annotations
@@ -38,8 +44,10 @@ from .mechanics import Friction, Mechanics
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
-STOP_SPEED = sympy.Float("1e-9")  # m/s; of smaller ones on a belt the squares are rounding
+LAST_TIME = sympy.Float("3e-9")  # s; with less the series of order 32 goes beyond the largest number
+BREAKAWAY_TIME = sympy.Float("2e-8")  # s
 NO_FORCE = sympy.Float("1e-200")  # N^2
+STOP = "stop"  # the event at which slip ends
 RUBBING_IN_PLANE = "stick", "slip", "breakaway"
 
 
@@ -52,13 +60,28 @@ def plane_regimes(contact: Friction, system: LagrangeSystem) -> tuple[ContactReg
 
 
 def _slip(contact: Friction, system: LagrangeSystem) -> ContactRegime:
-    """Slip along v_r, until it stops."""
+    """Slip along v_r, until it stops; what ends it depends on the rate of the speed |v_r|, m/s^2."""
     speed, pressing = magnitude(contact.velocities), contact.pressing
     friction = contact.law.kinetic(pressing, speed)
-    stops = RegimeEnd("v_r", speed - STOP_SPEED, ("stick", "breakaway"), "project")
-    ends = (stops, *ends_of_contact(contact, system))
+
+    def ends(rate: Any, _: Any) -> tuple[RegimeEnd, ...]:
+        later = speed if isinstance(rate, tuple) else speed + LAST_TIME * rate
+        stops = RegimeEnd(STOP, later, ("stick", "breakaway"), "project")
+        return (stops, *ends_of_contact(contact, system))
+
     force = tuple(friction * one / speed for one in contact.velocities)
-    return ContactRegime("slip", force, (), (), lambda *_: ends, pressing=pressing)
+    return ContactRegime("slip", force, (), (), ends, pressing=pressing)
+
+
+def rate_of_speed(contact: Friction, system: LagrangeSystem, accelerations: Sequence[Any]) -> Any:
+    """d|v_r|/dt (m/s^2) of a contact in the plane."""
+    rates = (
+        system.rate(one)
+        + sum(a * b for a, b in zip(system.gradient(one, system.v), accelerations, strict=True))
+        for one in contact.velocities
+    )
+    power = sum(one * rate for one, rate in zip(contact.velocities, rates, strict=True))
+    return power / magnitude(contact.velocities)
 
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -75,7 +98,9 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
 def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip begins: friction is along the force that would hold, until v_r has a direction."""
-    pressing, velocities = contact.pressing, contact.velocities
+    pressing, velocities, directions = contact.pressing, contact.velocities, system.direction(contact)
+    resting = sum(one**2 for one in velocities)  # rounding throughout
+    softness = (directions.T * system.inverse * directions).trace() / 2
 
     def friction(holding: Any) -> tuple[Any, ...]:
         largest = contact.law.kinetic(pressing, sympy.S.Zero)
@@ -84,13 +109,16 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     def ends(holding: Any, _: Any) -> tuple[RegimeEnd, ...]:
         holding = _components(holding)
         power = sum(one * velocity for one, velocity in zip(holding, velocities, strict=True))
+        size, largest = _size(holding), contact.law.kinetic(pressing, sympy.S.Zero)
+        gained = softness * sum(one**2 for one in holding)  # power, by a time
         return (
-            RegimeEnd("v_r", power, ("stick",), "project"),
-            RegimeEnd("slips", 2 * STOP_SPEED * _size(holding) - power, ("slip",)),
+            RegimeEnd(STOP, power, ("stick",), "project"),
+            RegimeEnd("slips", 2 * LAST_TIME * gained - power * (1 - largest / size), ("slip",)),
+            RegimeEnd("slips", BREAKAWAY_TIME * gained - power, ("slip",)),
             *ends_of_contact(contact, system),
         )
 
-    return ContactRegime("breakaway", None, (), velocities, ends, pressing=pressing, by_holding=friction)
+    return ContactRegime("breakaway", None, (), (resting,), ends, pressing=pressing, by_holding=friction)
 
 
 def _size(holding: Any) -> Any:

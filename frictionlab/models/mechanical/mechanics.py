@@ -32,7 +32,7 @@ class Friction:
 
     In the plane F_T and v_r are vectors of two components, a and b, and the law is given the speed |v_r|.
     Stick lasts while |F_T| is within the static limit.  It ends by "breakaway": until v_r has a direction,
-    below 2e-9 m/s, the friction force is along the one that held.  Slip stops at 1e-9 m/s.
+    which takes some 1e-8 s, the friction force is along the one that held.
 
     Parameters
     ----------

@@ -39,6 +39,7 @@ from .contact_regimes import (
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
+from .friction_in_plane import rate_of_speed
 from .mechanics import AnyContact, Friction, Stop
 
 if TYPE_CHECKING:
@@ -168,6 +169,9 @@ def solve_contact_forces(
             friction[i], holding[i] = other[0].force, (one.scaled, other[0].scaled)
         else:
             holding[i] = _with_limit(system, chosen, forces, i, one)
+    for i, contact in enumerate(system.mechanics.contacts):
+        if isinstance(contact, Friction) and contact.in_plane and chosen[i].name == "slip":
+            holding[i] = rate_of_speed(contact, system, accelerations), None
     return ContactForces(accelerations, forces, friction, holding, balance)
 
 
