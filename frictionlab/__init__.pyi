@@ -143,6 +143,7 @@ from .models.composition import ParameterTable as ParameterTable
 from .models.equations import Equations as Equations
 from .models.model import model as model
 from .models.zoo.belt_oscillators import BrakedOscillator as BrakedOscillator
+from .models.zoo.belt_oscillators import DitheredOscillator as DitheredOscillator
 from .models.zoo.belt_oscillators import DoubleLayerPad as DoubleLayerPad
 from .models.zoo.belt_oscillators import ExcitedBeltOscillator as ExcitedBeltOscillator
 from .models.zoo.belt_oscillators import ModularChain as ModularChain

@@ -28,7 +28,7 @@ class ContactNumbers(NamedTuple):
     Parameters
     ----------
     speed : float
-        Speed of the belt (m/s), at the origin and where the phase is zero.
+        Speed of the belt (m/s), at the origin and where the phase is zero; 0 in the plane.
     press : float or None
         F_N (N) where it depends on parameters only.
     """
@@ -70,7 +70,7 @@ def _expressions(key: StructureKey) -> list[list[Any]]:
         if not isinstance(contact, Friction):
             rows.append([])
             continue
-        row = [system.speed_at_origin(contact)]
+        row = [sympy.S.Zero if contact.in_plane else system.speed_at_origin(contact)]
         if contact.penetration is None:  # else F_N is a law's, which is not asked here
             press = sympy.sympify(contact.pressing, strict=True)
             row += [] if system.varies(press) else [press]
@@ -114,6 +114,6 @@ def check_sliding(model: MechanicalModel, which: Sequence[bool] | None = None) -
         if slides and one is not None and one.speed == 0:
             raise ValueError(
                 f"contact {i} of {type(model).__name__} must rub a belt that moves where it only slides, got "
-                "one at rest, which gives friction no direction: give the belt a speed, or keep stick, as "
-                "with interface=StickSlipSeparation()"
+                "one at rest, or friction in the plane, which has no fixed direction: give the belt a speed, "
+                "or keep stick, as with interface=StickSlipSeparation()"
             )

@@ -44,7 +44,8 @@ if TYPE_CHECKING:
 PHASE, TIME = "phase", "t"
 # The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
-AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "breakaway", "contact")
+AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")
+RUBBING_IN_PLANE = ("stick", "breakaway", "slip")  # in this order, as slip takes any v_r, also zero
 APART = ("separation", "relaxation")  # regimes without contact forces
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
@@ -69,10 +70,10 @@ class HeldVelocity(NamedTuple):
 class RegimeEnd(NamedTuple):
     """What ends a regime: an event function, the regimes to try then, and the kind of reset.
 
-    `jump` is None, "project" (onto the constraints), "impact", "cross" (v_r changes its sign, and nothing
-    jumps), "open" (a rigid contact ends, and nothing jumps), "unload" (the states of a friction law return to
-    zero), "yield" (one comes to its limit) or "hold" (it leaves that).  What is `common` ends the regimes of
-    all contacts that rub along one direction, at once.
+    `jump` is None, "project" (onto the constraints), "stop" (the same in the plane), "impact", "cross"
+    (v_r changes its sign, and nothing jumps), "open" (a rigid contact ends, and nothing jumps), "unload"
+    (the states of a friction law return to zero), "yield" (one comes to its limit) or "hold" (it leaves
+    that). What is `common` ends the regimes of all contacts that rub along one direction, at once.
     """
 
     name: str
@@ -248,7 +249,9 @@ def _separation(contact: Friction | Contact, system: LagrangeSystem) -> ContactR
     if contact.penetration is None:
         return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (_pressed(contact),), rates=rates)
     jump = None if contact.impact is None else "impact"
-    lands = RegimeEnd("gap", -contact.penetration, _known(contact, (*AFTER_FLIGHT, "relaxation")), jump)
+    lands = RegimeEnd(
+        "gap", -contact.penetration, _known(contact, (*_first_tried(contact), "relaxation")), jump
+    )
     return ContactRegime("separation", sympy.S.Zero, (), (), lambda *_: (lands,), rates=rates)
 
 
@@ -266,7 +269,11 @@ def _rates_apart(contact: Friction | Contact, system: LagrangeSystem) -> tuple[A
 
 
 def _pressed(contact: Friction | Contact) -> RegimeEnd:
-    return RegimeEnd("F_N", -contact.pressing, _known(contact, AFTER_FLIGHT))
+    return RegimeEnd("F_N", -contact.pressing, _known(contact, _first_tried(contact)))
+
+
+def _first_tried(contact: Friction | Contact) -> tuple[str, ...]:
+    return RUBBING_IN_PLANE if contact.in_plane else AFTER_FLIGHT
 
 
 BUILDERS: dict[str, Callable[[Any, Any], ContactRegime]] = {
@@ -694,7 +701,7 @@ def _chatter_events(system: LagrangeSystem, contact: Friction, rate: Any, closin
 
     Too long is twice the dwell time below which the solver replaces them.
     """
-    targets = tuple(name for name in AFTER_FLIGHT if name in contact.modes)
+    targets = _known(contact, _first_tried(contact))
     landed = Reset(vanishing={contact.penetration: 2, -contact.penetration: 2})
     return (
         Event("leaving rate", rate, targets, landed),

@@ -24,7 +24,6 @@ from .contact_regimes import (
     TIME,
     ContactRegime,
     impact_resets,
-    magnitude,
     regimes_of_contact,
     stick_reset,
 )
@@ -304,9 +303,7 @@ class LagrangeSystem:
     def speed_at_origin(self, contact: Friction | Stop) -> Any:
         """The speed of the belt, v_r at rest, where coordinates, clocks and further states are zero."""
         origin = dict.fromkeys((*self.q, *self.clocks, *self.further), 0)
-        velocities = contact.velocities if isinstance(contact, Friction) else (contact.relative_velocity,)
-        speeds = [sympy.sympify(self.at_rest(one), strict=True).subs(origin) for one in velocities]
-        return magnitude(speeds) if len(speeds) > 1 else speeds[0]
+        return sympy.sympify(self.at_rest(contact.relative_velocity), strict=True).subs(origin)
 
     def sliding_sign(self, contact: Friction | Stop) -> Any:
         """The sign of slip in one direction, that of the belt's speed; at the origin where it varies."""

@@ -32,6 +32,7 @@ from frictionlab.models.symbols import expand_products, gradient
 from frictionlab.validation import abbreviate
 
 from .contact_regimes import (
+    RUBBING_IN_PLANE,
     ContactRegime,
     HeldVelocity,
     RegimeEnd,
@@ -48,7 +49,6 @@ LAST_TIME = sympy.Float("3e-9")  # s; with less the series of order 32 goes beyo
 BREAKAWAY_TIME = sympy.Float("2e-8")  # s
 NO_FORCE = sympy.Float("1e-200")  # N^2
 STOP = "stop"  # the event at which slip ends
-RUBBING_IN_PLANE = "stick", "slip", "breakaway"
 
 
 def plane_regimes(contact: Friction, system: LagrangeSystem) -> tuple[ContactRegime, ...]:
@@ -66,7 +66,7 @@ def _slip(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
     def ends(rate: Any, _: Any) -> tuple[RegimeEnd, ...]:
         later = speed if isinstance(rate, tuple) else speed + LAST_TIME * rate
-        stops = RegimeEnd(STOP, later, ("stick", "breakaway"), "project")
+        stops = RegimeEnd(STOP, later, ("stick", "breakaway"), "stop")
         return (stops, *ends_of_contact(contact, system))
 
     force = tuple(friction * one / speed for one in contact.velocities)
@@ -112,7 +112,7 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         size, largest = _size(holding), contact.law.kinetic(pressing, sympy.S.Zero)
         gained = softness * sum(one**2 for one in holding)  # power, by a time
         return (
-            RegimeEnd(STOP, power, ("stick",), "project"),
+            RegimeEnd(STOP, power, ("stick",), "stop"),
             RegimeEnd("slips", 2 * LAST_TIME * gained - power * (1 - largest / size), ("slip",)),
             RegimeEnd("slips", BREAKAWAY_TIME * gained - power, ("slip",)),
             *ends_of_contact(contact, system),

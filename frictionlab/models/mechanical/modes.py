@@ -358,6 +358,9 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
         return Event(label, end.function, targets, *system.impact_resets(contact))
     if end.jump == "project":
         return Event(label, end.function, targets, _projection(system, combination, contact))
+    if end.jump == "stop":  # where its function jumps to need not be asked: what follows depends on v_r alone
+        alone = _projection(system, combination, contact)
+        return Event(label, end.function, targets, Reset(alone.jump, {**alone.vanishing, end.function: 0}))
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
     if end.jump == "yield" and isinstance(contact, Friction):

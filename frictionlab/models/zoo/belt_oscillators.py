@@ -239,6 +239,67 @@ class OscillatorChain(ZooModel):
 
 
 @model
+class DitheredOscillator(BeltOscillator):
+    """A mass on springs on a belt that vibrates across its way: friction in the plane, with v_r = (a, b).
+
+        m x'' + k x = mu N a/|v_r|,  a = v - x'
+        m y'' + k y = mu N b/|v_r|,  b = w cos(Omega t) - y'
+
+    Only the share a/|v_r| of the friction force is along the belt.  Where the vibration is so quick that
+    the mass does not follow, its mean is, with r = w/v and the complete elliptic integral K of a modulus,
+
+        2/(pi sqrt(1 + r^2)) K(r/sqrt(1 + r^2)) mu_k N,
+
+    and stick-slip ends.  The effect is that of ultrasonic vibrations; the model and the numbers are this
+    package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    k : float
+        Stiffness of the springs in both directions, N/m, above 0.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    w, Omega : float
+        Speed (m/s) and angular frequency (rad/s) of its vibration across.
+    friction : FrictionLaw
+
+    References
+    ----------
+    H. Storck, W. Littmann, J. Wallaschek, M. Mracek, Ultrasonics 40 (2002) 379-383.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> calm, dithered = (fl.simulate(fl.DitheredOscillator(w=w), 60.0, progress=False) for w in (0.0, 1.0))
+    >>> "stick" in calm.events.target, "stick" in dithered.events.target
+    (True, False)
+    """
+
+    m: float = positive(1.0, "kg", "m", "mass")
+    k: float = positive(1.0, "N/m", "k", "stiffness of the springs in both directions")
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.3, 3.0, "m/s", "v", "speed of the belt")
+    w: float = of_either_sign(0.5, 3.0, "m/s", "w", "speed of the belt's vibration across")
+    Omega: float = positive(6.0, "rad/s", r"\Omega", "angular frequency of the vibration")
+    friction: FrictionLaw = Coulomb(mu_k=0.4, mu_s=0.8)
+    coordinates = ("x", "y")
+
+    about = "a belt that vibrates across its way: less friction along it, and no stick-slip"
+    reference = "H. Storck et al., Ultrasonics 40 (2002) 379-383"
+    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+
+    def mechanics(self, q: Any, v: Any) -> Mechanics:
+        """One mass, one contact in the plane."""
+        rubbing = Friction((self.v - v.x, self.w * cos(q.phase) - v.y), self.N, self.friction)
+        kinetic, springs = self.m * (v.x**2 + v.y**2) / 2, self.k * (q.x**2 + q.y**2) / 2
+        return Mechanics(kinetic, springs, contacts=(rubbing,), frequency=self.Omega)
+
+
+@model
 class DoubleLayerPad(ZooModel):
     """A brake pad of two layers, of which the lower one rubs on the disc; the disc is a belt.
 

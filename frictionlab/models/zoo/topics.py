@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from .belt_oscillators import (
     BrakedOscillator,
+    DitheredOscillator,
     DoubleLayerPad,
     ExcitedBeltOscillator,
     ModularChain,
@@ -31,6 +32,7 @@ TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
             BrakedOscillator,
             ModularChain,
             NoisyOscillator,
+            DitheredOscillator,
         ),
         "mode coupling": (HultenOscillator, StrutPad, PadOnDisc),
         "rotating systems": (WobblingDisc, DrillString, FroudePendulum, MotorAndCart),

@@ -1,0 +1,281 @@
+"""Friction in the plane: stops where closed forms say, and what an integration that shares no code gives."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frictionlab as fl
+
+LAST_TIME = 3e-9  # s before a stop at which slip ends
+
+
+@fl.model
+class Puck(fl.MechanicalModel):
+    """A puck on a plane that is inclined by alpha; x is downhill."""
+
+    m: float = 2.0
+    g: float = 9.81
+    alpha: float = 0.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.4)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        weight = self.m * self.g
+        rubbing = fl.Friction((-v.x, -v.y), weight * fl.functions.cos(self.alpha), self.friction)
+        return fl.Mechanics(
+            self.m * (v.x**2 + v.y**2) / 2,
+            -weight * fl.functions.sin(self.alpha) * q.x,
+            contacts=(rubbing,),
+        )
+
+
+@fl.model
+class Coupled(fl.MechanicalModel):
+    """A mass on springs, of which one is oblique, on a belt that runs obliquely, with a pull across."""
+
+    m: float = 1.0
+    v: float = 0.2
+    w: float = 0.0
+    f: float = 0.1
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        springs = 1.5 * q.x**2 + q.y**2 + 0.4 * q.x * q.y
+        rubbing = fl.Friction((self.v - v.x, self.w - v.y), 1.0, self.friction)
+        return fl.Mechanics(self.m * (v.x**2 + v.y**2) / 2, springs, contacts=(rubbing,), loads={"y": self.f})
+
+
+@fl.model
+class Stacked(fl.MechanicalModel):
+    """A block on a board that slides freely."""
+
+    m: float = 1.0
+    M: float = 3.0
+    g: float = 9.81
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.2, mu_s=0.2)
+    coordinates = ("x1", "y1", "x2", "y2")
+
+    def mechanics(self, q, v):
+        rubbing = fl.Friction((v.x2 - v.x1, v.y2 - v.y1), self.m * self.g, self.friction)
+        block, board = self.m * (v.x1**2 + v.y1**2), self.M * (v.x2**2 + v.y2**2)
+        return fl.Mechanics((block + board) / 2, contacts=(rubbing,))
+
+
+@fl.model
+class Hopper(fl.MechanicalModel):
+    """A body that slides, and hops, on an elastic ground."""
+
+    k: float = 200.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    impact: fl.ImpactLaw = fl.RestitutionImpact()
+    coordinates = ("x", "y", "z")
+
+    def mechanics(self, q, v):
+        rubbing = fl.Friction((-v.x, -v.y), lambda d: self.k * d, self.friction, penetration=-q.z)
+        return fl.Mechanics((v.x**2 + v.y**2 + v.z**2) / 2, 9.81 * q.z, v.z**2, contacts=(rubbing,))
+
+
+def test_a_puck_stops_on_a_straight_line_where_its_energy_is_used_up():
+    run = fl.simulate(Puck(), 3.0, x0=[0.0, 0.0, 3.0, 4.0], progress=False)
+    deceleration = 0.3 * 9.81
+    assert run.events.t[0] + LAST_TIME == pytest.approx(5.0 / deceleration, rel=1e-14)
+    way = 25.0 / (2 * deceleration)
+    assert run.final_state == pytest.approx([0.6 * way, 0.8 * way, 0.0, 0.0], rel=1e-14)
+    assert run.time_in_mode["slip"] < 1.7 < run.time_in_mode["slip"] + run.time_in_mode["stick"]
+    assert fl.energy_audit(run).error < 1e-13
+
+
+@pytest.mark.parametrize("kappa", [1.3, 4.0])
+def test_on_an_inclined_plane_a_puck_stops_where_the_hodograph_says(kappa):
+    alpha, s = 0.25, 2.0
+    mu = kappa * math.tan(alpha)
+    model = Puck(alpha=alpha, mu_k=mu, mu_s=mu)
+    run = fl.simulate(model, 20.0, x0=[0.0, 0.0, 0.0, s], progress=False)
+    f = 9.81 * math.sin(alpha)
+    x = s**2 / (4 * f) * (1 / (2 * kappa - 2) - 1 / (2 * kappa + 2))
+    y = s**2 / (2 * f) * (1 / (2 * kappa - 1) + 1 / (2 * kappa + 1))
+    t = s / (2 * f) * (1 / (kappa - 1) + 1 / (kappa + 1))
+    assert run.events.target.tolist() == ["stick"]
+    assert run.final_state == pytest.approx([x, y, 0.0, 0.0], rel=1e-12)
+    assert run.events.t[0] + LAST_TIME == pytest.approx(t, rel=1e-13)
+
+
+def test_where_friction_just_holds_the_weight_half_of_the_speed_is_left():
+    model = Puck(alpha=math.atan(0.3), mu_k=0.3, mu_s=0.3)
+    run = fl.simulate(model, 30.0, x0=[0.0, 0.0, 0.0, 1.0], progress=False)
+    assert run.final_state[2:] == pytest.approx([0.5, 0.0], abs=1e-13)
+
+
+def test_a_puck_that_turns_round_goes_on_by_breakaway():
+    model = Puck(alpha=0.5, mu_k=0.2, mu_s=0.3)  # too steep to rest
+    run = fl.simulate(model, 3.0, x0=[0.0, 0.0, -2.0, 0.0], progress=False)
+    up, down = (9.81 * (math.sin(0.5) + sign * 0.2 * math.cos(0.5)) for sign in (1, -1))
+    assert run.events.source.tolist() == ["slip", "breakaway"]
+    x = -2.0 / up + down * (3.0 - 2.0 / up) ** 2 / 2
+    assert run.final_state[0] == pytest.approx(x, abs=1e-7)  # it turns LAST_TIME too early
+
+
+def test_blocks_stop_on_each_other_and_keep_their_momentum():
+    run = fl.simulate(Stacked(), 3.0, x0=[0, 0, 0, 0, 3.0, 4.0, 0, 0], progress=False)
+    assert run.final_state[4:] == pytest.approx([0.75, 1.0, 0.75, 1.0], rel=1e-14)
+    way = 25.0 / (2 * 0.2 * 9.81 * (1 + 1 / 3))  # over the board
+    assert run.final_state[0] - run.final_state[2] == pytest.approx(0.6 * way, rel=1e-12)
+
+
+def test_steady_sliding_is_damped_across_the_slip():
+    model = Coupled(w=-0.3, friction=fl.ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=0.3))
+    speed = math.hypot(0.2, 0.3)
+    e = np.array([0.2, -0.3]) / speed
+    mu, slope = 0.5 + 0.5 * math.exp(-speed / 0.3), -0.5 / 0.3 * math.exp(-speed / 0.3)
+    K = np.array([[3.0, 0.4], [0.4, 2.0]])
+    found = fl.equilibrium(model)
+    assert found.q == pytest.approx(np.linalg.solve(K, mu * e + [0.0, 0.1]), abs=1e-13)
+    damping = mu / speed * (np.eye(2) - np.outer(e, e)) + slope * np.outer(e, e)
+    exact = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -damping]]))
+    key = lambda one: (round(one.real, 9), one.imag)  # noqa: E731  the order of eigenvalues
+    assert sorted(fl.eigenvalues(model).values, key=key) == pytest.approx(sorted(exact, key=key), abs=1e-12)
+
+
+def stick_slip_by_dop853(x, t_end, belt=0.2, mu_k=0.5, mu_s=1.0, least=1e-8):
+    """Motion of `Coupled` in stick at first; slip begins and ends at a least speed."""
+    K, t, z = np.array([[3.0, 0.4], [0.4, 2.0]]), 0.0, np.array([*x, belt, 0.0])
+    hold = lambda z: K @ z[:2] - [0.0, 0.1]  # noqa: E731  the force that holds
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+    instants = []
+
+    def slip(t, z):
+        v = np.array([belt - z[2], -z[3]])
+        return np.concatenate([z[2:], mu_k * v / np.hypot(*v) - hold(z)])
+
+    def stops(t, z):
+        return np.hypot(belt - z[2], z[3]) - least / 2
+
+    def breaks(t, z):
+        return mu_s - np.hypot(*hold(z))
+
+    for event in (stops, breaks):
+        event.terminal, event.direction = True, -1
+    while t < t_end:
+        stuck = solve_ivp(lambda t, z: [belt, 0.0, 0.0, 0.0], (t, t_end), z, events=breaks, **options)
+        t, z = stuck.t[-1], stuck.y[:, -1]
+        if t < t_end:
+            instants.append(t)
+            z[2:] = [belt, 0.0] - least * hold(z) / np.hypot(*hold(z))
+            slipped = solve_ivp(slip, (t, t_end), z, events=stops, **options)
+            t, z = slipped.t[-1], slipped.y[:, -1]
+            z = np.array([*z[:2], belt, 0.0]) if t < t_end else z
+            instants += [t] if t < t_end else []
+    return z, instants
+
+
+@pytest.mark.slow  # 0.5 s: the integration beside it is one of scipy's
+def test_stick_slip_is_that_of_an_integration_with_a_least_speed():
+    run = fl.simulate(Coupled(), 12.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False)
+    state, instants = stick_slip_by_dop853([0.0, 0.5], 12.0)
+    some = np.isin(run.events.source, ["stick", "slip"])
+    assert len(instants) > 4
+    assert run.events.t[some] == pytest.approx(instants, abs=1e-6)
+    assert run.final_state == pytest.approx(state, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        fl.Coulomb(mu_k=0.5, mu_s=1.0),
+        pytest.param(fl.FrictionCurve(), marks=pytest.mark.slow),  # one more derivation
+        pytest.param(fl.Stribeck(mu_k=0.5, mu_s=1.0, v_s=0.3), marks=pytest.mark.slow),  # 4,000 short steps
+    ],
+)
+def test_stick_slip_keeps_its_energy(law):
+    run = fl.simulate(Coupled(friction=law), 15.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False)
+    assert {"stick", "breakaway"} <= {name.split(" ")[0] for name in run.events.source}
+    assert fl.energy_audit(run, progress=False).error < 1e-12
+
+
+@pytest.mark.slow  # 3 s: a verification takes three runs, one of them scipy's
+def test_stick_slip_is_verified():
+    model = Coupled()
+    assert fl.verify(model, 10.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False).ok
+
+
+def test_a_periodic_orbit_with_stick_in_the_plane_has_multipliers():
+    model = Coupled()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 40.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False))
+    assert [name for name, _ in orbit.modes] == ["stick", "breakaway", "slip"]
+    assert sorted(abs(orbit.multipliers))[-2:] == pytest.approx([0.2379, 1.0], abs=1e-4)
+
+
+def test_a_body_hops_and_comes_to_rest():
+    model = Hopper()
+    run = fl.simulate(model, 8.0, x0=[0.0, 0.0, 0.5, 1.0, -0.7, 0.0], progress=False)
+    assert {"separation", "slip"} <= {*run.mode}
+    assert run.mode[-1] == "stick"
+    assert run.final_state[3:5] == pytest.approx([0.0, 0.0], abs=0.0)
+    way = run.final_state[:2]
+    assert way[1] / way[0] == pytest.approx(-0.7, rel=1e-9)
+    fl.testing.check_model(model)
+
+
+def test_equations_have_both_components():
+    text = str(Coupled().equations("slip"))
+    assert "F_Ta(t) = mu_k*F_N(t)*v_ra(t)/sqrt(v_ra(t)**2 + v_rb(t)**2)" in text
+    assert "sqrt(F_Ta(t)**2 + F_Tb(t)**2) <= mu_s*F_N(t)" in str(Coupled().equations("stick"))
+
+
+def with_contacts(*contacts, interface=None):
+    """A model of two coordinates with contacts of v and the law."""
+
+    @fl.model
+    class Refused(fl.MechanicalModel):
+        """A model that is refused."""
+
+        friction: fl.FrictionLaw = fl.Coulomb()
+        coordinates = ("x", "y")
+
+        def mechanics(self, q, v):
+            made = tuple(contact(q, v, self.friction) for contact in contacts)
+            return fl.Mechanics((v.x**2 + v.y**2) / 2, contacts=made)
+
+    return Refused() if interface is None else Refused(interface=interface)
+
+
+PLANE = lambda q, v, law: fl.Friction((1.0 - v.x, -v.y), 1.0, law)  # noqa: E731  a contact of a test
+
+
+@pytest.mark.parametrize(
+    ("contacts", "words"),
+    [
+        ([lambda q, v, law: fl.Friction((v.x, v.y, v.x), 1.0, law)], "must have two components, got 3"),
+        ([lambda q, v, law: fl.Friction((v.x, 2 * v.x), 1.0, law)], "two independent components"),
+        ([lambda q, v, law: fl.Friction((v.x, v.y), 1.0, fl.LuGre())], "must have no states, got LuGre"),
+        (
+            [
+                lambda q, v, law: fl.Friction(
+                    (v.x, 1 + v.y), lambda d: d, law, penetration=q.y, impact=fl.FrictionalImpact()
+                )
+            ],
+            "must have no friction, got FrictionalImpact",
+        ),
+        (
+            [
+                lambda q, v, law: fl.Stop(
+                    q.x, fl.PlasticImpact("full"), friction=law, relative_velocity=(v.x, v.y)
+                )
+            ],
+            "of a Stop of Refused must be one expression, got 2",
+        ),
+        ([PLANE, lambda q, v, law: fl.Friction(-v.x, 1.0, law)], "must be the only one with friction along"),
+    ],
+)
+def test_what_is_not_of_the_plane_is_refused(contacts, words):
+    with pytest.raises(ValueError, match=words):
+        with_contacts(*contacts).automaton()
+
+
+def test_sliding_in_one_direction_is_refused():
+    with pytest.raises(ValueError, match="must have stick, got SlidingOnly"):
+        with_contacts(PLANE, interface=fl.SlidingOnly()).automaton()
+    assert "nonsmooth" not in Coupled().nonlinearities
