@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
+from scipy.special import ellipk
 
 import frictionlab as fl
 from tests.helpers.cases import slow_but
@@ -16,6 +17,23 @@ def sorted_values(values):
 
 
 # --- oscillators on a belt
+
+
+def test_a_mass_on_a_belt_that_does_not_vibrate_sticks_and_slips_with_the_period_of_the_arc():
+    run = fl.simulate(fl.DitheredOscillator(w=0.0), 40.0, progress=False)
+    stops = run.events.t[run.events.guard == "stop"]
+    ratio = 0.4 / 0.3  # (mu_s - mu_k) N/(v sqrt(k m))
+    assert np.diff(stops)[1:] == pytest.approx(2 * ratio + 2 * math.pi - 2 * math.atan(ratio), rel=1e-9)
+
+
+@pytest.mark.slow  # 1 s: some 500 periods of the vibration
+def test_vibration_across_lowers_the_mean_friction_by_an_elliptic_integral():
+    model = fl.DitheredOscillator(w=1.0, Omega=40.0)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 150.0, progress=False))
+    x = orbit.trajectory(np.linspace(0.0, orbit.period, 1000, endpoint=False))[:, 0]
+    r2 = (model.w / model.v) ** 2
+    exact = 2 / (math.pi * math.sqrt(1 + r2)) * ellipk(r2 / (1 + r2)) * model.mu_k * model.N
+    assert x.mean() * model.k == pytest.approx(exact, rel=1e-4)  # the mass follows a little, by 1/Omega^2
 
 
 def test_popp_and_stelter_hopf_point():
