@@ -211,7 +211,7 @@ class Result:
             return 0.0, min(end, shown)
         return moving_span(self.run, shown) if moving else (max(0.0, end - float(window)), end)
 
-    @property
+    @cached_property
     def is_moving(self) -> bool:
         """Whether the coordinates change in the last periods of the run."""
         end = float(self.run.raw.t)

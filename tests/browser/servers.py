@@ -77,6 +77,19 @@ for i, row in enumerate(fl.list_models("classics")):
 """
 
 
+# Some models in one cell, each with what its last run ended with, to the last bit.
+MODELS_IN_LAB = """\
+import frictionlab as fl
+import ipywidgets
+
+for i, (name, model) in enumerate({models}):
+    explorer = fl.explore(model, panels=("response", "eigenvalues"))
+    explorer.widget.add_class(f"model-{{i}}")
+    said = ipywidgets.Label(repr(explorer.run.final_state.tolist())).add_class(f"final-{{i}}")
+    display(said, explorer)
+"""
+
+
 LAB = (
     "--no-browser",
     "--allow-root",

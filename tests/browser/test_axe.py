@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import frictionlab as fl
-from tests.browser.screen import faults
+from frictionlab.pages.gallery import index_page, library_scenes
+from tests.browser.screen import cut_off, faults
 from tests.browser.test_page import exported, opened
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -24,6 +25,32 @@ def test_an_exported_page(browser, axe, tmp_path, model, theme):
     page = opened(browser, exported(model, tmp_path / "page.html"))
     page.evaluate("(name) => explorer.setTheme(name)", theme)
     page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
+    assert faults(page, axe) == []
+    page.context.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_lessons_formulas_and_the_index_of_pages(browser, axe, tmp_path, theme):
+    model = fl.MassOnBelt(friction=fl.FrictionCurve(), c=0.1)
+    page = opened(browser, exported(model, tmp_path / "page.html"))
+    page.evaluate("(name) => explorer.setTheme(name)", theme)
+    page.get_by_label("μ(v) =").fill("0.3 + x")
+    page.keyboard.press("Enter")
+    page.evaluate("explorer.lesson.record([{ text: 'a step', control: 'v', changed: {} }])")
+    assert faults(page, axe) == []
+    page.get_by_role("button", name="finish").click()
+    assert faults(page, axe) == []
+    page.context.close()
+    index = tmp_path / "index.html"
+    index.write_text(
+        index_page(library_scenes(), {"BouncingBall()": "too many modes"}, "../"), encoding="utf-8"
+    )
+    page = browser.new_context(color_scheme=theme).new_page()
+    page.goto(index.as_uri())
+    page.wait_for_selector("body[data-ready]")
+    for width in (390, 1280, 1920):
+        page.set_viewport_size({"width": width, "height": 900})
+        assert cut_off(page, "#explorer") == []
     assert faults(page, axe) == []
     page.context.close()
 

@@ -10,9 +10,12 @@ from urllib.parse import quote
 import pytest
 
 import frictionlab as fl
-from tests.browser.screen import PATIENCE, changed, come_to, flip, press, seen, settled
+from frictionlab.pages.gallery import library_scenes
+from frictionlab.widgets.result import default_settings, limit_steps
+from tests.browser.screen import PATIENCE, changed, come_to, cut_off, flip, press, seen, settled
 from tests.browser.servers import (
     CLICKED,
+    MODELS_IN_LAB,
     app,
     free_port,
     in_lab,
@@ -240,6 +243,38 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
         assert page.inner_text(".fl-step") == "See it stick."
         page.get_by_role("button", name="end the lesson").click()
         page.wait_for_function("location.hash === '#scene=stick-slip&mu_k=0.55'")
+        page.close()
+
+
+IN_LAB = "MassOnBelt()", "SliderOnRigidBelt()", "BouncingBall()"
+ALL_SCENES = {each.name: each for each in library_scenes()}
+
+
+@pytest.mark.parametrize(
+    "names", [IN_LAB, pytest.param(tuple(ALL_SCENES), marks=pytest.mark.slow)], ids=["three", "all"]
+)
+def test_models_in_jupyterlab_show_the_motion_of_simulate(browser, tmp_path, names):
+    if find_spec("jupyterlab") is None:
+        pytest.skip("jupyterlab shows the explorers; it is not installed")
+    scenes = f"[(s.name, s.model) for s in library_scenes() if s.name in {names!r}]"
+    source = "from frictionlab.pages.gallery import library_scenes\n" + MODELS_IN_LAB.format(models=scenes)
+    write_notebook(tmp_path, source)
+    port, failures = free_port(), []
+    with serving(in_lab(tmp_path, port), port, tmp_path) as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 720})
+        page.on("pageerror", lambda error: failures.append(str(error)))
+        page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
+        page.goto(address + "/doc/tree/page.ipynb", wait_until="commit")
+        run_all(page)
+        shown = (name for name in ALL_SCENES if name in names)
+        for i, name in enumerate(shown):
+            page.wait_for_selector(f".model-{i} .fl-words:not(:empty)", timeout=3 * PATIENCE)
+            settings = default_settings(ALL_SCENES[name].model)
+            method = limit_steps(settings.method)
+            run = fl.simulate(settings.model, settings.t_end, method=method, progress=False)
+            assert page.inner_text(f".final-{i}") == repr(run.final_state.tolist())
+            assert cut_off(page, f".model-{i}") == []
+        assert failures == []
         page.close()
 
 

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.pages.export import SolverNotBuiltError
+from frictionlab.pages.gallery import library_scenes
 from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.browser
@@ -392,26 +394,19 @@ class Softening(fl.FrictionLaw):
         return self.mu_s * normal_force
 
 
-OTHERS = [
-    fl.MassOnBelt(c=0.1),
-    fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
-    fl.DenHartog(),
-    fl.BouncingBall(),
-    fl.ImpactOscillator(),
-    fl.TwoBlocks(),
-    fl.ModeCoupling(),
-    fl.SliderOnRigidBelt(),
-    fl.FreeCoulomb(),
-]
+SCENES = {each.name: each.model for each in library_scenes()}
+AT_ONCE = "MassOnBelt()", "stick-slip"
 
 
-@pytest.mark.parametrize("model", slow_but(OTHERS[:2], OTHERS), ids=lambda model: repr(model)[:40])
-def test_other_models_have_the_bits_of_simulate(browser, tmp_path, model):
-    page = opened(browser, exported(model, tmp_path / "page.html", t_end=5.0))
+@pytest.mark.parametrize("name", slow_but(AT_ONCE, SCENES))
+def test_every_scene_of_the_library_has_the_bits_of_simulate(browser, tmp_path, name):
+    model = SCENES[name]
+    end = 10 * oscillation_period(model)
+    page = opened(browser, exported(model, tmp_path / "page.html", t_end=end, switches=(), laws=()))
     found = page.evaluate(
         "({ state: explorer.result.final, times: Array.from(explorer.engine.run.eventTimes) })"
     )
-    run = fl.simulate(model, 5.0)
+    run = fl.simulate(model, end)
     assert found["state"] == run.final_state.tolist()
     assert found["times"] == run.events.t.tolist()
     assert not page.problems
