@@ -157,7 +157,7 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     """The elimination; None if linear rows contradict each other, so that there is no zero; a text that says
     why nothing is known."""
     m, origin = flow.size, np.zeros(flow.size)
-    entries = flow.slopes([Interval(np.full(1, -np.inf), np.full(1, np.inf))] * m, values)
+    entries = flow.slopes(_whole(m, np.inf), values)
     constant = {place: _constant(entry) for place, entry in entries.items()}
     rows = np.array([None not in [c for (r, _), c in constant.items() if r == i] for i in range(m)])
     matrix = np.zeros((m, m))
@@ -182,9 +182,7 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     origin, basis = solved
     unknowns = basis.shape[1]
     # Linear rows may have made columns of the others constant.
-    there = [
-        interval(state) if unknowns else state for state in _combined(origin, basis, [_whole()] * unknowns)
-    ]
+    there = [interval(state) if unknowns else state for state in _combined(origin, basis, _whole(unknowns))]
     entries = flow.slopes(there, values)
     columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in left]
     linear = np.array([all(_constant(row[k]) is not None for row in columns) for k in range(unknowns)], bool)
@@ -192,7 +190,7 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     coefficients = coefficients.reshape(len(left), int(linear.sum()))
     combined, _ = _rows_without(coefficients)
     elimination = Elimination(origin, basis, left, np.flatnonzero(~linear), combined, coefficients)
-    everywhere = ReducedFlow(flow, values, elimination).rates([_whole()] * int((~linear).sum()))
+    everywhere = ReducedFlow(flow, values, elimination).rates(_whole(int((~linear).sum())))
     if not all(np.all(row.contains_zero()) for row in everywhere):
         return None
     if len(combined) != len(elimination.nonlinear):
@@ -233,8 +231,9 @@ def _linear_sums(
     return sums, np.setdiff1d(left, rows[~used])
 
 
-def _whole() -> Interval:
-    return Interval(np.full(1, -LARGEST), np.full(1, LARGEST))
+def _whole(count: int, size: float = LARGEST) -> list[Interval]:
+    """All values of some states; each is an interval of its own, as one times itself is a square."""
+    return [Interval(np.full(1, -size), np.full(1, size)) for _ in range(count)]
 
 
 def _constant(entry: Any) -> float | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ from frictionlab.stability.equilibrium_points.newton import (
     find_zeros,
 )
 from frictionlab.stability.equilibrium_points.steady_rates import (
+    SteadyRates,
     is_free,
     states_by_constraints,
     static_rates,
@@ -44,72 +45,103 @@ CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold a
 SHOWN = ("penetration",), ("normal_force", "reaction"), ("friction_force",)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SteadyMode:
-    """A mode in which equilibria are searched for, as functions.
+    """A mode in which equilibria are searched for, as functions of the states, then the parameters.
 
     Parameters
     ----------
+    structure : hashable
+        What is cached on disk of a model's structure, whose modes are derived only if they are not there; of
+        an automaton that is nowhere on disk the mode itself, with all that its functions depend on.
     name : str
-    holds : bool
-        Whether it has constraints that give no states.
-    flow : Flow
-        With the margins that have to stay positive: event functions and normal force.
-    statics : Flow
-        What is zero at the equilibria, of the states and the reactions of rigid contacts; the flow itself
-        where no balance of forces is known.
-    derivations : Derivations
-        What is cached on disk of its structure.
-    derive : callable
-        Gives the mode.
-    inputs : callable
-        Gives the symbols of the states, then those of the parameters.
-    following : tuple of int
-        Places of states that follow from the others where the motion is steady; see `SteadyRates`.
-    held : tuple of int
-        The coordinates among them that distances of zero give.
-    giving : callable or None
-        Gives the mode whose distances give other coordinates.
+    automaton : HybridAutomaton
+        Any of that structure, whatever its values.
+    preferred : tuple of int
+        Places of coordinates that distances of zero give, if they can.
     """
 
+    structure: Any
     name: str
-    holds: bool
-    flow: Flow
-    statics: Flow
-    derivations: Derivations
-    derive: Callable[[], Mode]
-    inputs: Callable[[], Sequence[Any]]
-    following: tuple[int, ...] = ()
-    held: tuple[int, ...] = ()
-    giving: Callable[[tuple[int, ...]], SteadyMode] | None = None
+    automaton: HybridAutomaton = field(compare=False)
+    preferred: tuple[int, ...] = ()
+
+    def derive(self) -> Mode:
+        """The mode."""
+        return self.automaton.mode(self.name)
+
+    @cached_property
+    def derivations(self) -> Derivations:
+        """What is cached on disk of its structure."""
+        return self.structure if isinstance(self.structure, Derivations) else Derivations(None)
+
+    @cached_property
+    def flow(self) -> Flow:
+        """Its flow, with the margins that have to stay positive: event functions and normal force."""
+        rates = self._formulas(f"rates{self._choice}", lambda mode: self._steady_rates(mode).rates)
+        return Flow(tuple(self.automaton.values), rates, self._formulas("margins", _margins))
+
+    @cached_property
+    def statics(self) -> Flow:
+        """What is zero at the equilibria, of the states and the reactions of rigid contacts; the flow itself
+        where no balance of forces is known."""
+
+        def rates(mode: Mode) -> Sequence[Any]:
+            known = mode.balance and is_free(self.automaton, mode)
+            return static_rates(self.automaton, mode) if known else ()
+
+        balance = self._formulas("statics", rates, _reactions)
+        if not balance.outputs:
+            return self.flow
+        return Flow(tuple(self.automaton.values), balance, self._formulas("limits", _margins, _reactions))
+
+    @cached_property
+    def following(self) -> tuple[int, ...]:
+        """Places of states that follow from the others where the motion is steady; see `SteadyRates`."""
+        name = f"following states{self._choice} in {self.name}"
+        return tuple(self.derivations.value(name, lambda: self._steady_rates(self.derive()).following))
+
+    @cached_property
+    def holds(self) -> bool:
+        """Whether it has constraints that give no states; those on disk have none."""
+        if self.derivations is self.structure:
+            return False
+        return bool(states_by_constraints(self.automaton, self.derive()).left)
+
+    def _steady_rates(self, mode: Mode) -> SteadyRates:
+        return steady_rates(self.automaton, mode, self.preferred)
+
+    @property
+    def _choice(self) -> str:
+        return f" by {self.preferred}" if self.preferred else ""
 
     def regular_at(self, x: Array, values: Sequence[float]) -> SteadyMode:
         """The mode with distances that give other coordinates, where slopes by the first ones vanish at x."""
-        m = len(x)
+        m, n = len(x), self.automaton.coordinates
+        given = [place for place in self.following if place < n and place + n in self.following]
         distances = Formulas(self.statics.rates.tape, self.statics.rates.outputs[m:])
-        if not self.held or not distances.outputs:
+        if not given or not distances.outputs:
             return self
         places, formulas = distances.jacobian(range(m))
         slopes = formulas.arrays(*x, *np.zeros(len(distances.outputs)), *values)
         matrix = np.zeros((len(distances.outputs), m))
         for place, slope in zip(places, slopes, strict=True):
             matrix[place] = slope
-        own, all_ = (np.linalg.svd(some, compute_uv=False)[-1] for some in (matrix[:, self.held], matrix))
+        own, all_ = (np.linalg.svd(some, compute_uv=False)[-1] for some in (matrix[:, given], matrix))
         if own > LEAST_SLOPE * all_:
             return self
         pivots = []
         for i, row in enumerate(matrix):
             pivots.append(int(np.abs(row).argmax()))
             matrix[i + 1 :] -= np.outer(matrix[i + 1 :, pivots[-1]] / row[pivots[-1]], row)
-        return self.giving(tuple(pivots)) if self.giving else self
+        return _known(replace(self, preferred=tuple(pivots)))
 
     @property
     def guards(self) -> Formulas:
         """The event functions, and the distances from borders of laws in pieces."""
 
-        def guards() -> list[Any]:
-            mode, states = self.derive(), self.inputs()[: self.flow.size]
-            borders = distances_from_borders(states, [*mode.flow, *mode.outputs.values()])
+        def guards(mode: Mode) -> list[Any]:
+            borders = distances_from_borders(self.automaton.states, [*mode.flow, *mode.outputs.values()])
             return [*(event.function for event in mode.events), *borders]
 
         return self._formulas("guards", guards)
@@ -117,8 +149,8 @@ class SteadyMode:
     def shown(self, x: Array, values: Sequence[float]) -> tuple[float, ...]:
         """The outputs `SHOWN` at a state (m,); NaN where the mode has no such output."""
 
-        def outputs() -> list[Any]:
-            given = self.derive().outputs
+        def outputs(mode: Mode) -> list[Any]:
+            given = mode.outputs
             return [next((given[name] for name in names if name in given), sympy.nan) for names in SHOWN]
 
         return tuple(map(float, self._formulas("shown", outputs).arrays(*x, *values)))
@@ -134,7 +166,7 @@ class SteadyMode:
 
     def _constraints(self, x: Array, values: Sequence[Any]) -> tuple[list[Any], Array]:
         """The constraints at states (m, N), and the sizes of the terms that cancel in each."""
-        formulas = self._formulas("constraints", lambda: self.derive().constraints)
+        formulas = self._formulas("constraints", lambda mode: mode.constraints)
         places, slopes = formulas.jacobian(range(len(x)))
         sizes = np.zeros((len(formulas.outputs), *np.shape(x[0])))
         sizes += np.abs(np.array(formulas.arrays(*np.zeros(len(x)), *values))).reshape(
@@ -144,10 +176,35 @@ class SteadyMode:
             sizes[row] += np.abs(slope * x[column])
         return formulas.arrays(*x, *values), sizes
 
-    def _formulas(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
-        return kept_formulas(
-            self.derivations, f"{name} in {self.name}", lambda: formulas_of(self.inputs(), [*expressions()])
-        )
+    def can_last_at_rest(self, values: Sequence[float]) -> bool:
+        """Whether its conditions can hold at zero velocities: not in slip against a running belt."""
+
+        def conditions(mode: Mode) -> list[Any]:
+            return _without_states(self.automaton, [event.function for event in mode.events])
+
+        zeros = np.zeros(len(self.automaton.state_names))
+        formulas = self._formulas("at rest", conditions)
+        return not any(value < 0 for value in formulas.arrays(*zeros, *values))
+
+    def _formulas(
+        self,
+        name: str,
+        expressions: Callable[[Mode], Sequence[Any]],
+        reactions: Callable[[Mode], Sequence[Any]] = lambda _: (),
+    ) -> Formulas:
+        def derive() -> Formulas:
+            mode, automaton = self.derive(), self.automaton
+            return formulas_of(
+                (*automaton.states, *reactions(mode), *automaton.parameters), [*expressions(mode)]
+            )
+
+        return kept_formulas(self.derivations, f"{name} in {self.name}", derive)
+
+
+@lru_cache(maxsize=256)
+def _known(mode: SteadyMode) -> SteadyMode:
+    """The first of modes that are equal, with the functions that it has derived."""
+    return mode
 
 
 def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMode]:
@@ -160,7 +217,8 @@ def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMo
         modes = _cached_modes(automaton, derivations)
     else:
         modes = (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
-    return (mode for mode in modes if _can_last_at_rest(automaton, mode))
+    values = parameter_values(automaton)
+    return (mode for mode in modes if mode.can_last_at_rest(values))
 
 
 def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:
@@ -232,7 +290,7 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
     """
     automaton, why, searched = key.automaton, "", []
     for mode in steady_modes(automaton, key.sliding):
-        points = np.zeros((mode.flow.size, 0))
+        points = np.zeros((len(automaton.state_names), 0))
         if not mode.holds or _allows_rest(automaton, mode.derive()):
             zeros = _zeros_of_mode(mode, key.values)
             why = why or (f"in {mode.name} {zeros.why}" if zeros.why else "")
@@ -242,14 +300,14 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
             break
     if not searched:
         mode = _derived_mode(automaton, automaton.modes[0])
-        searched.append(ModeEquilibria(mode, np.zeros((mode.flow.size, 0)), why))
+        searched.append(ModeEquilibria(mode, np.zeros((len(automaton.state_names), 0)), why))
     return tuple(searched)
 
 
 @lru_cache(maxsize=256)
 def _zeros_of_mode(mode: SteadyMode, values: tuple[float, ...]) -> Zeros:
     """The zeros of a mode's flow, inside its guards or not."""
-    zeros, m = find_zeros(mode.statics, values), mode.flow.size
+    zeros, m = find_zeros(mode.statics, values), len(mode.automaton.state_names)
     if len(zeros.points) == m:
         return zeros
     states = zeros.points[:m]  # their distances from the origin are without the reactions
@@ -260,88 +318,16 @@ def _cached_modes(automaton: HybridAutomaton, derivations: Derivations) -> Itera
     names = derivations.value(
         "steady modes", lambda: [m.name for m in automaton.modes if is_free(automaton, m)]
     )
-    return (_steady_mode(ModeKey(derivations, name, automaton)) for name in names)
+    return (_known(SteadyMode(derivations, name, automaton)) for name in names)
 
 
 def _derived_mode(automaton: HybridAutomaton, mode: Mode) -> SteadyMode:
     structure = mode, automaton.states, tuple(automaton.parameters), automaton.coordinates, automaton.cyclic
-    return _steady_mode(ModeKey(structure, mode.name, automaton))
-
-
-@dataclass(frozen=True)
-class ModeKey:
-    """The key of a mode's functions: its structure and name, and the coordinates that distances give, where
-    these are not the first choice; the automaton may be any of that structure.
-
-    The structure is what is cached on disk of a model's, whose modes are derived only if they are not there;
-    of an automaton that is nowhere on disk it is the mode itself.
-    """
-
-    structure: Any
-    name: str
-    automaton: HybridAutomaton = field(compare=False)
-    held: tuple[int, ...] = ()
-
-
-@lru_cache(maxsize=256)
-def _steady_mode(key: ModeKey) -> SteadyMode:
-    automaton, derive = key.automaton, partial(key.automaton.mode, key.name)
-    by = f" by {key.held}" if key.held else ""
-    on_disk = isinstance(key.structure, Derivations)
-    derivations = key.structure if on_disk else Derivations(None)
-
-    def formulas(
-        what: str,
-        expressions: Callable[[Mode], Sequence[Any]],
-        reactions: Callable[[Mode], Sequence[Any]] = lambda _: (),
-    ) -> Formulas:
-        def formulas_of_mode() -> Formulas:
-            mode = derive()
-            inputs = (*automaton.states, *reactions(mode), *automaton.parameters)
-            return formulas_of(inputs, expressions(mode))
-
-        return kept_formulas(derivations, f"{what} in {key.name}", formulas_of_mode)
-
-    rates = formulas(f"rates{by}", lambda mode: steady_rates(automaton, mode, key.held).rates)
-    flow = statics = Flow(tuple(automaton.values), rates, formulas("margins", _margins))
-    balance = formulas("statics", partial(_statics, automaton), _reactions)
-    if balance.outputs:
-        margins = formulas("static margins", _margins, _reactions)
-        statics = Flow(flow.parameters, balance, margins)
-    name, n = f"following states{by} in {key.name}", automaton.coordinates
-    following = tuple(derivations.value(name, lambda: steady_rates(automaton, derive(), key.held).following))
-    held = tuple(place for place in following if place < n and place + n in following)
-    holds = not on_disk and bool(states_by_constraints(automaton, derive()).left)  # those on disk are free
-    inputs = partial(_inputs, automaton)
-
-    def giving(others: tuple[int, ...]) -> SteadyMode:
-        return _steady_mode(replace(key, held=others))
-
-    return SteadyMode(key.name, holds, flow, statics, derivations, derive, inputs, following, held, giving)
-
-
-def _statics(automaton: HybridAutomaton, mode: Mode) -> Sequence[Any]:
-    return static_rates(automaton, mode) if mode.balance and is_free(automaton, mode) else ()
+    return _known(SteadyMode(structure, mode.name, automaton))
 
 
 def _reactions(mode: Mode) -> Sequence[Any]:
     return mode.balance.reactions if mode.balance else ()
-
-
-def _inputs(automaton: HybridAutomaton) -> tuple[Any, ...]:
-    return (*automaton.states, *automaton.parameters)
-
-
-def _can_last_at_rest(automaton: HybridAutomaton, mode: SteadyMode) -> bool:
-    """Whether the conditions of a mode can hold at zero velocities: not in slip against a running belt."""
-
-    def derive() -> Formulas:
-        conditions = [event.function for event in mode.derive().events]
-        return formulas_of(_inputs(automaton), _without_states(automaton, conditions))
-
-    formulas = kept_formulas(mode.derivations, f"at rest in {mode.name}", derive)
-    zeros = np.zeros(mode.flow.size)
-    return not any(value < 0 for value in formulas.arrays(*zeros, *parameter_values(automaton)))
 
 
 def _modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[Mode]:

@@ -65,16 +65,12 @@ def _relative_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[list[Any], 
 def static_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[Any, ...]:
     """What vanishes at the steady motions of a mode, without M^-1: functions of states and reactions.
 
-    Forces are in place of accelerations.  A distance of zero goes with each reaction.  A coordinate that it
-    gives as a sum is replaced in the others.
+    Forces are in place of accelerations.  A distance of zero goes with each reaction.
     """
     assert mode.balance is not None
     rates, _ = _relative_rates(automaton, mode)
     n, (given, _, distances) = automaton.coordinates, states_by_constraints(automaton, mode)
     rates[n : 2 * n] = mode.balance.forces
-    sums = {automaton.states[place]: one.value for place, one in given.items() if place < n and one.is_sum}
-    if sums:
-        rates = [sympy.sympify(rate, strict=True).xreplace(sums) for rate in rates]
     for place, one in given.items():
         if place >= 2 * n:
             rates[place] = one.rate
@@ -90,12 +86,10 @@ def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
 
 
 class GivenState(NamedTuple):
-    """What a constraint says of a state: its value by the others, and a rate that is zero there; and whether
-    the value follows without a division by functions of states."""
+    """What a constraint says of a state: its value by the others, and a rate that is zero there."""
 
     value: Any
     rate: Any
-    is_sum: bool = False
 
 
 class ConstrainedStates(NamedTuple):
@@ -163,10 +157,11 @@ def _held_coordinates(
             return {}
         slopes = {x: _order_of_choice(sympy.diff(left, x), x, states) for x in reversed(candidates)}
         x = min(slopes, key=lambda x: (q.index(x) not in held, slopes[x]))
-        root = _root(left, x, states)
-        for other, one in solved.items():
-            value, rate = (part.xreplace({x: root.value}) for part in one[:2])
-            solved[other] = GivenState(value, rate, one.is_sum and root.is_sum)
+        root = _root(left, x)
+        solved = {
+            other: GivenState(*(part.xreplace({x: root.value}) for part in one))
+            for other, one in solved.items()
+        }
         solved[x] = root
     free = [i for i in range(n) if q[i] not in solved]
     given = {}
@@ -188,14 +183,14 @@ def _order_of_choice(slope: Any, x: Any, states: Sequence[Any]) -> int:
     return 2 if x in used else 1 if used else 0
 
 
-def _root(function: Any, x: Any, states: Sequence[Any]) -> GivenState:
+def _root(function: Any, x: Any) -> GivenState:
     """Where a function of x is zero, if it is linear in x; else two steps of Newton's method from x."""
     slope = sympy.diff(function, x)
     if x in slope.free_symbols:
         step = x - function / slope
         return GivenState(step.xreplace({x: step}), -function / slope)
     value = sympy.expand(-function.subs(x, 0) / slope)
-    return GivenState(value, value - x, slope.free_symbols.isdisjoint(states))
+    return GivenState(value, value - x)
 
 
 def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> dict[int, dict[int, Any]]:

@@ -66,6 +66,13 @@ def test_a_threefold_equilibrium_counts_once():
     np.testing.assert_allclose([e.q[0] for e in shifted], [1.0], atol=1e-4)  # rounding leaves 1e-16^(1/3)
 
 
+def test_a_product_of_two_states_may_be_negative():
+    known = equilibria([X * Y + 1, X**2 + Y**2 - 4], (X, Y), 0)
+    assert known.complete
+    expected = [(s * np.sqrt(2) + t * np.sqrt(6)) / 2 for s in (-1, 1) for t in (-1, 1)]
+    assert sorted(one.state[0] for one in known) == pytest.approx(sorted(expected), rel=1e-14)
+
+
 def test_where_there_is_none_it_is_known():
     for flow, states, n in (
         ([V, 2 - sympy.sin(X) - V], (X, V), 1),
