@@ -40,6 +40,7 @@ from frictionlab.plotting.labels import (
     state_with_unit,
 )
 from frictionlab.plotting.time_histories import Array
+from frictionlab.presentation import unit_of_state
 from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
@@ -125,9 +126,7 @@ def _forces(equilibrium: Equilibrium) -> dict[str, tuple[float, str]]:
 
 
 def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
-    known = bool(
-        equilibrium.model.coordinates
-    )  # states of an automaton without coordinates may have any unit
+    known = bool(unit_of_state(equilibrium.model, equilibrium.names[0]))
     mixed = known and bool(secondary_axis_angles(equilibrium.names))
     model = equilibrium.model if mixed else None
     bars = ax.bar(
