@@ -87,11 +87,13 @@ def rate_of_speed(contact: Friction, system: LagrangeSystem, accelerations: Sequ
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Stick: both components of v_r are zero, until the holding force leaves its circle."""
     limit, directions = contact.law.static_limit(contact.pressing), system.direction(contact)
+    bilateral = "separation" not in contact.modes and system.varies(sympy.sympify(limit, strict=True))
     held = tuple(HeldVelocity(one, directions[:, k], -1) for k, one in enumerate(contact.velocities))
 
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
         room = largest**2 - sum(one**2 for one in _components(force))
-        return (RegimeEnd("cone", room, ("breakaway",)), *ends_of_contact(contact, system))
+        pulls = (RegimeEnd("F_N", largest, ("breakaway",)),) if bilateral else ()
+        return (RegimeEnd("cone", room, ("breakaway",)), *pulls, *ends_of_contact(contact, system))
 
     return ContactRegime("stick", None, held, contact.velocities, breaks, limit, pressing=contact.pressing)
 

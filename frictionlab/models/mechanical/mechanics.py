@@ -32,7 +32,7 @@ class Friction:
 
     In the plane F_T and v_r are vectors of two components, a and b, and the law is given the speed |v_r|.
     Stick lasts while |F_T| is within the static limit.  It ends by "breakaway": until v_r has a direction,
-    which takes some 1e-8 s, the friction force is along the one that held.
+    from some 1e-8 s on, the friction force is along the one that held.
 
     Parameters
     ----------
