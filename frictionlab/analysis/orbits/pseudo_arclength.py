@@ -25,6 +25,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     run_one_period,
 )
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.mode import Combination, ModesOnDemand
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow
@@ -84,9 +85,21 @@ def with_parameter_as_state(automaton: HybridAutomaton, parameter: str) -> Hybri
 
 
 @lru_cache(maxsize=64)
-def _modes_with_constant(modes: tuple[Mode, ...]) -> tuple[Mode, ...]:
+def _modes_with_constant(modes: tuple[Mode, ...] | ModesOnDemand) -> tuple[Mode, ...] | ModesOnDemand:
     """The modes with an additional last state of zero rate; cached, as tapes are kept by their modes."""
-    return tuple(replace(mode, flow=(*mode.flow, sp.S.Zero)) for mode in modes)
+    if not isinstance(modes, ModesOnDemand):
+        return tuple(map(_with_constant, modes))
+
+    def derive(combination: Combination) -> Mode:
+        mode = modes.mode(combination)
+        assert mode is not None  # it is allowed
+        return _with_constant(mode)
+
+    return ModesOnDemand(modes.parts, derive, modes.allows, products=modes.products)
+
+
+def _with_constant(mode: Mode) -> Mode:
+    return replace(mode, flow=(*mode.flow, sp.S.Zero))
 
 
 def first_point(
