@@ -45,7 +45,7 @@ def beam_on_belt(modes: int, contacts: int) -> fl.Structure:
     """A beam that bends in two directions, which a slanted spring couples in its middle."""
     one, bent = bending_matrices(max(modes // 2 + 4, 2 * contacts + 4, 12))
     n = len(one)
-    M, K = scipy.linalg.block_diag(one, one), scipy.linalg.block_diag(bent, 1.45 * bent)
+    M, K = (np.asarray(scipy.linalg.block_diag(a, b)) for a, b in ((one, one), (bent, 1.45 * bent)))
     deflections = np.arange(1, n - 1, 2)
     middle = deflections[len(deflections) // 2]
     K[np.ix_([middle, n + middle], [middle, n + middle])] += SUPPORT

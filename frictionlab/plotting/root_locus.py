@@ -135,7 +135,7 @@ def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
         color=legible(BLUE, ax),
     )
     ax.bar_label(bars, fmt="%.4g", padding=2)
-    ax.axhline(0.0, **pen(GREY, 0.8, ax))
+    ax.axhline(0.0, clip_on=False, **pen(GREY, 0.8, ax))
     label = coordinate_axis_label(equilibrium.names) if known else "state"
     ax.set(ylabel=f"{label}, angle (rad)" if mixed else label)
     set_title(ax, "Equilibrium")

@@ -5,7 +5,10 @@ from frictionlab import plotting
 
 from .results import BUILDERS, result
 
-NOT_DRAWN = {"stability change", "boundary", "special orbit", "attractor", "events", "section points"}
+NOT_DRAWN = {
+    *("stability change", "boundary", "special orbit", "attractor", "events", "section points"),
+    "reduced structure",
+}
 ANIMATIONS = []  # kept, as one that is deleted before it is shown gives a warning
 
 
