@@ -26,7 +26,7 @@ COMPILE = "-m", "frictionlab.compilation", "--if-changed"
 DERIVE = "-m", "frictionlab.cli.shipped_structures"
 # The one place where numba is pinned: what it makes is what users run.
 NEEDED_TO_COMPILE = ("numba==0.68.*; python_version < '3.15'", "numpy>=2.0", "sympy>=1.14")
-NEEDED_TO_DERIVE = ("llvmlite>=0.43", "numpy>=2.0", "sympy>=1.14")
+NEEDED_TO_DERIVE = ("llvmlite>=0.43", "numpy>=2.0", "scipy>=1.15", "sympy>=1.14")
 OBJECTS = "frictionlab/compilation/objects_of_machine"
 # Not written into the package: in a clone, whose sources change, structures are derived.
 ARCHIVE, ARCHIVE_IN_WHEEL = "build/structures.zip", "frictionlab/models/structures.zip"
