@@ -35,7 +35,7 @@ NOT_PYTHON = (  # in the wheel
     *("plotting/animation/drawing.js", "pages/scripts/explorer.js", "pages/scripts/explorer.css"),
 )
 # In a wheel: machine code of the solver for all systems and browsers, and what was derived of the models.
-MOST_BYTES = {"/objects/": 1_800_000, "/structures.zip": 150_000}
+MOST_BYTES = {"/objects/": 1_800_000, "/structures.zip": 200_000}
 OBJECTS = Path("frictionlab/compilation/objects")
 MADE_BY = json.loads((OBJECTS / "manifest.json").read_text(encoding="utf-8"))["versions"]
 WITHOUT_COMPILER = """
