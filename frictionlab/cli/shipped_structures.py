@@ -41,6 +41,7 @@ def derive(model: Model) -> None:
     """Derive all that a run, its picture and its summary need, and the nonlinearities for `without`."""
     import numpy as np
 
+    from frictionlab.analysis.initial_states import initial_state_of
     from frictionlab.hybrid.chatter_limit import SHORT_SHARE, chatter_limit
     from frictionlab.hybrid.problem import evaluate_output
     from frictionlab.stability import eigenvalues
@@ -49,6 +50,7 @@ def derive(model: Model) -> None:
     automaton, _ = model.automaton(), model.nonlinearities
     program_of(automaton, complete=False)
     chatter_limit(automaton, SHORT_SHARE)
+    initial_state_of(model, "rest", automaton)
     count = len(automaton.names)
     states = np.ones((count, len(automaton.state_names)))
     with np.errstate(all="ignore"):
