@@ -190,9 +190,9 @@ def _free_motion(structure: Structure, inverse: Array) -> MatrixProduct:
 
 def _without_rounding(one: Array, other: Array) -> Array:
     """The product of two matrices; entries that may be rounding errors are zero, as those of M^-1 M."""
-    found = product(one, other)
+    entries = product(one, other)
     errors = len(other) * np.finfo(float).eps * product(np.abs(one), np.abs(other))
-    return np.where(np.abs(found) > errors, found, 0.0)
+    return np.where(np.abs(entries) > errors, entries, 0.0)
 
 
 def _coefficients(one: Any) -> Iterator[tuple[Any, Any]]:

@@ -617,11 +617,16 @@ def rubbing_outputs(contact: Friction | Stop, force: Any) -> dict[str, Any]:
     """Friction force and v_r by their names: in the plane their magnitudes, and both components of each."""
     if not isinstance(contact, Friction) or not contact.in_plane:
         return {"friction_force": force, "relative_velocity": contact.relative_velocity}
-    forces = force if isinstance(force, tuple) else (force, force)
+    forces = components(force)
     shown = {"friction_force": magnitude(forces), "relative_velocity": magnitude(contact.velocities)}
     for direction, one, velocity in zip(DIRECTIONS, forces, contact.velocities, strict=True):
         shown |= {f"friction_force_{direction}": one, f"relative_velocity_{direction}": velocity}
     return shown
+
+
+def components(force: Any) -> tuple[Any, ...]:
+    """Both components of a force in the plane; a number, where no regime gives a vector, stands for both."""
+    return force if isinstance(force, tuple) else (force, force)
 
 
 def magnitude(vector: Sequence[Any]) -> Any:

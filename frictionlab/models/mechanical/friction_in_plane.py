@@ -36,6 +36,7 @@ from .contact_regimes import (
     ContactRegime,
     HeldVelocity,
     RegimeEnd,
+    components,
     ends_of_contact,
     magnitude,
     regime,
@@ -91,7 +92,7 @@ def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     held = tuple(HeldVelocity(one, directions[:, k], -1) for k, one in enumerate(contact.velocities))
 
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
-        room = largest**2 - sum(one**2 for one in _components(force))
+        room = largest**2 - sum(one**2 for one in components(force))
         pulls = (RegimeEnd("F_N", largest, ("breakaway",)),) if bilateral else ()
         return (RegimeEnd("cone", room, ("breakaway",)), *pulls, *ends_of_contact(contact, system))
 
@@ -109,7 +110,7 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         return tuple(largest * one / _size(holding) for one in holding)
 
     def ends(holding: Any, _: Any) -> tuple[RegimeEnd, ...]:
-        holding = _components(holding)
+        holding = components(holding)
         power = sum(one * velocity for one, velocity in zip(holding, velocities, strict=True))
         size, largest = _size(holding), contact.law.kinetic(pressing, sympy.S.Zero)
         gained = softness * sum(one**2 for one in holding)  # power, by a time
@@ -126,10 +127,6 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 def _size(holding: Any) -> Any:
     """|F| of the force that would hold, with a value where no force acts on the body."""
     return sympy.sqrt(sum(one**2 for one in holding) + NO_FORCE)
-
-
-def _components(force: Any) -> tuple[Any, ...]:
-    return force if isinstance(force, tuple) else (force, force)
 
 
 def plane_stop(system: LagrangeSystem, contact: Friction) -> Reset:
