@@ -77,38 +77,28 @@ def discard_unwritten(stream: Any) -> None:
 
 
 def normalise_arguments(argv: Sequence[str]) -> list[str]:
-    """The arguments with --mu_k written as --mu-k, and negative values joined to their options."""
+    """The arguments with negative numbers joined to their options."""
     normalised: list[str] = []
     for word in argv:
-        if (
-            NEGATIVE_NUMBER.match(word)
-            and normalised
-            and normalised[-1].startswith("--")
-            and "=" not in normalised[-1]
-        ):
+        option = normalised[-1] if normalised else ""
+        if NEGATIVE_NUMBER.match(word) and option.startswith("--") and "=" not in option:
             normalised[-1] += f"={word}"
         else:
-            normalised.append(_with_dashes(word))
+            normalised.append(word)
     return normalised
-
-
-def _with_dashes(word: str) -> str:
-    if not word.startswith("--"):
-        return word
-    option, equals, value = word.partition("=")
-    return option.replace("_", "-") + equals + value
 
 
 def unknown_option_text(words: Sequence[str], parser: argparse.ArgumentParser) -> str:
     """The message for words that belong to no option, with the most similar options as suggestions."""
     word = words[0]
     if not word.startswith("-"):
-        return f"unexpected argument {word!r}: values follow their option, as in --mu-k 1.4"
+        return f"unexpected argument {word!r}: values follow their option, as in --set mu_k=1.4"
     option = word.partition("=")[0]
     known = [name for action in parser._actions for name in action.option_strings]
     bare = {name.lstrip("-"): name for name in known}  # similarity without the dashes, which all options have
     near = nearest_name(option.lstrip("-"), bare)
-    hint = f"see {parser.prog} --help" if near is None else f"did you mean {bare[near]!r}?"
+    parameters = "; parameters are --set mu_k=1.4" if "set" in bare else ""
+    hint = f"see {parser.prog} --help{parameters}" if near is None else f"did you mean {bare[near]!r}?"
     return f"unknown option {option!r}: {hint}"
 
 

@@ -1,7 +1,6 @@
 """`frictionlab run`: check the options, simulate, summarise, draw, save.
 
-The options of the parameters are made from the parameters' metadata; all options are checked before the run.
-What is printed is plain ASCII, so that every terminal shows it.
+All options are checked before the run.  What is printed is plain ASCII, so that every terminal shows it.
 """
 
 from __future__ import annotations
@@ -12,21 +11,18 @@ import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from . import parsing
 from .parsing import (
-    DEFAULT_MODEL,
     OneLineParser,
+    add_command,
     add_json,
     add_model_options,
     complain,
     model_data,
-    model_of,
+    model_from_options,
     print_json,
-    values_of,
 )
 from .stability import equilibrium_lines, stability_data
 
@@ -47,9 +43,9 @@ stick-slip vibration with lift-off; compare --x0 near."""
 RUN_EPILOG = """\
 examples:
   frictionlab run -o first-run.png
-  frictionlab run --mu-k 2.5 --F 1000 --t-end 50 -o strong.pdf
-  frictionlab run --without geometry nonsmooth --x0 near
-  frictionlab run --impact full --save run.npz
+  frictionlab run --set mu_k=2.5 F=1000 --t-end 50 -o strong.pdf
+  frictionlab run --without geometry nonsmooth --x0 near --save run.npz
+  frictionlab run --model "SliderOnBelt(impact=RestitutionImpact(e=0.5), mu_k=1.4)"
   frictionlab run --method rk4 --step 1e-4        (the paper's algorithm)
   frictionlab run --model DenHartog --set F=1.2 -o den-hartog.png
   frictionlab run --json --set mu_k=2.5
@@ -61,28 +57,17 @@ exit status: 0 the end time was reached; 1 the run ended early;
 2 bad arguments; 130 stopped by ctrl-C (what was computed is kept)."""
 
 METHOD_NAMES = ("taylor", "rk4", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-DEFAULT_MU_K = 1.4
-
-IMPACT_LAWS = ("material", "full", "restitution")
-
 EXIT_FAILED = 1
 
 
 def add_run(commands: Any) -> OneLineParser:
     """Add the command `run`; returns its parser."""
-    parser = commands.add_parser(
-        "run",
-        help="simulate the slider on a belt, print a summary, draw a picture",
-        description=RUN_DESCRIPTION,
-        epilog=RUN_EPILOG,
-        formatter_class=partial(argparse.RawDescriptionHelpFormatter, max_help_position=28),
-        allow_abbrev=False,
-    )
+    about = "simulate the slider on a belt, print a summary, draw a picture"
+    parser = add_command(commands, "run", about, RUN_DESCRIPTION, RUN_EPILOG)
     _add_output(parser.add_argument_group("output"))
     add_json(parser)
     _add_run(parser.add_argument_group("run"))
-    _add_laws(parser.add_argument_group("laws"))
-    _add_parameters(parser)
+    add_model_options(parser.add_argument_group("model"))
     return parser
 
 
@@ -105,73 +90,6 @@ def _add_run(group: Any) -> None:
     )
     group.add_argument("--step", type=float, metavar="S", help="step of rk4 (default: 0.0002 s)")
     group.add_argument("--max-steps", type=int, metavar="N", help="end the run after so many steps")
-
-
-def _add_laws(group: Any) -> None:
-    add_model_options(group)
-    group.add_argument(
-        "--impact",
-        metavar="LAW",
-        help="what a re-contact brings to zero: material (the approach to the belt's material point, Eq. 13) "
-        "or full (the gap's full rate); restitution reverses it (default: material)",
-    )
-
-
-def _add_parameters(parser: argparse.ArgumentParser) -> None:
-    from frictionlab.components import RestitutionImpact
-    from frictionlab.components.component import parameters_of
-    from frictionlab.models import SliderOnBelt
-
-    groups = {"parameters of the structure": SliderOnBelt, "parameters of the contact": SliderOnBelt.contact}
-    groups |= {"parameters of the friction": SliderOnBelt.friction}
-    groups |= {"parameters of --impact restitution": RestitutionImpact}
-    for title, component in groups.items():
-        group = parser.add_argument_group(title)
-        kind = component if isinstance(component, type) else type(component)
-        for name, about in parameters_of(kind).items():
-            _add_parameter(group, name, about)
-
-
-def _add_parameter(group: Any, name: str, about: Any) -> None:
-    default = DEFAULT_MU_K if name == "mu_k" else about.default
-    text = f"{about.meaning} (default: {default:g}{' ' * bool(about.unit)}{about.unit})"
-    option = f"--{name.replace('_', '-')}"
-    # No default here: only parameters that were given must fit the laws chosen.
-    group.add_argument(
-        option, dest=f"parameter {name}", type=float, metavar="X", help=text.replace("%", "%%")
-    )
-
-
-def model_from_options(chosen: argparse.Namespace) -> Any:
-    """The model; raises ValueError or TypeError as the model does."""
-    from frictionlab.components import PlasticImpact, RestitutionImpact
-    from frictionlab.components.component import check_value, parameters_of
-    from frictionlab.models import SliderOnBelt
-    from frictionlab.validation import check_choice
-
-    given = _given_parameters(chosen) | values_of(chosen.values)
-    if chosen.model != DEFAULT_MODEL:
-        if chosen.impact is not None:
-            raise ValueError(
-                f"--impact is an option of {DEFAULT_MODEL}, got --model {chosen.model}: leave it out"
-            )
-        model = model_of(chosen.model)
-        return (model.without(*chosen.without) if chosen.without else model).replace(**given)
-    law = "material" if chosen.impact is None else chosen.impact
-    check_choice("--impact", law, IMPACT_LAWS)
-    impact = RestitutionImpact() if law == "restitution" else PlasticImpact(law)
-    # First the laws, then the numbers: a parameter of a law that was left out is refused, not ignored.
-    laws = SliderOnBelt(impact=impact).without(*chosen.without)
-    values = {"mu_k": DEFAULT_MU_K, **given}
-    usual = replace(parameters_of(type(laws.friction))["mu_k"], default=DEFAULT_MU_K)
-    # checked here, as the model's own message names another default
-    check_value("mu_k", values["mu_k"], usual)
-    return laws.replace(**values)
-
-
-def _given_parameters(chosen: argparse.Namespace) -> dict[str, float]:
-    options = {name.removeprefix("parameter "): v for name, v in vars(chosen).items() if " " in name}
-    return {name: value for name, value in options.items() if value is not None}
 
 
 def method_from_options(chosen: argparse.Namespace) -> Any:
