@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import cached_property
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 from frictionlab.validation import (
     abbreviate,
@@ -66,6 +67,8 @@ class HybridAutomaton:
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
     cyclic: tuple[str, ...] = ()
+    # What is cached on disk of the structure that it was derived from; None where nothing is.
+    derivations: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
@@ -89,7 +92,8 @@ class HybridAutomaton:
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
 
     def __getstate__(self) -> dict[str, Any]:  # a read-only view is not pickled
-        return {**vars(self), "parameters": dict(self.parameters)}
+        state = {each.name: getattr(self, each.name) for each in fields(self)}
+        return state | {"parameters": dict(self.parameters)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state, parameters=MappingProxyType(state["parameters"]))
@@ -123,34 +127,29 @@ class HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
         return self
 
-    @property
-    def derivations(self) -> Any:
-        """What is cached on disk of the structure that it was derived from; None where nothing is."""
-        return None
-
-    @property
+    @cached_property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states."""
         return tuple(state.name for state in self.states)
 
-    @property
+    @cached_property
     def values(self) -> Mapping[str, float]:
         """The parameters by name."""
-        return {symbol.name: value for symbol, value in self.parameters.items()}
+        return MappingProxyType({symbol.name: value for symbol, value in self.parameters.items()})
 
-    @property
+    @cached_property
     def on_demand(self) -> bool:
         """Whether modes are derived as a run comes to them."""
         return isinstance(self.modes, ModesOnDemand)
 
-    @property
+    @cached_property
     def names(self) -> Sequence[str]:
         """Names of the modes, in order."""
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
         return tuple(mode.name for mode in self.modes)
 
-    @property
+    @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
         derived = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()

@@ -67,12 +67,12 @@ class DefectScratch(NamedTuple):
 
 def defects(problem: Problem, raw: RunData, order: int) -> Mapping[str, float]:
     """The largest defect of a run's steps, by the name of the mode."""
-    return _largest_defects(problem, stored_steps(raw), order)
+    return FrozenMapping(_largest_defects(problem, stored_steps(raw), order))
 
 
 def _largest_defects(
     problem: Problem, steps: StoredSteps, order: int, above: float = -1.0
-) -> Mapping[str, float]:
+) -> dict[str, float]:
     """The largest defect of steps, by the name of the mode, of modes in which it is above a value."""
     program = problem.program
     worst = np.full(len(program.modes), above)
@@ -81,7 +81,7 @@ def _largest_defects(
     with np.errstate(all="ignore"):
         measure_defects(system, order, steps, worst, scratch)
     by_mode = zip(program.modes, worst.tolist())
-    return FrozenMapping({name: defect for name, defect in by_mode if not defect <= above})
+    return {name: defect for name, defect in by_mode if not defect <= above}
 
 
 def defect_warning(
@@ -96,7 +96,7 @@ def defect_warning(
     if not len(modes):
         return None
     ends = np.full_like(states, UNKNOWN_END)  # that of a series is the next state
-    bad: Mapping[str, float] = {}
+    bad: dict[str, float] = {}
     for motion in (states, raw.step_states):
         sizes = np.tile(np.abs(motion).max(axis=0), (len(states), 1))
         stored = StoredSteps(times, modes, states, ends, sizes)

@@ -142,31 +142,26 @@ BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
 
 
 class RecordList:
-    """Records in the order in which they were filled.
-
-    Attributes
-    ----------
-    copied : bool
-        Whether the last record was copied, so that it can be filled again.
-    """
+    """Records in the order in which they were filled."""
 
     def __init__(self) -> None:
         self._parts: list[list[np.ndarray]] = []
-        self.steps, self.events, self.copied = 0, 0, False
+        self.steps, self.events = 0, 0
         self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
 
-    def add(self, record: Record, steps: int, events: int, points: int) -> None:
-        """Keep the filled part of a record: a copy, or all of it where there is no memory for one."""
+    def add(self, record: Record, steps: int, events: int, points: int) -> bool:
+        """Keep a copy of the filled part of a record; without memory for one (False) the part itself."""
         lengths = (steps, steps, steps, events, events, events, points, points, points)
         try:
             parts = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
-            self.copied = True
+            copied = True
         except MemoryError:
-            parts, self.copied = [array[:n] for array, n in zip(record, lengths)], False
+            parts, copied = [array[:n] for array, n in zip(record, lengths)], False
         self._parts.append(parts)
         self._bytes += sum([part.nbytes for part in parts])
         self.steps += steps
         self.events += events
+        return copied
 
     def fills_memory(self) -> bool:
         """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""

@@ -105,20 +105,17 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         check_flag("progress", self.progress)
-        if self.source is not None and not _has_automaton(self.source):
+        source = self.source
+        known = isinstance(source, HybridAutomaton) or hasattr(source, "automaton")
+        if source is not None and (not known or isinstance(source, type)):
             raise TypeError(
-                f"source must be the model of the automaton, got {abbreviate(self.source)}: leave it out, or "
+                f"source must be the model of the automaton, got {abbreviate(source)}: leave it out, or "
                 "give the model itself"
             )
         if self.sections is not None:
             check_mapping("sections", self.sections, 'give each a name, such as {"top": (expression, -1)}')
         if self.quadratures is not None:
             check_mapping("quadratures", self.quadratures, 'give each a name, such as {"work": expression}')
-
-
-def _has_automaton(source: Any) -> bool:
-    known = isinstance(source, HybridAutomaton) or hasattr(source, "automaton")
-    return known and not isinstance(source, type)
 
 
 def solve(
@@ -196,7 +193,7 @@ def run_automaton(
 ) -> Trajectory:
     """Run an automaton by a method, as :func:`solve` says, from a checked state and without a warning."""
     t_end = check_t_end(t_end)
-    times = _times(options.t_eval, t_end)
+    times = None if options.t_eval is None else _times(options.t_eval, t_end)
     asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
     if any(asked) and not method.records_sections:
         raise ValueError(
@@ -267,9 +264,7 @@ def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
     return state
 
 
-def _times(t_eval: Any, t_end: float) -> np.ndarray | None:
-    if t_eval is None:
-        return None
+def _times(t_eval: Any, t_end: float) -> np.ndarray:
     rule = f"ascending times within 0 and t_end ({t_end:g})"
     times = float_array("t_eval", t_eval, f"give {rule}")
     if times.ndim != 1 or not len(times):

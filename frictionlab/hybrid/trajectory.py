@@ -18,12 +18,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.mode import ModeNames
-from frictionlab.hybrid.accuracy import (
-    ALL_STEPS,
-    defect_warning,
-    defects,
-    sampled_steps,
-)
+from frictionlab.hybrid.accuracy import defect_warning, defects, sampled_steps
 from frictionlab.hybrid.chatter_limit import chatter_warning
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import condition_violation
@@ -387,21 +382,21 @@ class Trajectory(Drawable):
         limit = self.automaton.values.get("chatter", 0.0)
         if (words := chatter_warning(code.limits, self.raw, limit)) is not None:
             return words
-        order = self.samples.order
-        if self._tolerance is None or program.highest_degree < order:
+        order, tol = self.samples.order, self._tolerance
+        if tol is None or program.highest_degree < order:
             return None
-        return self.defect_warning(sampled_steps(self.problem, self.raw, order))
+        steps = sampled_steps(self.problem, self.raw, order)
+        return defect_warning(self.problem, self.raw, order, tol, steps)
 
     @property
     def _tolerance(self) -> float | None:
         """The relative tolerance of a method by series; None for others."""
         return self.description.get("method", {}).get("tol")
 
-    def defect_warning(self, steps: np.ndarray | slice = ALL_STEPS) -> str | None:
-        """As :attr:`warning`, of all steps, or of these by their numbers."""
-        if self._tolerance is None:
-            return None
-        return defect_warning(self.problem, self.raw, self.samples.order, self._tolerance, steps)
+    def defect_warning(self) -> str | None:
+        """What is wrong where a defect of any step is beyond the tolerance, or None."""
+        tol = self._tolerance
+        return None if tol is None else defect_warning(self.problem, self.raw, self.samples.order, tol)
 
     @cached_property
     def violation(self) -> float:

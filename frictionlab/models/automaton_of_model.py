@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache, cached_property, lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Symbol, names_of_regimes
+from frictionlab.automaton.mode import ModesOnDemand, Symbol, names_of_regimes
 from frictionlab.components.component import StructureKey, structure_of
 from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.validation import abbreviate
@@ -35,28 +35,6 @@ MOST_CACHED_MODES = 27
 NO_STRUCTURE = ValueError, TypeError, AttributeError, LookupError, ArithmeticError, RecursionError
 
 
-class Outline(NamedTuple):
-    """What is known of the automaton of a structure without deriving it.
-
-    Parameters
-    ----------
-    states, outputs : tuple of str
-    names : tuple of str, or ModeNames where modes are derived on demand
-        Names of the modes.
-    parameters : mapping of str to float
-        The parameters that a derivation adds to those of the model.
-    coordinates : int
-    cyclic : tuple of str
-    """
-
-    states: tuple[str, ...]
-    names: Sequence[str]
-    outputs: tuple[str, ...]
-    parameters: Mapping[str, float]
-    coordinates: int
-    cyclic: tuple[str, ...]
-
-
 class CachedAutomaton(HybridAutomaton):
     """The automaton of a structure that is in the cache on disk.
 
@@ -65,10 +43,14 @@ class CachedAutomaton(HybridAutomaton):
     """
 
     def __init__(
-        self, key: StructureKey, outline: Outline, values: Mapping[str, float], derivations: Derivations
+        self,
+        key: StructureKey,
+        outline: Mapping[str, Any],
+        values: Mapping[str, float],
+        derivations: Derivations,
     ) -> None:
-        self._key, self._outline, self._derivations = key, outline, derivations
-        self._values = MappingProxyType(dict(values))
+        self._key, self._outline = key, outline
+        vars(self).update(outline, values=MappingProxyType(dict(values)), derivations=derivations)
 
     def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
         parameters = dict(self.parameters)
@@ -76,7 +58,7 @@ class CachedAutomaton(HybridAutomaton):
 
     @cached_property
     def _derived(self) -> HybridAutomaton:
-        return _with_numbers(automaton_of_structure(self._key), _numbers(self._values))
+        return _with_numbers(automaton_of_structure(self._key), _numbers(self.values))
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
@@ -102,48 +84,8 @@ class CachedAutomaton(HybridAutomaton):
         """Symbol -> value of every parameter."""
         return self._derived.parameters
 
-    @property
-    def coordinates(self) -> int:
-        """How many of the states are coordinates."""
-        return self._outline.coordinates
-
-    @property
-    def cyclic(self) -> tuple[str, ...]:
-        """Names of the coordinates that may turn for ever."""
-        return self._outline.cyclic
-
-    @property
-    def derivations(self) -> Derivations:
-        """What is cached on disk of its structure."""
-        return self._derivations
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """Names of the states."""
-        return self._outline.states
-
-    @property
-    def values(self) -> Mapping[str, float]:
-        """The parameters by name."""
-        return self._values
-
-    @cached_property
-    def on_demand(self) -> bool:
-        """Whether modes are derived as a run comes to them."""
-        return isinstance(self._outline.names, ModeNames)
-
-    @property
-    def names(self) -> Sequence[str]:
-        """Names of the modes, in order."""
-        return self._outline.names
-
-    @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs."""
-        return self._outline.outputs
-
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
-        return CachedAutomaton(self._key, self._outline, {**self._values, **changes}, self._derivations)
+        return CachedAutomaton(self._key, self._outline, {**self.values, **changes}, self.derivations)
 
 
 @lru_cache(maxsize=256)
@@ -185,7 +127,8 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     if outline is None:
         derived = automaton_of_structure(key)
         return _with_numbers(derived, _numbers(values) | dict(derived.parameters))
-    return CachedAutomaton(key, outline, {**values, **outline.parameters}, derivations)
+    outline, added = outline
+    return CachedAutomaton(key, outline, {**values, **added}, derivations)
 
 
 def _with_numbers(derived: HybridAutomaton, numbers: Mapping[Symbol, float]) -> HybridAutomaton:
@@ -197,8 +140,11 @@ def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
 
 
 @cache
-def _outline(key: StructureKey, derivations: Derivations) -> Outline | None:
-    """The outline of an automaton in the cache; None where it is not cached."""
+def _outline(
+    key: StructureKey, derivations: Derivations
+) -> tuple[Mapping[str, Any], Mapping[str, float]] | None:
+    """What is known of a cached automaton without deriving it, by the names of its attributes; and the
+    parameters that the derivation adds to the model's.  None where it is not cached."""
     about = derivations.get("automaton")
     if about is None:
         derived = automaton_of_structure(key)
@@ -206,15 +152,16 @@ def _outline(key: StructureKey, derivations: Derivations) -> Outline | None:
             return None
         about = _outline_data(derived)
         derivations.keep("automaton", about)
-    names, regimes = about["modes"], about["regimes"]
-    return Outline(
-        tuple(about["states"]),
-        tuple(names) if regimes is None else names_of_regimes(regimes, names),
-        tuple(about["outputs"]),
-        about["parameters"],
-        about["coordinates"],
-        tuple(about["cyclic"]),
-    )
+    names, regimes = tuple(about["modes"]), about["regimes"]
+    outline = {
+        "state_names": tuple(about["states"]),
+        "names": names if regimes is None else names_of_regimes(regimes, names),
+        "outputs": tuple(about["outputs"]),
+        "coordinates": about["coordinates"],
+        "cyclic": tuple(about["cyclic"]),
+        "on_demand": regimes is not None,
+    }
+    return outline, about["parameters"]
 
 
 def _has_many_modes(derived: HybridAutomaton) -> bool:
@@ -229,7 +176,7 @@ def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
         "modes": tuple(derived.names),
         "regimes": [[regime.name for regime in part] for part in modes.parts] if derived.on_demand else None,
         "outputs": derived.outputs,
-        "parameters": derived.values,
+        "parameters": dict(derived.values),
         "coordinates": derived.coordinates,
         "cyclic": derived.cyclic,
     }

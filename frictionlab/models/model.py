@@ -483,7 +483,7 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
             f"the automaton must be one that a file can hold, got one that it cannot, {stored}: write it "
             "with the functions of fl.functions"
         )
-    return {"automaton": stored, "parameters": model.values}
+    return {"automaton": stored, "parameters": dict(model.values)}
 
 
 def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:

@@ -75,7 +75,7 @@ def _new_runs(
     return BatchRuns(
         states=states.copy(),
         sizes=np.abs(states),
-        times=np.array([run_state.initial_times(0.0, limit) for limit in limits]),
+        times=np.array([(0.0, 0.0, 0.0, limit, 0.0) for limit in limits]),
         counts=counts,
         signs=np.zeros(0, dtype=np.int64),
         constants=numbers.constants,

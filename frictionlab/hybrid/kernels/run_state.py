@@ -139,18 +139,13 @@ def begin_run(
     run: RunState, state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool
 ) -> None:
     """Set a run to time 0 in `mode`, whose jets have been computed."""
-    times, counts = run.times, run.counts
+    counts = run.counts
     run.state[:] = state
     np.abs(state, out=run.sizes)
-    times[NOW], times[END], times[ENTERED], times[CHATTER], times[CARRY] = initial_times(t_end, chatter)
+    run.times[:] = 0.0, t_end, 0.0, chatter, 0.0
     counts.fill(0)
     run.signs.fill(0)
     counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
-
-
-def initial_times(t_end: float, chatter: float) -> tuple[float, ...]:
-    """The times of a run at t = 0."""
-    return 0.0, t_end, 0.0, chatter, 0.0
 
 
 @inlined

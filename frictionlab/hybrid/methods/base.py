@@ -40,7 +40,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import Code, Program, System
+from frictionlab.tape.program import Program, System
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -58,7 +58,7 @@ MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
 
 
 class SpareArrays:
-    """Arrays of runs that are over, for the next run of the same sizes.
+    """Arrays of runs that are over, for the next run that needs the same.
 
     That run need not allocate them.  The words by which kernels take them are known already.
     """
@@ -66,21 +66,46 @@ class SpareArrays:
     def __init__(self) -> None:
         self._kept: dict[Any, list[Any]] = {}
 
-    def take(self, sizes: Any, make: Callable[[], Any]) -> Any:
+    def take(self, key: Any, make: Callable[[], Any]) -> Any:
         """Arrays of a run that is over, or new ones; no two active runs share them."""
         try:
-            return self._kept[sizes].pop()
+            return self._kept[key].pop()
         except (KeyError, IndexError):
-            return prepare_arrays(make())
+            return make()
 
-    def give(self, sizes: Any, arrays: Any) -> None:
+    def give(self, key: Any, arrays: Any) -> None:
         """Keep arrays that nothing refers to any more."""
-        if sizes not in self._kept and len(self._kept) == MOST_SPARES:
+        if key not in self._kept and len(self._kept) == MOST_SPARES:
             self._kept.clear()
-        self._kept.setdefault(sizes, []).append(arrays)
+        self._kept.setdefault(key, []).append(arrays)
 
 
-SPARE_SCRATCH, SPARE_RECORDS, SPARE_STATES = SpareArrays(), SpareArrays(), SpareArrays()
+class Workspace(NamedTuple):
+    """The arrays of a run."""
+
+    cursor: run_state.RunState
+    scratch: run_state.Scratch
+    record: run_state.Record  # to be filled again and again
+
+
+SPARE_WORKSPACES = SpareArrays()  # by program and order of the series
+
+
+def new_workspace(program: Program, order: int, before: Workspace | None = None) -> Workspace:
+    """Empty arrays for a run; those of the run `before` it had more modes, as far as they still fit.
+
+    New records would fragment the memory in a run that stops for every new mode.
+    """
+    code, sections = program.code, program.code.sections.shape[1]
+    scratch = prepare_arrays(new_scratch(program.slots, code, order))
+    # Impacts that act together are recorded at once.
+    events = RECORD_CAPACITY + len(scratch.impacts.guards) - 1
+    if before is not None and len(before.record.event_times) == events:
+        return before._replace(scratch=scratch)
+    points = (order + 2) * sections + RECORD_CAPACITY if sections else 0
+    record = prepare_arrays(new_record(code, RECORD_CAPACITY, events, points))
+    cursor = prepare_arrays(new_run_state(code.inputs, sections)) if before is None else before.cursor
+    return Workspace(cursor, scratch, record)
 
 
 def clear_scratch(scratch: run_state.Scratch) -> None:
@@ -88,19 +113,6 @@ def clear_scratch(scratch: run_state.Scratch) -> None:
     scratch.structural_zeros.fill(0)
     scratch.leading_zeros.fill(0)
     scratch.ended[0], scratch.ended[1] = NO_MODE, 0
-
-
-def _record_sizes(record: run_state.Record) -> tuple[int, ...]:
-    return (
-        record.step_states.shape[1],
-        len(record.step_modes),
-        len(record.event_times),
-        len(record.point_times),
-    )
-
-
-def _state_sizes(code: Code) -> tuple[int, int]:
-    return code.inputs, code.sections.shape[1]
 
 
 _COUNTED = slice(run_state.STEPS, run_state.POINTS + 1)  # steps, events, points
@@ -119,6 +131,7 @@ class ActiveRun(NamedTuple):
     order: int  # of the series
     cursor: run_state.RunState
     scratch: run_state.Scratch
+    record: run_state.Record
     queue: CombinationQueue | None
     event: GuardZero | None = None
 
@@ -256,33 +269,30 @@ class Method(ABC):
     def integrate(self, problem: Problem, progress: Progress) -> RunData:
         """Run the problem to its end, or as far as it goes."""
         with np.errstate(all="ignore"):
-            run, pieces, record = self._begin(problem), RecordList(), None
+            run, pieces = self._begin(problem), RecordList()
             counts, times = run.cursor.counts, run.cursor.times
             status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
             while status is Status.RUNNING:
-                try:
-                    record = self._record(run, pieces, record)
-                except MemoryError:  # what is kept so far is the run
-                    status = Status.MEMORY_CAP
-                    break
                 counts[_COUNTED] = 0
+                record = self._record(run, pieces)
                 end = int(self._advance_or_enter(run, record))
                 run = run if run.event is None else run._replace(event=None)
                 counted = counts[_COUNTED].tolist()
                 run.native.used(record.step_modes[: counted[0]])
-                pieces.add(record, *counted)
-                status = self._status(STATUS_OF_CODE.get(end, Status.RUNNING), pieces)
+                status = STATUS_OF_CODE.get(end, Status.RUNNING)
+                if not pieces.add(record, *counted):
+                    status = Status.MEMORY_CAP if status is Status.RUNNING else status
+                    break
+                status = self._status(status, pieces)
                 if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
                     status = Status.INTERRUPTED
                 elif end == run_state.MODE_NOT_DERIVED:
-                    run = self._with_missing_mode(run)
-            program = run.problem.program
-            SPARE_SCRATCH.give((program, run.order), run.scratch)
-            if record is not None and pieces.copied and len(record.step_modes) == RECORD_CAPACITY:
-                SPARE_RECORDS.give(_record_sizes(record), record)
-            end = float(times[run_state.NOW]), run.cursor.state.copy(), int(counts[run_state.MODE]), status
-            SPARE_STATES.give(_state_sizes(program.code), run.cursor)
-            return pieces.raw(program.code, *end)
+                    run = self._with_missing_mode(run, run.event_left())
+            else:
+                arrays = Workspace(run.cursor, run.scratch, run.record)
+                SPARE_WORKSPACES.give((run.problem.program, run.order), arrays)
+            state, mode = run.cursor.state.copy(), int(counts[run_state.MODE])
+            return pieces.raw(run.problem.program.code, float(times[run_state.NOW]), state, mode, status)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
@@ -294,54 +304,40 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem) -> ActiveRun:
-        sizes = _state_sizes(problem.program.code)
-        cursor = SPARE_STATES.take(sizes, lambda: new_run_state(*sizes))
-        begin_run(cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
-        run = self._prepare(problem, cursor)
+        program, order = problem.program, self.order_of(problem.program)
+        arrays = SPARE_WORKSPACES.take((program, order), lambda: new_workspace(program, order))
+        begin_run(arrays.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
+        run = self._prepare(problem, arrays)
         mode, missing = initial_mode(run)
         while missing != NO_MODE:
-            run = self._prepare(run.with_missing_mode(), cursor)
+            run = self._with_missing_mode(run)
             mode, missing = initial_mode(run)
-        cursor.counts[run_state.MODE] = mode
+        run.cursor.counts[run_state.MODE] = mode
         return run
 
-    def _with_missing_mode(self, run: ActiveRun) -> ActiveRun:
-        """The run, which goes on with the event at which a mode was missing."""
-        known = run.scratch.structural_zeros.copy()
-        run = self._prepare(run.with_missing_mode(), run.cursor, run.event_left())
-        run.scratch.structural_zeros[: len(known)] = known
-        return run
+    def _with_missing_mode(self, run: ActiveRun, event: GuardZero | None = None) -> ActiveRun:
+        """The run with the mode that was to be tried next; goes on with the event at which it was missing."""
+        problem, known = run.with_missing_mode(), run.scratch.structural_zeros.copy()
+        before = Workspace(run.cursor, run.scratch, run.record)
+        after = self._prepare(problem, new_workspace(problem.program, self.order_of(problem.program), before))
+        after.scratch.structural_zeros[: len(known)] = known
+        return after._replace(event=event)
 
-    def _prepare(
-        self, problem: Problem, cursor: run_state.RunState, event: GuardZero | None = None
-    ) -> ActiveRun:
+    def _prepare(self, problem: Problem, arrays: Workspace) -> ActiveRun:
         program = problem.program
-        native, order, queue = native_code(program), self.order_of(program), new_queue(program.demand)
-        scratch = SPARE_SCRATCH.take(
-            (program, order), lambda: new_scratch(program.slots, program.code, order)
-        )
-        clear_scratch(scratch)
+        native, queue = native_code(program), new_queue(program.demand)
+        clear_scratch(arrays.scratch)
         system = native.system(problem.numbers)
-        return ActiveRun(problem, native, system, order, cursor, scratch, queue, event)
+        return ActiveRun(problem, native, system, self.order_of(program), *arrays, queue)
 
-    def _record(self, run: ActiveRun, pieces: RecordList, last: run_state.Record | None) -> run_state.Record:
-        """A record to fill: the last one again if its content was copied.
-
-        New ones would fragment the memory in a run that stops for every new mode.
-        """
-        code = run.problem.program.code
-        steps = min(RECORD_CAPACITY, self.max_steps - pieces.steps)
-        # Impacts that act together are recorded at once.
-        events = min(RECORD_CAPACITY, self.max_events - pieces.events) + len(run.scratch.impacts.guards) - 1
-        if (
-            last is not None
-            and pieces.copied
-            and (steps, events) == (len(last.step_modes), len(last.event_times))
-        ):
-            return last
-        points = (run.order + 2) * code.sections.shape[1]
-        sizes = code.inputs, steps, events, points + (RECORD_CAPACITY if points else 0)
-        return SPARE_RECORDS.take(sizes, lambda: new_record(code, *sizes[1:]))
+    def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
+        """The record to fill, cut to the steps and events that the caps leave."""
+        record, steps, events = run.record, self.max_steps - pieces.steps, self.max_events - pieces.events
+        if steps >= RECORD_CAPACITY and events >= RECORD_CAPACITY:
+            return record
+        events += len(run.scratch.impacts.guards) - 1
+        lengths = (steps, steps, steps, events, events, events, None, None, None)
+        return run_state.Record(*(array[:n] for array, n in zip(record, lengths)))
 
     def _status(self, status: Status, pieces: RecordList) -> Status:
         if status is not Status.RUNNING:

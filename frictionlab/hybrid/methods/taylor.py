@@ -323,7 +323,7 @@ class Taylor(Method):
         if not is_affine(run.problem.program):
             return taylor_steps.advance_taylor(run.system, truncation, *arrays)
         sizes = run.system.code.inputs, len(run.system.code.ops)
-        change = SPARE_MAPS.take(sizes, lambda: new_affine_map(run.system.code))
+        change = SPARE_MAPS.take(sizes, lambda: prepare_arrays(new_affine_map(run.system.code)))
         end = advance_affine(run.system, truncation, change, *arrays)
         SPARE_MAPS.give(sizes, change)
         return end
