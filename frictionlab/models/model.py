@@ -38,7 +38,7 @@ from .composition import (
     without,
 )
 from .mechanism import Mechanism, TiltingBelt
-from .serialisation import component_from_dict, component_to_dict
+from .serialisation import component_from_dict, component_to_dict, loaded_class
 
 if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
@@ -77,6 +77,15 @@ class MovingSystem:
 
     def replace(self, **changes: Any) -> Self:
         """The same with other values of parameters."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """The system as data that JSON can hold."""
+        raise NotImplementedError
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The system that :meth:`to_dict` described."""
         raise NotImplementedError
 
 
@@ -468,13 +477,8 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
     ValueError
         Where a file cannot hold the automaton.
     """
-    if isinstance(model, Model):
+    if isinstance(model, (Model, MovingSystem)):
         return model.to_dict()
-    if isinstance(model, MovingSystem):
-        raise ValueError(
-            f"a file must be able to hold the model, got {abbreviate(model)}, whose matrices it does not "
-            "hold: compute what you need by fl.sweep(structure, function, over)"
-        )
     from frictionlab.tape.automaton_data import storable_automaton  # imports numpy
 
     stored = storable_automaton(model)
@@ -495,7 +499,8 @@ def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:
         If the data is malformed, or a law of your own is not defined in this session.
     """
     if "automaton" not in data:
-        return Model.from_dict(data)
+        kind = loaded_class(data.get("system"), MovingSystem) if "system" in data else Model
+        return kind.from_dict(data)
     from .automaton_of_model import automaton_from_stored
 
     return automaton_from_stored(data["automaton"], data["parameters"], Model)

@@ -13,6 +13,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `SlidingContacts`: rows of the freedoms with laws; the static displacements with them.
 ``beam_on_belt``, ``disc_brake``
     `BeamOnBelt` and `DiscBrake`: structures from their dimensions.
+``structure_data``
+    A structure as data that a file can hold.
 ``motion``
     The hybrid automaton of a structure, by which it moves.
 ``energy_balance``

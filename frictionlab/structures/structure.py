@@ -35,6 +35,7 @@ from frictionlab.structures.parametric_matrix import (
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts
 from frictionlab.structures.sliding_equilibrium import Statics, equilibrium_of
+from frictionlab.structures.structure_data import fields_from_data, structure_to_data
 from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
 from frictionlab.validation import (
     abbreviate,
@@ -279,6 +280,24 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
         """Energies and powers along a run with these modes."""
         return StructureBalance(self, automaton, mode_names)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Matrices, contacts and parameters as data that JSON can hold."""
+        return {"system": "frictionlab:Structure", **structure_to_data(self)}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Structure:
+        """The structure that :meth:`to_dict` described.
+
+        Raises
+        ------
+        ValueError
+            If the data is malformed, or a law of your own is not defined in this session.
+        """
+        try:
+            return Structure(**fields_from_data(data))
+        except (AttributeError, KeyError, TypeError) as error:
+            raise ValueError(f"a Structure cannot be made from {abbreviate(data)}: {error!r}") from error
 
     def find_equilibrium(self) -> Equilibrium:
         """The static displacements under load and contacts, which are zero without these."""

@@ -63,10 +63,13 @@ def test_slider_on_belt_from_matrices_moves_as_the_model(impact):
     agree(*slider_on_belt(impact, mu_k=2.5), 0.5, "rest")
 
 
-def test_two_blocks_from_matrices_move_as_the_model():
+def two_blocks() -> fl.Structure:
     contacts = fl.SlidingContacts(np.eye(2), N=1.0, friction=fl.Coulomb(0.5, 1.0), v=0.2)
-    structure = fl.Structure(np.eye(2), [[2.2, -1.2], [-1.2, 2.2]], contacts=contacts)
-    agree(fl.TwoBlocks(), structure, 20.0, [0.1, 0.3, 0.0, 0.1])
+    return fl.Structure(np.eye(2), [[2.2, -1.2], [-1.2, 2.2]], contacts=contacts)
+
+
+def test_two_blocks_from_matrices_move_as_the_model():
+    agree(fl.TwoBlocks(), two_blocks(), 20.0, [0.1, 0.3, 0.0, 0.1])
 
 
 def test_pads_on_one_body_share_its_friction():
@@ -286,6 +289,21 @@ def test_values_of_parameters_derive_nothing():
     again = pickle.loads(pickle.dumps(run))
     np.testing.assert_array_equal(again.final_state, run.final_state)
     np.testing.assert_array_equal(again.friction_force_2, run.friction_force_2)
+
+
+def test_steady_states_over_a_parameter_are_those_of_the_model(tmp_path):
+    structure = two_blocks()
+    given = {"x0": [0.1, 0.3, 0.0, 0.1], "transient": 30.0, "window": 20.0, "progress": False}
+    exact = fl.bifurcation(fl.TwoBlocks(), "v", [0.2, 0.4], **given)
+    bent = fl.bifurcation(structure, "v", [0.2, 0.4], resume=tmp_path / "bent.jsonl", **given)
+    assert bent.kinds == exact.kinds
+    np.testing.assert_allclose(bent.periods, exact.periods, rtol=1e-9)
+    np.testing.assert_allclose(bent.intensities, exact.intensities, rtol=1e-6, atol=1e-15)
+    again = fl.load_bifurcation(tmp_path / "bent.jsonl")
+    np.testing.assert_array_equal(again.intensities, bent.intensities)
+    stored: Any = again.model
+    np.testing.assert_array_equal(fl.eigenvalues(stored).values, fl.eigenvalues(structure).values)
+    assert stored.to_dict() == structure.to_dict()
 
 
 def test_near_begins_along_the_least_stable_mode():

@@ -1,0 +1,96 @@
+"""A structure as data that JSON can hold, in files of sweeps.
+
+Matrices are there with their coefficients, so that the structure that is read has the same parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy import sparse
+
+from frictionlab.components.component import Component
+from frictionlab.models.serialisation import component_from_dict, component_to_dict
+from frictionlab.structures.parametric_matrix import Matrix, ParametricMatrix
+from frictionlab.structures.sliding_contacts import SlidingContacts
+
+if TYPE_CHECKING:
+    from frictionlab.structures.structure import Structure
+
+Data = dict[str, Any]
+SUMS = ("M", "K", "C", "gyroscopic", "circulatory", "load")
+LAWS = ("contact", "friction", "impact")
+ROWS = ("normal", "tangential")
+
+
+def structure_to_data(structure: Structure) -> Data:
+    """The matrices, contacts and parameters: equal structures have equal data."""
+    return {
+        "sums": {name: _sum_to_data(getattr(structure, name)) for name in SUMS},
+        "contacts": [_contacts_to_data(one) for one in structure.contacts],
+        "parameters": dict(structure.parameters),
+        "window": structure.window and list(structure.window),
+    }
+
+
+def fields_from_data(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of the structure that :func:`structure_to_data` described."""
+    given: dict[str, Any] = {name: _sum_from_data(one) for name, one in data["sums"].items()}
+    if given["load"] is not None:
+        given["load"] = [(coefficient, column.toarray().ravel()) for coefficient, column in given["load"]]
+    given["contacts"] = [_contacts_from_data(one) for one in data["contacts"]]
+    return given | {"parameters": data["parameters"], "window": data["window"]}
+
+
+def _sum_to_data(given: Any) -> Any:
+    if given is None:
+        return None
+    if not isinstance(given, ParametricMatrix):  # damping by a law
+        return component_to_dict(given)
+    terms = zip(given.coefficients, given.matrices, strict=True)
+    return [[coefficient, _matrix_to_data(matrix)] for coefficient, matrix in terms]
+
+
+def _sum_from_data(data: Any) -> Any:
+    if data is None:
+        return None
+    if isinstance(data, Mapping):
+        return component_from_dict(data, Component)
+    return [(coefficient, _matrix_from_data(matrix)) for coefficient, matrix in data]
+
+
+def _matrix_to_data(matrix: Matrix) -> Data:
+    entries: Any = sparse.csc_array(matrix)
+    parts = {name: getattr(entries, name).tolist() for name in ("data", "indices", "indptr")}
+    return {"shape": list(entries.shape), **parts}
+
+
+def _matrix_from_data(data: Mapping[str, Any]) -> Matrix:
+    parts = (
+        np.array(data["data"], dtype=float),
+        np.array(data["indices"], dtype=int),
+        np.array(data["indptr"]),
+    )
+    return sparse.csc_array(parts, shape=tuple(data["shape"]))
+
+
+def _contacts_to_data(one: SlidingContacts) -> Data:
+    laws = {
+        name: None if getattr(one, name) is None else component_to_dict(getattr(one, name)) for name in LAWS
+    }
+    rows = {
+        name: None if getattr(one, name) is None else _matrix_to_data(getattr(one, name)) for name in ROWS
+    }
+    numbers = {"v": one.v, "N": one.N, "penetration": one.penetration.tolist(), "area": one.area.tolist()}
+    return {**rows, **laws, **numbers}
+
+
+def _contacts_from_data(data: Mapping[str, Any]) -> SlidingContacts:
+    given = dict(data)
+    for name in LAWS:
+        given[name] = None if data[name] is None else component_from_dict(data[name], Component)
+    for name in ROWS:
+        given[name] = None if data[name] is None else _matrix_from_data(data[name])
+    return SlidingContacts(**given)
