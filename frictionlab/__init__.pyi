@@ -112,9 +112,9 @@ from .hybrid.methods.one_step import OneStepMethod as OneStepMethod
 from .hybrid.methods.runge_kutta import Tableau as Tableau
 from .hybrid.methods.scipy_methods import Scipy as Scipy
 from .hybrid.methods.taylor import Taylor as Taylor
-from .hybrid.problem import Events as Events
-from .hybrid.problem import SectionPoints as SectionPoints
 from .hybrid.problem import Status as Status
+from .hybrid.run_events import Events as Events
+from .hybrid.run_events import SectionPoints as SectionPoints
 from .hybrid.solve import solve as solve
 from .hybrid.trajectory import Trajectory as Trajectory
 from .hybrid.variational.tangent_flow import TangentFlow as TangentFlow

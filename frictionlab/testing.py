@@ -31,7 +31,8 @@ from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
-from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import symbol
 from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_t_end
 

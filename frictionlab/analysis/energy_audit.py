@@ -18,9 +18,10 @@ from frictionlab.analysis.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import JOINT, Mode
+from frictionlab.automaton.mode import Mode
+from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.component import StructureKey
-from frictionlab.hybrid.problem import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel

@@ -10,7 +10,7 @@ import numpy as np
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import ModeNames
+from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch

@@ -21,7 +21,7 @@ import numpy as np
 from frictionlab.analysis.motion_scales import motion_size
 from frictionlab.analysis.run_conditions import evenly_spread, is_of_series, largest_violation
 from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
-from frictionlab.automaton.mode import JOINT
+from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel

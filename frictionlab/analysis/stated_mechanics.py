@@ -20,12 +20,8 @@ from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
 from frictionlab.models.mechanical.equations_of_motion import time_of, with_dampers
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Stop, mechanics_at
-from frictionlab.models.symbols import (
-    parameter_symbols,
-    structure_values,
-    symbol,
-    symbolic_copy,
-)
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import parameter_symbols, structure_values, symbol
 from frictionlab.tape.formulas import function_along_run
 
 Array = Any

@@ -5,8 +5,10 @@ expressions are sympy expressions in the symbols of states and parameters, which
 turns into numbers.
 
 ``mode``
-    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.  `ModesOnDemand`: modes that
-    are derived when a run first tries to enter them; `Regime`: what is known of a mode before that.
+    `Mode`, `Event`, `Reset`: one smooth regime, what ends it, what jumps then.
+``modes_on_demand``
+    `ModesOnDemand`: modes that are derived when a run first tries to enter them; `Regime`: what is known of a
+    mode before that.
 ``expressions``
     `Combinations`: many sums of a few expressions, as numbers times these, for finite elements.  Also
     products multiplied out, unless that gets too long.

@@ -21,6 +21,10 @@ from frictionlab.automaton.mode import Expr
 from frictionlab.lazy_names import sympy
 
 Array = NDArray[np.float64]
+# Numbers in front of exponential functions outside of these powers of e belong into them.
+MOST_POWER_OF_E = 200.0
+# Most terms that a product or a power of sums may have: sympy takes a tenth of a second for so many.
+MOST_TERMS = 1000
 
 
 def unsorted_product(factors: Sequence[Expr]) -> Expr:
@@ -54,10 +58,6 @@ def real_power_cure(base: Any, exponent: Any) -> str:
         f"write {size}**{exponent}, or {base}*{size}**({exponent} - 1) for a law that changes its sign with "
         "the base, or an integer exponent as a number"
     )
-
-
-# Numbers in front of exponential functions outside of these powers of e belong into them.
-MOST_POWER_OF_E = 200.0
 
 
 @lru_cache(maxsize=4096)
@@ -166,10 +166,6 @@ def _multiple(number: float, factors: tuple[Expr, ...]) -> Expr:
 def exact_number(number: float) -> Expr:
     """A number for sympy: 1 and -1 as integers, which leave no factor; others as floats."""
     return sympy.Integer(int(number)) if number in (1.0, -1.0) else sympy.Float(number)
-
-
-# Most terms that a product or a power of sums may have: sympy takes a tenth of a second for so many.
-MOST_TERMS = 1000
 
 
 def multiply_out(expr: Expr | float, **hints: bool) -> Expr:

@@ -20,7 +20,8 @@ from frictionlab.validation import (
     unknown_parameter,
 )
 
-from .mode import Mode, ModesOnDemand, Symbol, check_elements
+from .mode import Mode, Symbol, check_elements
+from .modes_on_demand import ModesOnDemand
 
 
 def module_of_pieces() -> Any:

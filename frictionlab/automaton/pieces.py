@@ -19,16 +19,14 @@ from typing import Any
 import sympy
 
 from frictionlab.automaton.expressions import multiply_out
-from frictionlab.automaton.mode import (
+from frictionlab.automaton.mode import Event, Mode, Reset
+from frictionlab.automaton.modes_on_demand import (
     JOINT,
     NO_PARTS,
     Combination,
-    Event,
-    Mode,
     ModeNames,
     ModesOnDemand,
     Regime,
-    Reset,
 )
 
 MOST_AT_ONCE = 27  # up to so many modes are all made; where there are more, each is when a run comes to it

@@ -43,7 +43,7 @@ def derive(model: Model) -> None:
 
     from frictionlab.analysis.initial_states import initial_state_of
     from frictionlab.hybrid.chatter_limit import SHORT_SHARE, chatter_limit
-    from frictionlab.hybrid.problem import evaluate_output
+    from frictionlab.hybrid.outputs import evaluate_output
     from frictionlab.stability import eigenvalues
     from frictionlab.tape.packing import program_of
 

@@ -10,15 +10,14 @@ sections, and `Numbers`, its coefficients at values of the parameters.  From the
     Machine code for the jets and steps of a mode that is used for long, with the same results to the last
     bit.
 ``problem``
-    `Problem`, what a method is given; `RunData`, the arrays that it gives back; `Status`, how a run ended;
-    its events and its named outputs.
+    `Problem`, what a method is given; `RunData`, the arrays that it gives back; `Status`, how a run ended.
 ``methods``
     `Taylor`, `RK4`, `Scipy`: classes that fill records of steps and events.
 ``chatter_limit``
     How short flights must be for the limit of chatter to take their place.
-``trajectory``, ``run_file``
-    `Trajectory`, the result of a run with samples, events, dense output; the file of a run, and the check of
-    arrays read from it.
+``trajectory``, ``run_events``, ``outputs``, ``run_file``
+    `Trajectory`, the result of a run with samples and dense output; its `Events`; its named outputs; its
+    file, and the check of arrays read from it.
 ``accuracy``, ``guard_bounds``, ``real_powers``
     Checks of a run: the defect of its steps and the violation of its modes' conditions; where guards are
     negative, by intervals; whether the base of a power became negative.

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.hybrid.problem import RunData
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas

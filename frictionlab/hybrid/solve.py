@@ -14,7 +14,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import check_mode_name
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.methods.base import Method
@@ -45,6 +45,7 @@ from frictionlab.validation import (
 )
 
 NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
+LOGGER = logging.getLogger(__name__)
 
 
 def method_of(method: Any) -> Method:
@@ -75,9 +76,6 @@ def _method_named(name: str) -> Method | None:
     if name in integrators:
         return Scipy(integrators[name])
     return NAMED_METHODS[name]() if name in NAMED_METHODS else None
-
-
-LOGGER = logging.getLogger(__name__)
 
 
 class RunKeywords(TypedDict, total=False):

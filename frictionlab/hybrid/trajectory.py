@@ -17,23 +17,17 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import ModeNames
+from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.hybrid.accuracy import defect_warning, defects, sampled_steps
 from frictionlab.hybrid.chatter_limit import chatter_warning
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import condition_violation
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
-from frictionlab.hybrid.problem import (
-    Events,
-    Problem,
-    RunData,
-    Sampling,
-    SectionPoints,
-    Status,
-    evaluate_output,
-)
+from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.real_powers import negative_base
+from frictionlab.hybrid.run_events import Events, SectionPoints
 from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.presentation import (
     Drawable,

@@ -6,8 +6,9 @@
 ``composition``
     Parameters of a model and its components; nonlinearities that can be switched off.
 ``symbols``
-    Copies of models whose parameters are sympy symbols, from which automata are derived; derivatives of long
-    sums.
+    sympy symbols of states and parameters; derivatives of long sums.
+``symbolic_laws``
+    Copies of models whose parameters are symbols, from which automata are derived; whether a law has a value.
 ``automaton_of_model``
     Derives a model once for its structure, and puts the numbers back: the `HybridAutomaton` that the solver
     runs.

@@ -15,14 +15,16 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModesOnDemand, Symbol, names_of_regimes
+from frictionlab.automaton.mode import Symbol
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, names_of_regimes
 from frictionlab.components.component import StructureKey, structure_of
 from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.validation import abbreviate
 
 from .kept_structures import Derivations, derivations_of
 from .serialisation import loaded_class, value_from_data
-from .symbols import check_laws, symbol, symbolic_copy
+from .symbolic_laws import check_laws, symbolic_copy
+from .symbols import symbol
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model

@@ -10,7 +10,7 @@ import sympy
 from sympy import Symbol
 from sympy.printing.latex import LatexPrinter
 
-from frictionlab.automaton.mode import check_mode_name
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.composition import parameter_metadata
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
 
-from frictionlab.automaton.mode import check_mode_name
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.models.equations import (
     LETTERS,
     TIME,
@@ -45,7 +45,8 @@ from frictionlab.models.mechanical.dynamic_laws import (
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
-from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import symbol
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound="Model")
 AUTOMATON, REST = NOTES = "_automaton", "_state_at_rest"  # what a model notes of itself, as it never changes
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
+MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 
 
 class Tone(NamedTuple):
@@ -403,9 +404,6 @@ def model(cls: type[M]) -> type[M]:
     cls.roles = MappingProxyType(own | {role: kind for role, kind in inherited.items() if role not in own})
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
-
-
-MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 
 
 def require_model(

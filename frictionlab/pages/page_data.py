@@ -24,7 +24,7 @@ from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
-from frictionlab.models.symbols import symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
     has_friction_curve,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.problem import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_output
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory

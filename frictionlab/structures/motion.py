@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, Reset
 from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_rows
-from frictionlab.automaton.mode import Combination, ModesOnDemand
+from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
@@ -31,7 +31,8 @@ from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 from frictionlab.models.mechanical.modes import HoldingForce, Solution, conditions_of_regime, mode_of
-from frictionlab.models.symbols import expand_products, state_symbols, symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.sliding_contacts import SlidingContacts
 from frictionlab.tape.arguments import parse_expression

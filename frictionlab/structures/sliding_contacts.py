@@ -19,7 +19,8 @@ from frictionlab.components.component import Component, parameters_of
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, explains_fields, float_array
 

@@ -24,8 +24,9 @@ Models compute their numbers with it, and the solver runs what it makes; it know
     `program_of`: packs the tapes of all modes and resets, and remembers the result by structure.
 ``lowering``
     The tape of one mode, or of one reset, and what the kernels need to know of it; the numbers in tapes as
-    functions of the parameters; which functions are zero by construction after an event; a program of modes
-    on demand as data.
+    functions of the parameters.
+``structural_zeros``
+    Which functions are zero by construction after an event.
 ``arguments``
     What the solver is given: one clear error for an automaton that is not well formed; expressions as text,
     such as "x1' - v", read without being evaluated as Python.

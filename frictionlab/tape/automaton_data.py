@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.mode import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.functions import FUNCTIONS
 

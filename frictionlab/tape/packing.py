@@ -19,7 +19,8 @@ from weakref import WeakKeyDictionary, ref
 import numpy as np
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
-from frictionlab.automaton.mode import Combination, KnownModes, ModesOnDemand, Symbol
+from frictionlab.automaton.mode import Symbol
+from frictionlab.automaton.modes_on_demand import Combination, KnownModes, ModesOnDemand
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.arguments import check_mode, check_structure
 from frictionlab.tape.functions import AFFINE, POWER, QUOTIENT
@@ -31,9 +32,7 @@ from frictionlab.tape.lowering import (
     lower_mode,
     lower_reset,
     number_formulas,
-    sign_normal_form,
     slot_array,
-    structural_zeros,
     undefined_number,
 )
 from frictionlab.tape.program import (
@@ -46,6 +45,7 @@ from frictionlab.tape.program import (
     kept_program,
     numbers_at,
 )
+from frictionlab.tape.structural_zeros import sign_normal_form, structural_zeros
 from frictionlab.tape.tape import FIRST_SHARED, ProductTerms
 
 NO_MODE = -1  # "no mode" in the arrays

@@ -37,6 +37,8 @@ AffineTerms = dict[int, Expr]
 # Of a product of a matrix: the terms of larger ones, and all of a tape with such a one, are shared by tapes.
 MOST_OWN_TERMS = 200
 FIRST_SHARED = 2**31  # terms from this number on are those of products
+# What to write in place of functions with corners, whose borders are no events.
+IN_PIECES = {"Abs": "absolute", "sign": "sign", "Min": "minimum", "Max": "maximum"}
 
 
 class TapeError(ValueError):
@@ -432,10 +434,6 @@ class ResetBuilder(TapeBuilder):
             slot = self.slot(expr.args[0])
             return {self._after_rate(POWER, self._binary(SQUARE, slot, slot), sp.Rational(1, 2)): sp.S.One}
         return super()._lower_new(expr)
-
-
-# What to write in place of functions with corners, whose borders are no events.
-IN_PIECES = {"Abs": "absolute", "sign": "sign", "Min": "minimum", "Max": "maximum"}
 
 
 def _cure(expr: Expr) -> str:

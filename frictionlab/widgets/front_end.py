@@ -15,7 +15,7 @@ import traitlets
 from matplotlib.colors import to_hex
 
 from frictionlab.analysis.motion_scales import time_of_rest
-from frictionlab.hybrid.problem import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model
 from frictionlab.pages.export import FRONT_END, script_text, text_of

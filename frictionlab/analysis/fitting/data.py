@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.mode import check_mode_name
+from frictionlab.automaton.modes_on_demand import check_mode_name
 from frictionlab.validation import (
     abbreviate,
     check_choice,

@@ -19,7 +19,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuati
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.presentation import Kind
 from frictionlab.tape.formulas import function_along_run
-from frictionlab.tape.lowering import sign_normal_form
+from frictionlab.tape.structural_zeros import sign_normal_form
 
 LOCATION_XTOL = 1e-12  # share of the step to which a special point is located
 # how far from the unit circle rounding may put the multipliers of a Neimark-Sacker point

@@ -25,7 +25,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     run_one_period,
 )
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import Combination, ModesOnDemand
+from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import tangent_flow

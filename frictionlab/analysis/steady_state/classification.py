@@ -33,7 +33,7 @@ from frictionlab.analysis.steady_state.poincare_sections import (
     stick_onsets,
     turning_section,
 )
-from frictionlab.hybrid.problem import SectionPoints
+from frictionlab.hybrid.run_events import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import Kind
 

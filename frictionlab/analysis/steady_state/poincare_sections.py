@@ -12,8 +12,8 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import JOINT, ModeNames
-from frictionlab.hybrid.problem import SectionPoints
+from frictionlab.automaton.modes_on_demand import JOINT, ModeNames
+from frictionlab.hybrid.run_events import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.tape.arguments import read_expression
 from frictionlab.tape.formulas import function_along_run

@@ -21,7 +21,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind, classif
 from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.problem import SectionPoints
+from frictionlab.hybrid.run_events import SectionPoints
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of

@@ -55,6 +55,11 @@ STATUS_OF_CODE = {
     run_state.NOT_FINITE: Status.NOT_FINITE,
 }
 MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
+# Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
+# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
+# than the state has; along a closed contact rounding adds up, so that its state may be off by more.
+ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
+PLAIN = str, float, int, type(None)  # nearly all settings are
 
 
 class SpareArrays:
@@ -165,12 +170,6 @@ class ActiveRun(NamedTuple):
         return GuardZero(0.0, int(guard), int(multiplicity))
 
 
-# Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
-# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
-# than the state has; along a closed contact rounding adds up, so that its state may be off by more.
-ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
-
-
 def initial_mode(run: ActiveRun) -> Selection:
     """First admissible mode at the initial state; leaves the jets that it used in the scratch arrays.
 
@@ -202,9 +201,6 @@ def initial_mode(run: ActiveRun) -> Selection:
             "does not hold or fails at once; leave mode=None to have the mode chosen"
         )
     return selection
-
-
-PLAIN = str, float, int, type(None)  # nearly all settings are
 
 
 @cache

@@ -18,7 +18,7 @@ from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
-from frictionlab.hybrid.problem import Events
+from frictionlab.hybrid.run_events import Events
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.hybrid.variational.tangent_jets import (
     MIN_TANGENT_STEP_SHARE,

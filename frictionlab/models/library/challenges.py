@@ -15,6 +15,8 @@ from .dry_friction_oscillators import MassOnBelt
 from .impact_oscillators import ImpactOscillator
 from .sliders import SliderOnBelt, SliderOnRigidBelt
 
+POINTS = "mu_0", "mu_1", "mu_2", "mu_3", "mu_4", "v_1", "v_2", "v_3", "v_4"
+
 
 class Challenge(NamedTuple):
     """A question that is answered by changing controls.
@@ -48,7 +50,6 @@ TWO_FATES = SliderOnBelt(mu_k=0.8)  # the silent fate is reached by hand: from 5
 STICK_SLIP = MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1)
 CURVE = MassOnBelt(friction=FrictionCurve(), c=0.1, v=0.5)
 SILENT, SINGS = {"vibrates": False, "stable": True}, {"vibrates": True}
-POINTS = "mu_0", "mu_1", "mu_2", "mu_3", "mu_4", "v_1", "v_2", "v_3", "v_4"
 
 CHALLENGES = (
     Challenge("silence", "From rest the slider sings for ever. Silence it by one slider.", TWO_FATES, SILENT),

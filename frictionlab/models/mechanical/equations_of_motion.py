@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import sympy
 
 from frictionlab.automaton import Reset
-from frictionlab.automaton.mode import Combination, ModeNames
+from frictionlab.automaton.modes_on_demand import Combination, ModeNames
 from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
-from frictionlab.models.symbols import expand_products, gradient, symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import expand_products, gradient, symbol
 
 from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import (
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 Row = tuple[Any, ...]
+# How numpy, math and sympy begin their errors where a number is wanted of a symbol.
+NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
 
 
 def _remembered(method: Any) -> Any:
@@ -403,10 +406,6 @@ def time_of(model: MechanicalModel) -> tuple[Any, ...]:
     """The symbol of the time, unless the model gives the name to something else."""
     own = {*model.coordinates, *model.states, *model.structure_key.parameters}
     return () if TIME in own else (symbol(TIME),)
-
-
-# How numpy, math and sympy begin their errors where a number is wanted of a symbol.
-NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
 
 
 def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further: Sequence[Any]) -> Mechanics:

@@ -16,7 +16,8 @@ from frictionlab.components.component import Parameter, StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.kept_structures import derivations_of
-from frictionlab.models.symbols import symbol, symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .massless_motions import SEED, motion_without_energy

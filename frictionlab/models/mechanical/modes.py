@@ -17,7 +17,8 @@ from sympy.matrices import dotprodsimp
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import Balance, Combination, ModesOnDemand, Regime
+from frictionlab.automaton.mode import Balance
+from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand, Regime
 from frictionlab.components.component import StructureKey
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.serialisation import structure_to_data

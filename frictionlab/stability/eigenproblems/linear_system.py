@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.problem import output_formulas
+from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.lazy_names import sympy
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.tape.formulas import formulas_of

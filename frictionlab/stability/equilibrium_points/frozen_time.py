@@ -12,7 +12,7 @@ from typing import Any
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.hybrid_automaton import WholeAutomaton
-from frictionlab.automaton.mode import ModesOnDemand
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import TIME
 

@@ -23,7 +23,8 @@ from frictionlab.lazy_names import sympy
 from frictionlab.models import Model
 from frictionlab.models.kept_structures import Derivations, derivations_of
 from frictionlab.models.model import ModelOrAutomaton
-from frictionlab.models.symbols import check_laws, parameter_symbols, symbolic_copy
+from frictionlab.models.symbolic_laws import check_laws, symbolic_copy
+from frictionlab.models.symbols import parameter_symbols
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero
 from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN, Polynomial

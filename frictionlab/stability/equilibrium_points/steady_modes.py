@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.mode import ModeNames, ModesOnDemand, Regime
+from frictionlab.automaton.modes_on_demand import ModeNames, ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders

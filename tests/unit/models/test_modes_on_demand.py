@@ -10,7 +10,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.automaton import Mode
-from frictionlab.automaton.mode import ModesOnDemand, Regime
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from frictionlab.automaton import Event, Mode, Reset
-from frictionlab.tape.lowering import sign_normal_form, structural_zeros
+from frictionlab.tape.structural_zeros import sign_normal_form, structural_zeros
 
 X, Y, K = sp.symbols("x y k")
 

@@ -1,0 +1,43 @@
+"""Named outputs of a run, each by the formula of its mode.
+
+Powers in these formulas follow the rule of the tape: a base that rounding has made negative counts as zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+
+
+def evaluate_output(
+    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray, mode_names: Sequence[str]
+) -> np.ndarray:
+    """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
+
+    `modes` (N,) holds indices into `mode_names`.
+    """
+    values, numbers = np.empty(len(states)), automaton.values.values()
+    for i in np.unique(modes):
+        chosen = modes == i
+        formulas = output_formulas(automaton, mode_names[int(i)], name)
+        values[chosen] = formulas.along_run(*states[chosen].T, *numbers)[0]
+    return values
+
+
+def output_formulas(automaton: HybridAutomaton, mode: str, name: str) -> Formulas:
+    """An output in a mode as a formula of the states, then the parameters."""
+
+    def derive() -> Formulas:
+        return _derived_output(automaton.mode(mode), name, automaton.states, tuple(automaton.parameters))
+
+    return kept_formulas(automaton.derivations, f"{name} in {mode}", derive)
+
+
+@lru_cache(maxsize=1024)
+def _derived_output(mode: Mode, name: str, states: tuple, parameters: tuple) -> Formulas:
+    return formulas_of([*states, *parameters], [mode.outputs[name]])

@@ -1,0 +1,126 @@
+"""The events of a run and the crossings of its sections, as tables."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span
+from frictionlab.validation import abbreviate, is_sequence
+
+MAX_KINDS = 6  # kinds of events that a summary counts
+
+
+class RunEvent(NamedTuple):
+    """One event of a run: a row of `Events`."""
+
+    t: float
+    source: str
+    target: str
+    guard: str
+    state: np.ndarray
+    before: np.ndarray
+    closed: bool
+
+
+@dataclass(frozen=True)
+class Events:
+    """Every event of a run, one row each; ``print(run.events)`` shows the first as a table.
+
+    ``run.events[0]`` is an event, ``run.events[run.events.target == "stick"]`` are some of them.
+
+    Attributes
+    ----------
+    t : (E,) times, in seconds
+    source, target : (E,) names of the modes left and entered ("" where none could be entered)
+    guard : (E,) names of the event functions that reached zero
+    state, before : (E, states) state after and before the reset
+    closed : (E,) whether the event closed a Zeno accumulation
+    names, units : names of the states, and their units, "" where they are not known
+    """
+
+    t: np.ndarray
+    source: np.ndarray
+    target: np.ndarray
+    guard: np.ndarray
+    state: np.ndarray
+    before: np.ndarray
+    closed: np.ndarray
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, index: Any) -> Any:
+        """One event for an integer; `Events` for a slice, or for an array of integers or truth values."""
+        if isinstance(index, (int, np.integer)) and not isinstance(index, bool):
+            if not -len(self) <= index < len(self):
+                raise IndexError(
+                    f"there are {len(self)} events, got the index {abbreviate(index)}: count from 0"
+                )
+            t, source, target, guard, state, before, closed = (column[index] for column in self._columns())
+            return RunEvent(float(t), str(source), str(target), str(guard), state, before, bool(closed))
+        places = np.arange(len(self))
+        try:
+            chosen: Any = index
+            if not isinstance(index, slice) and not is_sequence(index):
+                raise TypeError
+            places = places[chosen if isinstance(index, slice) or len(chosen) else []]
+        except (IndexError, TypeError, ValueError):
+            raise IndexError(
+                f"the {len(self)} events are chosen by integers, a slice or truth values, "
+                f"got {abbreviate(index)}: write events[events.target == 'stick']"
+            ) from None
+        columns = dict(zip(RunEvent._fields, (column[places] for column in self._columns()), strict=True))
+        return replace(self, **columns)
+
+    def __iter__(self) -> Iterator[RunEvent]:
+        return (self[i] for i in range(len(self)))
+
+    def _columns(self) -> list[np.ndarray]:
+        return [getattr(self, name) for name in RunEvent._fields]
+
+    def counts(self) -> dict[str, int]:
+        """Number of events by kind, e.g. ``{"slip+ -> stick": 10}``, the most frequent first."""
+        kinds = Counter(f"{a} -> {b}" for a, b in zip(self.source, self.target, strict=True))
+        return dict(kinds.most_common())
+
+    def to_dataframe(self) -> Any:
+        """One row for each event, as a pandas DataFrame indexed by time (needs the extra ``data``).
+
+        Columns: modes left and entered, event function, whether an accumulation was closed; then the states
+        after the event, and those before it, as "x1 before".
+        """
+        about = {name: getattr(self, name) for name in ("source", "target", "guard", "closed")}
+        after = dict(zip(self.names, self.state.T, strict=True))
+        before = {f"{name} before": column for name, column in zip(self.names, self.before.T, strict=True)}
+        units = dict(zip((*after, *before), (*self.units, *self.units)))
+        return dataframe(about | after | before, {"t": self.t}, {"t": "s"} | units)
+
+    def __repr__(self) -> str:
+        kinds = shorten((f"{kind}: {n}" for kind, n in self.counts().items()), MAX_KINDS)
+        return f"Events({len(self)}: {kinds})" if kinds else "Events(0)"
+
+    def __str__(self) -> str:
+        rows = [("t (s)", "from", "to", "event function")]
+        rows += [(f"{e.t:.6g}", e.source, e.target or "no mode", e.guard) for e in self[:MAX_ROWS]]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(f"{text:{width}}" for text, width in zip(row, widths)).rstrip() for row in rows]
+        lines += [f"... and {len(self) - MAX_ROWS} more"] if len(self) > MAX_ROWS else []
+        return "\n".join([repr(self), *(lines if len(self) else [])])
+
+
+class SectionPoints(NamedTuple):
+    """Crossings of a section: times (P,) and states (P, states)."""
+
+    t: np.ndarray
+    state: np.ndarray
+
+    def __repr__(self) -> str:
+        when = f", {span(self.t)} s" if len(self.t) else ""
+        return f"SectionPoints({count(len(self.t), 'crossing')}{when})"

@@ -1,0 +1,149 @@
+"""Copies of models whose parameters are symbols, and what their laws are at values of these.
+
+The copy runs no checks of values, as symbols have none.  Methods of its laws that cannot take symbols raise
+an error that says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import cache, wraps
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
+from frictionlab.components.component import Component, StructureKey, parameters_of, structure_of
+from frictionlab.lazy_names import sympy
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
+from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
+from frictionlab.validation import abbreviate
+
+from .kept_structures import derivations_of
+
+if TYPE_CHECKING:
+    pass
+from frictionlab.models.symbols import parameter_symbols, symbol
+
+LAW_METHODS = (
+    "force",
+    "rates",
+    "rates_in_separation",
+    "state_limit",
+    "kinetic",
+    "static_limit",
+    "impulse",
+    "friction",
+)
+
+
+MAY_BE_NONE = "rates_in_separation", "state_limit"
+
+
+def symbolic_copy(key: StructureKey) -> Any:
+    """A component of this structure, with symbols as values of its parameters."""
+    copy = object.__new__(key.component)
+    for name in parameters_of(key.component):
+        object.__setattr__(copy, name, symbol(name))
+    for name, value in zip(structure_of(key.component), key.values, strict=True):
+        object.__setattr__(copy, name, symbolic_copy(value) if isinstance(value, StructureKey) else value)
+    explain_errors(copy)
+    return copy
+
+
+def check_laws(key: StructureKey, values: Mapping[str, float]) -> None:
+    """Raise ValueError if a law of this structure has no real value at these values of its parameters."""
+    parts, formulas = _doubtful_parts(key)
+    if not parts:
+        return
+    numbers = formulas.numbers(*(values[name] for name in key.parameters))
+    for (place, text, names), number in zip(parts, numbers.tolist(), strict=True):
+        if not math.isfinite(number):
+            raise ValueError(
+                f"{place} of this {key.component.__name__} has {undefined_words(text, names, values)}: "
+                "give it another value; in a law of your own, fl.parameter(..., minimum=...) says which are "
+                "allowed"
+            )
+
+
+@cache
+def _doubtful_parts(key: StructureKey) -> tuple[list[Any], Formulas]:
+    """Parts of the laws' formulas that may have no value, and these values as formulas of the parameters.
+
+    Of each part there are the name of the law's method, its text and the names of its parameters.
+    """
+    derivations = derivations_of(key, key.parameters)
+
+    def parts() -> list[tuple[str, Any]]:
+        known = frozenset(parameter_symbols(key))
+        return [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, known)]
+
+    words = derivations.value(
+        "laws", lambda: [[place, str(part), sorted(map(str, part.free_symbols))] for place, part in parts()]
+    )
+    values = kept_formulas(
+        derivations, "laws", lambda: formulas_of(parameter_symbols(key), [part for _, part in parts()])
+    )
+    return words, values
+
+
+def _law_formulas(key: StructureKey) -> tuple[tuple[str, Any], ...]:
+    """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
+    formulas: list[tuple[str, Any]] = []
+    for law in symbolic_copy(key).components.values():
+        for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
+            with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
+                method = getattr(law, name)
+                given = method(*map(_positive, signature(method).parameters))
+                parts = given.values() if isinstance(given, Mapping) else () if given is None else (given,)
+                formulas += [(f"{type(law).__name__}.{name}", formula) for formula in parts]
+    return tuple(formulas)
+
+
+def _positive(argument: str) -> Any:
+    return sympy.Dummy(argument, positive=True)
+
+
+def explain_errors(copy: Component) -> None:
+    """Make the methods of a law's symbolic copy raise errors that name law and method."""
+    for name in LAW_METHODS if isinstance(copy, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
+        if hasattr(copy, name):
+            object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__, name))
+
+
+def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callable[..., Any]:
+    @wraps(method)
+    def explained(*arguments: Any) -> Any:
+        try:
+            value = method(*arguments)
+        except TypeError as error:
+            raise TypeError(
+                f"{law}.{name} must be a formula that takes symbols too, and fails with them "
+                f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
+                "max, math or numpy; where a law changes write fl.functions.piecewise, minimum, maximum, "
+                "absolute or interpolate"
+            ) from error
+        if value is None and name not in MAY_BE_NONE:
+            raise TypeError(
+                f"{law}.{name} must return a force, an impulse or rates, got None: write return in front"
+            )
+        parts = (value,)
+        if name.startswith("rates"):  # what is no mapping is refused with the names of the states
+            parts = value.values() if isinstance(value, Mapping) else ()
+        for one in parts:
+            if one is not None and not _is_formula(one):
+                raise TypeError(
+                    f"{law}.{name} must return a formula, got {abbreviate(one)}: write it with the arguments "
+                    "and the parameters, without quotes and arrays"
+                )
+        return value
+
+    return explained
+
+
+def _is_formula(given: Any) -> bool:
+    try:
+        return isinstance(sympy.sympify(given, strict=True), sympy.Expr)
+    except (sympy.SympifyError, TypeError, ValueError):
+        return False
