@@ -50,6 +50,7 @@ class Derivations:
     def __init__(self, path: Path | None) -> None:
         self._path = path
         self._known: dict[str, Any] | None = None
+        self.objects: dict[str, Any] = {}  # formulas and programs, made of the data
 
     @property
     def keeps(self) -> bool:

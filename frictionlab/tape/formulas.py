@@ -602,9 +602,6 @@ def function_along_run(inputs: Sequence[Any], expression: Any) -> Callable[..., 
     return lambda *values: formulas.along_run(*values)[0]
 
 
-_KEPT: WeakKeyDictionary[Any, dict[str, Formulas]] = WeakKeyDictionary()
-
-
 def kept_formulas(derivations: Any, name: str, derive: Callable[[], Formulas]) -> Formulas:
     """Formulas among the derivations of a structure; where they are not there yet, those that `derive` makes.
 
@@ -612,7 +609,7 @@ def kept_formulas(derivations: Any, name: str, derive: Callable[[], Formulas]) -
     """
     if derivations is None:
         return derive()
-    known = _KEPT.setdefault(derivations, {})
+    known = derivations.objects
     if name not in known:
         data = derivations.get(f"{name}()")
         if data is not None:

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,9 +173,6 @@ class Program:
         }
 
 
-_KEPT_PROGRAMS: WeakKeyDictionary[Any, Program] = WeakKeyDictionary()  # keys: what files hold of a structure
-
-
 def numbers_at(program: Program, values: Iterable[Any]) -> Numbers:
     """The program's numbers at values of the parameters; nothing may write into their arrays."""
     return _numbers_at(program, array("d", values).tobytes())
@@ -189,7 +185,7 @@ def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from
 
 def kept_program(derivations: Any, name: str, packed: Callable[[], Program]) -> Program:
     """The program among the derivations of a structure; if there is none yet, the one that `packed` makes."""
-    program = _KEPT_PROGRAMS.get(derivations)
+    program = derivations.objects.get("the program")
     if program is None:
         data = derivations.get(name)
         if data is not None:
@@ -197,7 +193,7 @@ def kept_program(derivations: Any, name: str, packed: Callable[[], Program]) -> 
         else:
             program = packed()
             derivations.keep(name, program_to_data(program))
-        _KEPT_PROGRAMS[derivations] = program
+        derivations.objects["the program"] = program
     return program
 
 

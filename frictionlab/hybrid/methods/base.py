@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
-from functools import cache
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -59,7 +58,6 @@ MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
 # is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
 # than the state has; along a closed contact rounding adds up, so that its state may be off by more.
 ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
-PLAIN = str, float, int, type(None)  # nearly all settings are
 
 
 class SpareArrays:
@@ -203,16 +201,6 @@ def initial_mode(run: ActiveRun) -> Selection:
     return selection
 
 
-@cache
-def _settings(kind: type[Method]) -> tuple[str, ...]:
-    """Name and fields of a method."""
-    return ("name", *(each.name for each in fields(kind)))
-
-
-def _as_data(value: Any) -> Any:
-    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
-
-
 @dataclass(frozen=True)
 class Method(ABC):
     """Base of all methods; runs the loop and keeps the records."""
@@ -249,8 +237,7 @@ class Method(ABC):
 
     def describe(self) -> dict[str, Any]:
         """Name and settings, for the record."""
-        settings = ((name, getattr(self, name)) for name in _settings(type(self)))
-        return {name: value if isinstance(value, PLAIN) else _as_data(value) for name, value in settings}
+        return {"name": self.name, **vars(self)}
 
     def check_caps(self) -> None:
         """Raise ValueError unless the caps are positive integers."""

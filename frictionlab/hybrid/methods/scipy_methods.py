@@ -16,7 +16,6 @@ from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.methods.base import ActiveRun, Method
 from frictionlab.validation import check_choice, check_field, explains_fields
 
-IMPLICIT_CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
 CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)

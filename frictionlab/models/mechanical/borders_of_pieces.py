@@ -18,7 +18,7 @@ from frictionlab.components.component import StructureKey
 from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.symbols import gradient, parameter_symbols
 
-from .massless_motions import SEED
+from .masses import SEED
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel

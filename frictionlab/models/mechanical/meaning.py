@@ -21,7 +21,7 @@ from frictionlab.validation import abbreviate, did_you_mean_or_known
 from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .friction_in_plane import check_directions, check_plane
-from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
+from .masses import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 
 if TYPE_CHECKING:
