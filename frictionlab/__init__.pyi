@@ -200,6 +200,7 @@ from .structures.beam_on_belt import BeamOnBelt as BeamOnBelt
 from .structures.damping import RayleighDamping as RayleighDamping
 from .structures.disc_brake import AnnularPlate as AnnularPlate
 from .structures.disc_brake import DiscBrake as DiscBrake
+from .structures.matrix_files import read_freedoms as read_freedoms
 from .structures.matrix_files import read_matrix as read_matrix
 from .structures.reduction import ReducedStructure as ReducedStructure
 from .structures.reduction import reduce as reduce

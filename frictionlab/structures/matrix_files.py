@@ -1,22 +1,61 @@
-"""`fl.read_matrix`: a sparse matrix from a file of a finite-element program, of MATLAB or of scipy."""
+"""`fl.read_matrix`: a sparse matrix from a file of a finite-element program, of MATLAB or of scipy.
+
+Files that name nodes and directions in place of rows have the freedoms that they name.  Matrices of one
+structure get those that all its files name, as the mass may lack some and friction has few.
+"""
 
 from __future__ import annotations
 
 import re
 import zlib
+from collections.abc import Iterable
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import BadZipFile, is_zipfile
 
 import numpy as np
 from scipy import io, sparse
 
-from frictionlab.validation import abbreviate, check_path, check_text, did_you_mean_or_known, with_cure
+from frictionlab.validation import (
+    abbreviate,
+    check_path,
+    check_text,
+    did_you_mean_or_known,
+    with_cure,
+)
 
-SUFFIXES = (".mtx", ".mat", ".npz", ".txt")
+SUFFIXES = (".mtx", ".mat", ".npz", ".txt", ".op4")
+DIRECTIONS = 64  # of a node: more than any program has
 FORTRAN_EXPONENT = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9])")
 MATRIX_MARKET = b"%%MatrixMarket"
-CURE = "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, or rows of three numbers: row, column, entry"
+CURE = "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, Nastran's .op4, or rows of row, column, entry"
+
+
+class NodalEntries(NamedTuple):
+    """Entries of a matrix whose rows and columns are directions of nodes.
+
+    Parameters
+    ----------
+    rows, columns : int array (N,)
+        DIRECTIONS times the node, and the direction.
+    entries : array (N,)
+    """
+
+    rows: Any
+    columns: Any
+    entries: Any
+
+    @property
+    def freedoms(self) -> Any:
+        """The freedoms that are named, ascending."""
+        return np.union1d(self.rows, self.columns)
+
+    def matrix(self, freedoms: Any) -> sparse.csc_array:
+        """The matrix of these freedoms, ascending."""
+        places = np.searchsorted(freedoms, self.rows), np.searchsorted(freedoms, self.columns)
+        n = len(freedoms)
+        return sparse.csc_array(sparse.coo_array((self.entries, places), (n, n)))
 
 
 def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
@@ -25,11 +64,13 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
     Parameters
     ----------
     path : str or Path
-        ``.mtx``: Matrix Market, or the text that Abaqus writes in its COORDINATE format: in each line row,
-        column and entry, counted from 1.  ``.mat``: MATLAB up to version 7.  ``.npz``: by
-        ``scipy.sparse.save_npz``.  ``.txt``: rows of three numbers.
+        ``.mtx``: Matrix Market, or what Abaqus writes.  In its COORDINATE format a line has row, column and
+        entry, counted from 1.  In its MATRIX INPUT format it has node, direction, node, direction and entry;
+        a triangle stands for a symmetric matrix there, and rows are in the order of
+        :func:`read_freedoms`.  ``.mat``: MATLAB up to version 7.  ``.npz``: by ``scipy.sparse.save_npz``.
+        ``.op4``: Nastran (needs pyNastran).  ``.txt``: as the rows of Abaqus.
     variable : str, optional
-        Name of the matrix in a ``.mat`` file that holds several.
+        Name of the matrix in a ``.mat`` or ``.op4`` file that holds several.
 
     Returns
     -------
@@ -39,6 +80,8 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
     ------
     FileNotFoundError, PermissionError
         As the system says, with the cure.
+    ImportError
+        For Nastran's files without pyNastran.
     ValueError
         For a file that is not of these kinds or holds no matrix, or several where no `variable` is named.
 
@@ -50,12 +93,68 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
     >>> fl.read_matrix(path).toarray().tolist()
     [[2.0, 0.0], [0.0, 3.0]]
     """
+    given = _read(path, variable)
+    return given.matrix(given.freedoms) if isinstance(given, NodalEntries) else given
+
+
+def read_freedoms(path: Any) -> Any:
+    """Node and direction of each freedom of a matrix that Abaqus wrote in its MATRIX INPUT format.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    int array (n, 2)
+        Ascending, in the order of the rows of :func:`read_matrix`.  A structure of several such files has
+        the freedoms that any of them names.
+
+    Raises
+    ------
+    FileNotFoundError, PermissionError
+        As the system says, with the cure.
+    ValueError
+        For a file that names no nodes.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, frictionlab as fl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "K.mtx"
+    >>> _ = path.write_text("7,1, 7,1, 2.0\\n9,2, 7,1, -1.0\\n9,2, 9,2, 3.0\\n")
+    >>> fl.read_freedoms(path).tolist()
+    [[7, 1], [9, 2]]
+    >>> fl.read_matrix(path).toarray().tolist()
+    [[2.0, -1.0], [-1.0, 3.0]]
+    """
+    given = _read(path, None)
+    if not isinstance(given, NodalEntries):
+        raise ValueError(
+            f"{Path(path).name} must name nodes to have freedoms, got a matrix of rows and columns: write it "
+            "in Abaqus' MATRIX INPUT format"
+        )
+    return np.stack(np.divmod(given.freedoms, DIRECTIONS), axis=1)
+
+
+def read_matrices(paths: Iterable[Any]) -> dict[Any, sparse.csc_array]:
+    """The matrices of one structure by their paths; those that name nodes have the same freedoms."""
+    read = {path: _read(path, None) for path in paths}
+    named = [one.freedoms for one in read.values() if isinstance(one, NodalEntries)]
+    freedoms = np.unique(np.concatenate(named)) if named else None
+    return {
+        path: one.matrix(freedoms) if isinstance(one, NodalEntries) else one for path, one in read.items()
+    }
+
+
+def _read(path: Any, variable: str | None) -> Any:
+    """A matrix, or the entries of one by nodes."""
     file = check_path("path", path, SUFFIXES, CURE)
     if variable is not None:
         check_text("variable", variable, "name a matrix of the file")
     try:
         file.open("rb").close()  # scipy's errors of files that are not there differ
-        return sparse.csc_array(_READERS[file.suffix.lower()](file, variable))
+        given = _READERS[file.suffix.lower()](file, variable)
+        return given if isinstance(given, NodalEntries) else sparse.csc_array(given)
     except OSError as error:
         raise with_cure(error, file, "check the path") from None
     except (TypeError, KeyError, NotImplementedError, UnicodeDecodeError, BadZipFile, zlib.error) as error:
@@ -76,7 +175,7 @@ def _read_mtx(file: Path, variable: str | None) -> Any:
 
 
 def _read_coordinates(file: Path, _: str | None) -> Any:
-    """Rows of row, column, entry, counted from 1, as Abaqus writes them; commas or blanks between.
+    """Rows as Abaqus writes them, commas or blanks between: of three numbers, or of five with nodes.
 
     Exponents may be those of Fortran, as in 1.0D+01.
     """
@@ -87,20 +186,60 @@ def _read_coordinates(file: Path, _: str | None) -> Any:
         rows = np.loadtxt(text.replace(",", " ").splitlines(), ndmin=2, comments=("%", "*", "#"))
     except ValueError as error:
         raise ValueError(f"{file.name} must hold rows of row, column, entry ({error}): {CURE}") from None
-    if rows.shape[1] != 3 or not rows.size:
-        raise ValueError(f"{file.name} must hold three numbers in each row, got {rows.shape[1]}: {CURE}")
-    i, j = rows[:, :2].T
-    if (rows[:, :2] < 1).any() or (rows[:, :2] != rows[:, :2].astype(int)).any():
+    if rows.shape[1] not in (3, 5) or not rows.size:
+        raise ValueError(
+            f"{file.name} must hold three numbers in each row, or five with nodes, got {rows.shape[1]}: "
+            f"{CURE}"
+        )
+    places = rows[:, :-1].astype(int)
+    if (rows[:, :-1] != places).any():
+        raise ValueError(f"rows and columns in {file.name} must be integers: {CURE}")
+    if rows.shape[1] == 5:
+        return _nodal_entries(file, places, rows[:, -1])
+    if (places < 1).any():
         raise ValueError(f"rows and columns in {file.name} must be integers from 1 on: {CURE}")
-    size = int(max(i.max(), j.max()))
-    return sparse.coo_array((rows[:, 2], (i.astype(int) - 1, j.astype(int) - 1)), (size, size))
+    size = int(places.max())
+    return sparse.coo_array((rows[:, 2], tuple(places.T - 1)), (size, size))
+
+
+def _nodal_entries(file: Path, places: Any, entries: Any) -> NodalEntries:
+    """Entries by node and direction; those of a triangle, with a diagonal, and of the other one.
+
+    Abaqus' rules: a symmetric matrix is one triangle, or both.
+    """
+    directions = places[:, 1::2]
+    if (directions < 0).any() or (directions >= DIRECTIONS).any():
+        raise ValueError(f"directions of nodes in {file.name} must be from 0 to {DIRECTIONS - 1}: {CURE}")
+    rows, columns = DIRECTIONS * places[:, 0] + places[:, 1], DIRECTIONS * places[:, 2] + places[:, 3]
+    given = NodalEntries(rows, columns, entries)
+    aside = rows != columns
+    across = given._replace(rows=columns[aside], columns=rows[aside], entries=entries[aside])
+    pattern, other = (abs(one.matrix(given.freedoms)).astype(bool) for one in (given, across))
+    if not aside.any() or not pattern.diagonal().all() or pattern.multiply(other).nnz:
+        return given
+    return NodalEntries(*map(np.concatenate, zip(given, across, strict=True)))
 
 
 def _read_mat(file: Path, variable: str | None) -> Any:
-    held: dict[str, Any] = {
-        name: value for name, value in io.loadmat(file).items() if not name.startswith("__")
-    }
-    matrices = [name for name, value in held.items() if getattr(value, "ndim", 0) == 2]
+    try:
+        held = io.loadmat(file)
+    except NotImplementedError:
+        raise ValueError(
+            f"{file.name} must be of MATLAB up to version 7, got one of version 7.3: save it with '-v7'"
+        ) from None
+    return _chosen(file, {name: one for name, one in held.items() if not name.startswith("__")}, variable)
+
+
+def _chosen(file: Path, held: dict[str, Any], variable: str | None) -> Any:
+    """The matrix of a file that is named, or its only one."""
+    matrices = [
+        name for name, one in held.items() if getattr(one, "ndim", 0) == 2 and one.dtype.kind in "iufc"
+    ]
+    if not matrices:
+        raise ValueError(
+            f"{file.name} must hold a matrix, got {abbreviate(list(held))}: save the matrix itself, not what "
+            "it is part of"
+        )
     if variable is None and len(matrices) == 1:
         return held[matrices[0]]
     if variable not in matrices:
@@ -109,10 +248,29 @@ def _read_mat(file: Path, variable: str | None) -> Any:
     return held[variable]
 
 
-def _read_npz(file: Path, _: str | None) -> Any:
+def _read_npz(file: Path, variable: str | None) -> Any:
     if not is_zipfile(file):  # numpy takes it for a pickle
         raise BadZipFile("it is no archive")
-    return sparse.load_npz(file)
+    with np.load(file) as held:
+        return sparse.load_npz(file) if "format" in held else _chosen(file, dict(held), variable)
 
 
-_READERS = {".mtx": _read_mtx, ".mat": _read_mat, ".npz": _read_npz, ".txt": _read_coordinates}
+def _read_op4(file: Path, variable: str | None) -> Any:
+    try:
+        nastran: Any = import_module("pyNastran.op4.op4")
+    except ImportError as error:
+        raise ImportError(f"{file.name} is read by pyNastran: pip install pyNastran") from error
+    try:
+        held = nastran.read_op4(str(file), debug=False)
+    except Exception as error:  # whatever it raises of a file that is damaged
+        raise TypeError(error) from None
+    return _chosen(file, {name: one.data for name, one in held.items()}, variable)
+
+
+_READERS = {
+    ".mtx": _read_mtx,
+    ".mat": _read_mat,
+    ".npz": _read_npz,
+    ".txt": _read_coordinates,
+    ".op4": _read_op4,
+}

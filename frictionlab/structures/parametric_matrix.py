@@ -19,7 +19,6 @@ from scipy import sparse
 
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.models.symbols import symbol
-from frictionlab.structures.matrix_files import read_matrix
 from frictionlab.tape.arguments import names_in, parse_expression
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import (
@@ -32,6 +31,7 @@ from frictionlab.validation import (
 
 Matrix: TypeAlias = Any  # csc_array (n, n), of which type checkers know neither shape nor sums
 SYMMETRY_RTOL = 1e-12  # of the largest entry: files have numbers of some 16 digits
+ROUNDED_RTOL = 1e-5  # the same: files have numbers of few digits
 SHOWN = 3  # entries or freedoms that a message names
 
 
@@ -131,7 +131,15 @@ class ParametricMatrix:
         return {"coefficients": self.coefficients, "matrices": self.matrices}
 
 
-def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) -> ParametricMatrix:
+def paths_in(given: Any) -> list[Any]:
+    """The paths in what a user gives as one matrix of a structure."""
+    matrices = [term[1] for term in given] if _is_list_of_terms(given) else [given]
+    return [one for one in matrices if isinstance(one, (str, PathLike))]
+
+
+def parametric_matrix(
+    name: str, given: Any, parameters: Mapping[str, float], files: Mapping[Any, Matrix]
+) -> ParametricMatrix:
     """What a user gives as one matrix of a structure: an array, a sparse matrix, a path, or a list of terms.
 
     Parameters
@@ -142,6 +150,7 @@ def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) ->
         A coefficient is a number, a text such as "1/r - 1", or a function of parameters.
     parameters : mapping of str to float
         Those that coefficients may name.
+    files : mapping of paths to matrices
 
     Raises
     ------
@@ -151,7 +160,7 @@ def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) ->
     if isinstance(given, ParametricMatrix):
         return given
     if not _is_list_of_terms(given):
-        return ParametricMatrix(("1",), (_sparse(name, given),))
+        return ParametricMatrix(("1",), (_sparse(name, given, files),))
     terms = list(given)
     texts, matrices = [], []
     for i, term in enumerate(terms):
@@ -162,7 +171,7 @@ def parametric_matrix(name: str, given: Any, parameters: Mapping[str, float]) ->
                 f'write [(1, A), ("r**2 - 1", B)]'
             )
         texts.append(_coefficient(where, term[0], parameters))
-        matrices.append(_sparse(where, term[1]))
+        matrices.append(_sparse(where, term[1], files))
     for i, matrix in enumerate(matrices):
         if matrix.shape != matrices[0].shape:
             raise ValueError(
@@ -262,10 +271,10 @@ def _text_of_function(what: str, function: Callable[..., Any], parameters: Mappi
     return text
 
 
-def _sparse(name: str, given: Any) -> Matrix:
+def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
     """A square sparse matrix of finite numbers."""
     if isinstance(given, (str, PathLike)):
-        given = read_matrix(given)
+        given = files[given]
     try:
         if not sparse.issparse(given) and np.ma.is_masked(given):
             raise TypeError
@@ -310,9 +319,11 @@ def check_symmetry(name: str, matrix: ParametricMatrix, sign: int, cure: str) ->
             continue
         row, column = int(difference.row[worst]), int(difference.col[worst])
         where = name if len(matrix.matrices) == 1 else f"term {i} of {name}"
+        rounded = difference.data[worst] <= ROUNDED_RTOL * abs(term).max()
+        nearly = f"if rounding made it so, give (A {'+' if sign == 1 else '-'} A.T)/2" if rounded else ""
         raise ValueError(
-            f"{where} must be {what}, got {term[row, column]:.6g} at row {row}, column {column}, and "
-            f"{term[column, row]:.6g} across the diagonal: {_triangle(term, sign) or cure}"
+            f"{where} must be {what}, got {term[row, column]:.12g} at row {row}, column {column}, and "
+            f"{term[column, row]:.12g} across the diagonal: {_triangle(term, sign) or nearly or cure}"
         )
 
 

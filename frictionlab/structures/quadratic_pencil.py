@@ -341,6 +341,8 @@ def _nested_dissection(matrix: Matrix) -> NDArray[np.intp] | None:
 
 def _extend(operator: _ShiftInvert, known: _Invariant) -> _Invariant | None:
     """A larger invariant subspace, with eigenvalues in the disc that were missing; None if none is."""
+    if known.basis.shape[1] == known.basis.shape[0]:  # all eigenvalues are in the disc
+        return None
     krylov = _Krylov.start(operator, known)
     look = FIRST_STEPS
     while True:

@@ -33,7 +33,8 @@ SMALLEST_STEP = 2.0**-16  # of a step of Newton's method
 DECREASE = 1e-4  # share of a step by which the residual has to fall
 ROUNDING = 16.0 * float(np.finfo(float).eps)  # of all forces at a freedom: a smaller residual is none
 LARGEST_RESIDUAL = 1e-9  # of the largest force: an equilibrium with a larger one is none
-GMRES_STEPS, GMRES_RTOL = 40, 1e-10
+GMRES_STEPS, GMRES_RTOL = 40, 1e-4  # Newton's method corrects what a step leaves
+GMRES_RESTARTS = 3  # scipy ends a cycle early where the preconditioned residual is small
 LOAD_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)  # where the whole load at once finds no equilibrium
 
 
@@ -223,7 +224,7 @@ class Statics:
             make: Any = sparse_linalg.LinearOperator  # its stub has one dtype too many
             operator = make(tangent.shape, solve, dtype=float)
             step, failed = sparse_linalg.gmres(
-                tangent, left_over, M=operator, rtol=GMRES_RTOL, restart=GMRES_STEPS, maxiter=1
+                tangent, left_over, M=operator, rtol=GMRES_RTOL, restart=GMRES_STEPS, maxiter=GMRES_RESTARTS
             )
             if not failed:
                 return step, solve

@@ -24,6 +24,7 @@ from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.large_system import LargeSystem, SpectraOf
 from frictionlab.structures.damping import RayleighDamping
 from frictionlab.structures.energy_balance import StructureBalance
+from frictionlab.structures.matrix_files import read_matrices
 from frictionlab.structures.parametric_matrix import (
     SHOWN,
     Matrix,
@@ -31,6 +32,7 @@ from frictionlab.structures.parametric_matrix import (
     check_symmetry,
     parametric_matrix,
     parametric_vector,
+    paths_in,
 )
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts
@@ -135,6 +137,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
     def __post_init__(self) -> None:
         object.__setattr__(self, "contacts", self._checked_contacts())
         object.__setattr__(self, "parameters", self._checked_parameters())
+        files = read_matrices(path for name in MATRICES for path in paths_in(getattr(self, name)))
         new = []
         for name in MATRICES:
             given = getattr(self, name)
@@ -142,7 +145,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
                 continue
             if isinstance(given, ParametricMatrix) or (name == "C" and isinstance(given, RayleighDamping)):
                 continue
-            object.__setattr__(self, name, parametric_matrix(name, given, self.parameters))
+            object.__setattr__(self, name, parametric_matrix(name, given, self.parameters, files))
             new.append(name)
         if self.load is not None and not isinstance(self.load, ParametricMatrix):
             object.__setattr__(self, "load", parametric_vector("load", self.load, self.parameters, self.size))

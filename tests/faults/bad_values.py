@@ -109,6 +109,7 @@ def _scratch() -> Path:
     fl.simulate(BELT, 0.5, **QUIET).save(folder / "run.npz")
     fl.bifurcation(BELT, "v", [0.3], **SHORT, **QUIET, workers=1).save(folder / "bifurcation.jsonl")
     scipy.io.mmwrite(folder / "matrix.mtx", np.eye(2))
+    (folder / "freedoms.mtx").write_text("1,1, 1,1, 2.0")
     return folder
 
 
@@ -276,6 +277,7 @@ def doors() -> dict[str, Door]:
         "model": Door(fl.model, {"cls": type("Mine", (fl.MechanicalModel,), {})}),
         "quadratic_form": Door(fl.quadratic_form, {"matrix": np.eye(2), "x": (1.0, 2.0)}),
         "read_matrix": Door(fl.read_matrix, {"path": scratch / "matrix.mtx"}),
+        "read_freedoms": Door(fl.read_freedoms, {"path": scratch / "freedoms.mtx"}),
         "Structure": Door(
             lambda **k: fl.eigenvalues(fl.Structure(**k)),
             {"M": np.eye(2), "K": np.diag([1.0, 2.0])},

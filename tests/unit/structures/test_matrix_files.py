@@ -35,9 +35,10 @@ def test_a_variable_is_named_where_there_are_several(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("1 2\n3 4\n", "three numbers in each row, got 2"),
+        ("1 2\n3 4\n", "three numbers in each row, or five with nodes, got 2"),
         ("1 0 5.0", "integers from 1"),
         ("a b c", "rows of"),
+        ("1 70 1 70 2.0", "directions of nodes"),
     ],
 )
 def test_text_that_holds_no_entries_is_refused(tmp_path, text, message):
@@ -50,7 +51,7 @@ def test_a_file_that_is_not_there_or_of_another_kind(tmp_path):
     with pytest.raises(FileNotFoundError, match="check the path"):
         fl.read_matrix(tmp_path / "none.mat")
     with pytest.raises(ValueError, match=r"path must end in \.mtx or \.mat"):
-        fl.read_matrix("K.op4")
+        fl.read_matrix("K.full")
     (tmp_path / "K.npz").write_bytes(b"no archive")
     with pytest.raises(ValueError, match="cannot be read"):
         fl.read_matrix(tmp_path / "K.npz")
@@ -68,3 +69,55 @@ def test_errors_name_files_that_are_empty_or_end_early(tmp_path, text):
     path.write_text(text)
     with pytest.raises(ValueError, match=r"cut\.mtx must hold a matrix"):
         fl.read_matrix(path)
+
+
+def test_a_mat_file_without_a_matrix_of_numbers(tmp_path):
+    io.savemat(tmp_path / "model.mat", {"model": {"K": K.toarray()}})
+    with pytest.raises(
+        ValueError, match=r"model\.mat must hold a matrix, got \['model'\]: save the matrix itself"
+    ):
+        fl.read_matrix(tmp_path / "model.mat")
+    (tmp_path / "new.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(400))
+    with pytest.raises(ValueError, match=r"got one of version 7\.3: save it with '-v7'"):
+        fl.read_matrix(tmp_path / "new.mat")
+
+
+def nodal_text(matrix, freedoms):
+    """A matrix in the MATRIX INPUT format of Abaqus."""
+    places = zip(*(part.tolist() for part in matrix.nonzero()), strict=True)
+    lines = ["** Abaqus"]
+    for i, j in places:
+        (a, b), (c, d) = freedoms[i], freedoms[j]
+        lines.append(f"{a},{b}, {c},{d}, {float(matrix[i, j])!r}")
+    return "\n".join(lines)
+
+
+def test_matrices_by_nodes_have_the_freedoms_of_all_files(tmp_path):
+    freedoms = [(-1, 0), (4, 1), (4, 2), (17, 1)]  # an internal node, then two others
+    stiffness = (
+        np.diag([3.0, 5.0, 7.0, 9.0]) + np.diag([-1.0, -2.0, -0.5], k=1) + np.diag([-1.0, -2.0, -0.5], k=-1)
+    )
+    friction = np.zeros((4, 4))
+    friction[1, 2], friction[3, 2] = 0.4, -0.4
+    (tmp_path / "STIF.mtx").write_text(nodal_text(np.tril(stiffness), freedoms))
+    (tmp_path / "both.mtx").write_text(nodal_text(stiffness, freedoms))
+    (tmp_path / "MASS.mtx").write_text(nodal_text(np.diag([0.0, 1.0, 1.0, 2.0]), freedoms))
+    (tmp_path / "FRIC.mtx").write_text(nodal_text(friction, freedoms))
+    assert (fl.read_freedoms(tmp_path / "STIF.mtx") == freedoms).all()
+    for name in ("STIF.mtx", "both.mtx"):
+        assert (fl.read_matrix(tmp_path / name).toarray() == stiffness).all()
+    structure = fl.Structure(
+        tmp_path / "MASS.mtx", tmp_path / "STIF.mtx", circulatory=[(1.0, tmp_path / "FRIC.mtx")]
+    )
+    given = fl.Structure(np.diag([0.0, 1.0, 1.0, 2.0]), stiffness, circulatory=friction)
+    assert structure.massless == (0,)
+    assert (fl.eigenvalues(structure).values == fl.eigenvalues(given).values).all()
+    sparse.save_npz(tmp_path / "K.npz", K)
+    with pytest.raises(ValueError, match=r"K\.npz must name nodes to have freedoms"):
+        fl.read_freedoms(tmp_path / "K.npz")
+
+
+def test_matrices_of_nastran(tmp_path):
+    nastran = pytest.importorskip("pyNastran.op4.op4", reason="pyNastran is not installed")
+    nastran.OP4(debug=False).write_op4(str(tmp_path / "K.op4"), {"KAA": (6, K.toarray())}, is_binary=False)
+    assert (fl.read_matrix(tmp_path / "K.op4").toarray() == K.toarray()).all()

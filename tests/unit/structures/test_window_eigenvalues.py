@@ -64,6 +64,15 @@ def test_all_of_the_window_is_found_as_by_a_full_matrix(window, monkeypatch):
     assert len(found.growing) > 0
 
 
+def test_a_window_beyond_all_eigenvalues(monkeypatch):
+    monkeypatch.setattr("frictionlab.structures.window_eigenvalues.MOST_DENSE", 3)
+    M, C, K, G, N = unsymmetric_chain(6)
+    found = fl.eigenvalues(fl.Structure(M, K, C, gyroscopic=G, circulatory=N, window=(0.0, 100.0)))
+    expected = dense_eigenvalues(M, C + G, K + N)
+    assert len(found.values) == 12
+    assert distance(expected, found.values) < 1e-9 * np.abs(expected).max()
+
+
 def test_equal_eigenvalues_are_all_found():
     """Two equal beams side by side: each eigenvalue is there twice, of which a Krylov space sees one."""
     M, K = beam(110)
