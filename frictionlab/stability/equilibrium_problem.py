@@ -66,7 +66,8 @@ class EquilibriumProblem:
         """The values with some changed to arrays (N,), and N."""
         arrays = {name: np.asarray(values, dtype=float).ravel() for name, values in changes.items()}
         count = max((len(a) for a in arrays.values()), default=1)
-        return tuple(arrays.get(name, value) for name, value in self.parameters.items()), count
+        known = zip(self.parameter_names, self.values, strict=True)
+        return tuple(arrays.get(name, value) for name, value in known), count
 
     def linearised(self, changes: Mapping[str, Any]) -> tuple[Array, Array]:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
@@ -138,7 +139,6 @@ def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float])
 
 def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[np.float64]:
     """The values (N,) of a parameter, at least one, checked against its rule."""
-    check_parameter_name(problem.model, name)
     at = float_array("values", values, f"give those of {name}").ravel()
     if not len(at):
         raise ValueError(f"values must be one number or more, got {abbreviate(values)}: give those of {name}")
@@ -167,7 +167,6 @@ def check_axis(
 
 def check_bounds(model: ModelOrAutomaton, name: Any, bounds: Any) -> tuple[float, float]:
     """Two values of a parameter, in ascending order."""
-    check_parameter_name(model, name)
     low, high = check_limits("bounds", bounds, "give (low, high)")
     check_parameter(model, name, (low, high))
     return low, high

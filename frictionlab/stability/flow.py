@@ -136,10 +136,6 @@ class Flow:
         """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""
         return _stacked(self.rates.arrays(*x, *values), np.shape(x[0]))
 
-    def bounds(self, x: Sequence[Any], values: Sequence[Any]) -> Sequence[Any]:
-        """x' where states are numbers or intervals."""
-        return self.rates.arrays(*x, *values)
-
     def slopes(self, x: Sequence[Any], values: Sequence[Any]) -> dict[tuple[int, int], Any]:
         """Bounds of the Jacobian in boxes, by places; infinite where a rate may jump."""
         entries = self.derivative.bounds(x, values)

@@ -36,9 +36,14 @@ from frictionlab.analysis.fitting.predictions import (
     motion_misfit,
 )
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.models.model import ModelOrAutomaton, automaton_of, require_model_or_automaton, values_of
+from frictionlab.models.model import (
+    ModelOrAutomaton,
+    automaton_of,
+    check_parameter_name,
+    require_model_or_automaton,
+    values_of,
+)
 from frictionlab.presentation import Drawable, dataframe, text_table
-from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -288,7 +293,7 @@ def _check(
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
     for name in names:
-        check_parameter(model, name, [])
+        check_parameter_name(model, name)
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = automaton_of(model).state_names
     check_data(records, automaton_of(model))

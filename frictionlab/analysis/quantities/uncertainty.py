@@ -18,7 +18,12 @@ from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_
 from frictionlab.analysis.quantities.quantities import Quantity
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
-from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
+from frictionlab.models.model import (
+    ModelOrAutomaton,
+    check_parameter_name,
+    data_of,
+    require_model_or_automaton,
+)
 from frictionlab.presentation import Drawable, dataframe, text_table
 from frictionlab.stability.equilibrium_problem import check_parameter
 from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
@@ -42,7 +47,7 @@ def check_distributions(model: ModelOrAutomaton, distributions: Any) -> dict[str
     if not distributions:
         raise ValueError(f"distributions must hold one parameter at least, got none: {cure}")
     for name, distribution in distributions.items():
-        check_parameter(model, name, [])
+        check_parameter_name(model, name)
         if not callable(getattr(distribution, "ppf", None)):
             raise TypeError(
                 f"distributions[{abbreviate(name)}] must have a quantile function ppf, "

@@ -321,7 +321,8 @@ def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
         if "slip" in automaton.names:
             return "slip", []
         equations = sliding_equations(model)
-        return "slip+" if equations.belt_speed(*equations.values(model)) > 0 else "slip-", []
+        speed = equations.belt_speed.arrays(*equations.values(model))[0]
+        return "slip+" if speed > 0 else "slip-", []
     mode, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     cyclic = {automaton.state_names.index(name) for name in automaton.cyclic}
     return mode.name, [place for place in mode.following if place not in cyclic]

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.stability.equilibrium_points.low_rank_newton import (
-    LEAST_STATES,
-    LowRankNewton,
-    low_rank_newton,
-)
 from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, angles_of, root_boxes
 from frictionlab.stability.flow import Flow
-from frictionlab.stability.state_matrices import MACHINE_EPSILON
+from frictionlab.stability.state_matrices import MACHINE_EPSILON, inverse_of
 from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
@@ -47,6 +42,10 @@ RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
 HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
 SAFE_CONTRACTION = 0.25
+
+LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
+MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
+REFERENCES_TRIED = 8  # points at which J_0 may be taken
 
 
 def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
@@ -84,6 +83,65 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
         for i in np.flatnonzero(~singular):
             solutions[i : i + 1] = solve_matrices(matrices[i : i + 1], right[i : i + 1])
     return solutions
+
+
+@dataclass(frozen=True, eq=False)
+class LowRankNewton:
+    r"""Newton's steps at all points of a large system by one inverse matrix.
+
+    Where few states enter nonlinearly, only their columns change from point to point: J(x) = J_0 + C(x) S,
+    where S has the rows of the unit matrix that select them.  With the inverse of J_0, computed once, a step
+    costs a product of that matrix and a vector, and the solution of one equation for each such state
+    (Sherman, Morrison and Woodbury),
+
+    .. math:: J^{-1} b = y - J_0^{-1} C (1 + S J_0^{-1} C)^{-1} S y, \qquad y = J_0^{-1} b
+
+    instead of the elimination of a whole matrix.
+
+    Parameters
+    ----------
+    flow : Flow
+    values : sequence of float
+        Of the parameters.
+    inverse : (m, m) array
+        Of the Jacobian at a point of reference.
+    columns : (m, k) array
+        The columns of that Jacobian that change.
+    """
+
+    flow: Flow
+    values: Sequence[float]
+    inverse: Array
+    columns: Array
+
+    def step(self, x: Array) -> Array:
+        """The step (m, N) towards a zero; not finite where the flow is not."""
+        nonlinear = self.flow.nonlinear
+        with np.errstate(all="ignore"):
+            plain = self.inverse @ self.flow.rhs(x, self.values)
+            change = self.flow.nonlinear_columns(x, self.values) - self.columns
+            effect = self.inverse @ change  # (N, m, k)
+            small = np.eye(len(nonlinear)) + effect[:, nonlinear, :]
+            usable: Any = np.isfinite(small).all(axis=(1, 2)) & np.isfinite(plain).all(axis=0)
+            usable[usable] = np.linalg.det(small[usable]) != 0
+            step = np.full_like(x, np.nan)
+            parts = np.linalg.solve(small[usable], plain.T[usable][:, nonlinear, None])
+            step[:, usable] = -plain[:, usable] + (effect[usable] @ parts)[..., 0].T
+        return step
+
+
+def low_rank_newton(flow: Flow, values: Sequence[float], x: Array) -> LowRankNewton | None:
+    """Newton's steps by the inverse at one of the points (m, N); None where that saves nothing or fails."""
+    m = flow.size
+    if m < LEAST_STATES or flow.linear or len(flow.nonlinear) > MOST_NONLINEAR_SHARE * m:
+        return None
+    for point in x.T[:REFERENCES_TRIED]:
+        with np.errstate(all="ignore"):
+            matrix = flow.jacobian(point, values)
+        inverse = inverse_of(matrix) if np.isfinite(matrix).all() else None
+        if inverse is not None:
+            return LowRankNewton(flow, values, inverse, matrix[:, flow.nonlinear])
+    return None
 
 
 def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> tuple[Array, Array]:
@@ -344,7 +402,7 @@ def _credible(flow: Flow, values: Sequence[float], x: Array, scale: Array) -> Ar
     """The points that may be zeros by bounds of the flow around them, as wide as rounding of the states."""
     room = SAME_CANDIDATE_RTOL * (np.abs(x) + scale)
     try:
-        rows = flow.bounds([Interval(*ends) for ends in zip(x - room, x + room, strict=True)], values)
+        rows = flow.rates.arrays(*map(Interval, x - room, x + room), *values)
         held: Any = [np.broadcast_to(interval(row).contains_zero(), x.shape[1]) for row in rows]
         return x[:, np.all(held, axis=0)]
     except TypeError:  # a function without bounds

@@ -399,7 +399,7 @@ class ReducedFlow:
 
     def rates(self, w: Sequence[Any]) -> list[Interval]:
         """The equations (k,)."""
-        every = self.flow.bounds(self._states(w), self.values)
+        every = self.flow.rates.arrays(*self._states(w), *self.values)
         return self._sums([every[i] for i in self.by.rows])
 
     def branches(self, w: Sequence[Interval]) -> Iterator[list[Interval]]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
+from numbers import Real
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -27,7 +28,6 @@ from frictionlab.models.symbolic_laws import check_laws, symbolic_copy
 from frictionlab.models.symbols import parameter_symbols
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders
 from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero
-from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN, Polynomial
 from frictionlab.stability.equilibrium_points.root_boxes import (
     LARGEST,
     SMALLEST,
@@ -63,6 +63,68 @@ NEWTON_STEPS, STEPS_TO_MULTIPLE_ROOTS = 4, 64
 MOST_HALVINGS = 200  # from 1e30 to 1e-30
 
 
+class Polynomial:
+    """A polynomial as a number: a law that is evaluated at one gives the coefficients of its own.
+
+    They are (degree + 1, N), constant first; a column for each of N values of the parameters.  Sums,
+    products, quotients by numbers, and integer powers are polynomials again.  Anything else raises
+    TypeError, which shows that a law is no polynomial.
+    """
+
+    __array_ufunc__ = None  # makes numpy leave array * polynomial to this class
+
+    def __init__(self, coefficients: Any) -> None:
+        self.coefficients: Array = np.asarray(coefficients, dtype=float)
+
+    def __add__(self, other: Any) -> Polynomial:
+        mine, its = self.coefficients, _coefficients(other)
+        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
+        count = max(mine.shape[1], its.shape[1])
+        total = np.broadcast_to(longer, (len(longer), count)).copy()
+        total[: len(shorter)] += shorter
+        return Polynomial(total)
+
+    def __mul__(self, other: Any) -> Polynomial:
+        mine, its = self.coefficients, _coefficients(other)
+        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
+        product = np.zeros((len(mine) + len(its) - 1, max(mine.shape[1], its.shape[1])))
+        for k, row in enumerate(shorter):
+            product[k : k + len(longer)] += row * longer
+        return Polynomial(product)
+
+    def __pow__(self, exponent: Any) -> Polynomial:
+        if not isinstance(exponent, int) or exponent < 1:
+            raise TypeError(f"a polynomial to the power of {exponent!r} is no polynomial")
+        return self if exponent == 1 else self * self ** (exponent - 1)
+
+    def __truediv__(self, other: Any) -> Polynomial:
+        return Polynomial(self.coefficients / _constant_coefficients(other))
+
+    def __neg__(self) -> Polynomial:
+        return Polynomial(-self.coefficients)
+
+    def __sub__(self, other: Any) -> Polynomial:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Polynomial:
+        return -self + other
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+UNKNOWN = Polynomial([[0.0], [1.0]])
+
+
+def _coefficients(other: Any) -> Array:
+    return other.coefficients if isinstance(other, Polynomial) else _constant_coefficients(other)
+
+
+def _constant_coefficients(number: Any) -> Array:
+    if not isinstance(number, (Real, np.ndarray)):
+        raise TypeError(f"{number!r} is no number")
+    return np.atleast_1d(np.asarray(number, dtype=float))[None]
+
+
 class Statics(NamedTuple):
     """Functions of the penetration, then of all parameters.
 
@@ -85,7 +147,7 @@ class Statics(NamedTuple):
 
     def excess(self, penetration: Any, values: Sequence[Any]) -> Any:
         """The left side of the scalar equation; with polynomial laws it takes a polynomial and gives one."""
-        return self.equation.bounds([penetration], values)[0]
+        return self.equation.rates.arrays(penetration, *values)[0]
 
     def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
         """Its derivative by the penetration."""
@@ -159,15 +221,21 @@ class SlidingEquations:
         """Whether the contact can stick."""
         return self.derivations.value("sticks", lambda: "stick" in self.system.rubbing.modes)
 
-    def belt_speed(self, *values: Any) -> Any:
-        """The relative velocity at rest (m/s) at values of the parameters."""
+    @cached_property
+    def belt_speed(self) -> Formulas:
+        """The relative velocity at rest (m/s), a function of the parameters."""
         return self._of_parameters(
             "belt speed", lambda: [self.system.at_rest(self.system.rubbing.relative_velocity)]
-        ).arrays(*values)[0]
+        )
+
+    @cached_property
+    def stiffness(self) -> Formulas:
+        """The entries of K, row by row, functions of the parameters."""
+        return self._of_parameters("stiffness", lambda: list(self.system.stiffness))
 
     def rests(self, values: Sequence[Any]) -> Any:
         """Where the belt rests and the contact can stick: there friction has no derivative."""
-        return (np.asarray(self.belt_speed(*values)) == 0) & self.sticks
+        return (np.asarray(self.belt_speed.arrays(*values)[0]) == 0) & self.sticks
 
     def _of_parameters(self, name: str, expressions: Callable[[], Sequence[Any]]) -> Formulas:
         return kept_formulas(self.derivations, name, lambda: formulas_of(self.parameters, expressions()))
@@ -187,14 +255,13 @@ class SlidingEquations:
 
     def guards(self, values: Sequence[float]) -> Formulas:
         """The functions that stay positive while the model slides as in the flow: +-v_r, the penetration."""
-        forwards = bool(self.belt_speed(*values) > 0)
+        forwards = bool(self.belt_speed.arrays(*values)[0] > 0)
         name = f"guards of sliding {'forwards' if forwards else 'backwards'}"
         return self._of_states(name, lambda: _guards_of_slip(self.system, forwards))
 
-    def stiffness(self, values: Sequence[Any]) -> Array:
+    def stiffness_at(self, values: Sequence[Any]) -> Array:
         """K (n, n), or (N, n, n) where a parameter in it is an array."""
-        entries = self._of_parameters("stiffness", lambda: list(self.system.stiffness))
-        stacked = np.stack(np.broadcast_arrays(*entries.arrays(*values)), axis=-1).astype(float)
+        stacked = np.stack(np.broadcast_arrays(*self.stiffness.arrays(*values)), axis=-1).astype(float)
         return stacked.reshape(*stacked.shape[:-1], *[len(self.coordinates)] * 2)
 
     def held(self, by_contact: bool) -> list[int]:
@@ -381,10 +448,16 @@ def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> 
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
-    stiffness = equations.stiffness(values)
+    stiffness = equations.stiffness_at(values)
     held_by_contact = not stiffness[:, equations.height].any()
     held = equations.held(held_by_contact)
-    _refuse_singular(stiffness[np.ix_(held, held)], [equations.coordinates[i] for i in held])
+    value, vector = _smallest_eigenvalue(stiffness[np.ix_(held, held)])
+    if value <= SINGULAR_EIGENVALUE:
+        loose = [equations.coordinates[i] for i, part in zip(held, vector) if abs(part) > LOOSE_SHARE]
+        raise ValueError(
+            f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
+            "(singular stiffness matrix); give the springs there a positive stiffness"
+        )
     return derive_statics(equations, held_by_contact)
 
 
@@ -400,7 +473,7 @@ def statics_groups(
     ValueError
         If a coordinate is not held whatever the values.
     """
-    stiffness = equations.stiffness(values)
+    stiffness = equations.stiffness_at(values)
     if stiffness.ndim == 2:
         yield statics_for_values(equations, values), np.ones(count, dtype=bool)
         return
@@ -418,17 +491,6 @@ def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
     size[size == 0] = 1.0
     values, vectors = np.linalg.eigh(stiffness / (size[..., :, None] * size[..., None, :]))
     return values[..., 0], vectors[..., 0]
-
-
-def _refuse_singular(stiffness: Array, names: Sequence[str]) -> None:
-    value, vector = _smallest_eigenvalue(stiffness)
-    if value > SINGULAR_EIGENVALUE:
-        return
-    loose = [name for name, part in zip(names, vector, strict=True) if abs(part) > LOOSE_SHARE]
-    raise ValueError(
-        f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
-        "(singular stiffness matrix); give the springs there a positive stiffness"
-    )
 
 
 def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:

@@ -15,8 +15,7 @@ from frictionlab.components import ContactLaw
 from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
-from frictionlab.stability.equilibrium_points.polynomial import UNKNOWN
-from frictionlab.stability.equilibrium_points.sliding import sliding_equations, statics_for_values
+from frictionlab.stability.equilibrium_points.sliding import UNKNOWN, sliding_equations, statics_for_values
 from tests.helpers.laws import Locking
 
 pytestmark = pytest.mark.blas

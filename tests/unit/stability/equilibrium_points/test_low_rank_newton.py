@@ -4,8 +4,12 @@ import numpy as np
 import pytest
 import sympy
 
-from frictionlab.stability.equilibrium_points.low_rank_newton import low_rank_newton
-from frictionlab.stability.equilibrium_points.newton import find_zeros, merge_candidates, newton_step
+from frictionlab.stability.equilibrium_points.newton import (
+    find_zeros,
+    low_rank_newton,
+    merge_candidates,
+    newton_step,
+)
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import formulas_of
 from tests.helpers.cases import slow_but
