@@ -9,7 +9,7 @@ import numpy as np
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import tangent_growth
 from frictionlab.interruption import interruption, progress_bar
@@ -116,7 +116,7 @@ def lyapunov(
     refuse_time(model, "Lyapunov exponents")
     state, mode = initial_state_of(model, x0, automaton), None
     if transient:
-        state, mode = _end(_run(automaton, transient, state, None, progress))
+        state, mode = end_of(_run(automaton, transient, state, None, progress))
     motion = _run(automaton, t_end / blocks, state, mode, progress).states
     size = state_scales(motion, automaton.coordinates)
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(len(size),) * 2))[0] * size
@@ -126,7 +126,7 @@ def lyapunov(
             run = _run(automaton, t_end / blocks, state, mode, False)
             rows, growth = tangent_growth(run, rows, size)
             growths.append(growth)
-            state, mode = _end(run)
+            state, mode = end_of(run)
     except KeyboardInterrupt as error:
         done = len(growths) - 1
         so_far = _spectrum(np.array(growths[1:]) * blocks / t_end, state) if done > 1 else None
@@ -139,20 +139,10 @@ def lyapunov(
 def _run(
     automaton: HybridAutomaton, t_end: float, state: Array, mode: str | None, progress: bool
 ) -> Trajectory:
-    try:
-        run = solve(automaton, t_end, x0=state, mode=mode, progress=progress)
-    except ValueError:  # at an event, which rounding has put just behind
-        if mode is None:
-            raise
-        return _run(automaton, t_end, state, None, progress)
+    run = solve_from_end(automaton, t_end, state, mode, progress=progress)
     if not run.status.ok:
         raise ValueError(f"the motion must not end early, it does after {run.raw.t:g} s: {run.status}")
     return run
-
-
-def _end(run: Trajectory) -> tuple[Array, str]:
-    """The last state of a run, and its mode: chosen anew, an event at this instant might come twice."""
-    return run.final_state, run.mode_names[run.raw.mode]
 
 
 def _spectrum(blocks: Array, state: Array) -> LyapunovSpectrum:

@@ -6,6 +6,7 @@ import logging
 import time
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import isfinite
@@ -177,6 +178,25 @@ def solve(
     check_automaton(automaton)
     start = state_from_x0(automaton, x0)
     return with_warning(run_automaton(automaton, t_end, start, method_of(method), options))
+
+
+def end_of(run: Trajectory) -> tuple[np.ndarray, str | None]:
+    """The last state (n,) of a run, and its mode; None where the run has ended early."""
+    return run.final_state, run.mode_names[run.raw.mode] if run.status.ok else None
+
+
+def solve_from_end(
+    automaton: HybridAutomaton, t_end: float, state: np.ndarray, mode: str | None, **options: Any
+) -> Trajectory:
+    """As :func:`solve`, from the state (n,) and the mode in which another run ended.
+
+    The mode belongs to what a motion depends on: with hysteresis several are admissible at one state.  Where
+    the run ended at an event, rounding may have put its state just behind; then the mode is chosen anew.
+    """
+    if mode is not None:
+        with suppress(ValueError):
+            return solve(automaton, t_end, x0=state, mode=mode, **options)
+    return solve(automaton, t_end, x0=state, **options)
 
 
 def with_warning(run: Trajectory) -> Trajectory:

@@ -22,7 +22,7 @@ from frictionlab.analysis.steady_state.classification import (
 )
 from frictionlab.analysis.steady_state.poincare_sections import sections_to_record
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.presentation import count
 
@@ -44,6 +44,7 @@ RANGE_RTOL = {
 
 UNDECIDED = -1
 
+ModeState = tuple[Array, str | None]  # a state (n,) and its mode, None where that is to be chosen
 AttractorData = dict[str, Any]  # an attractor as data that JSON can hold
 
 
@@ -54,7 +55,7 @@ def drifting_of(attractor: AttractorData) -> list[int]:
 
 def probe_attractor(automaton: HybridAutomaton, start: Any, options: SteadyStateOptions) -> AttractorData:
     """One task: the attractor of the motion from one state (n,), with the range of each state on the way."""
-    run = _run(automaton, options.transient, np.asarray(start), options)
+    run = _run(automaton, options.transient, (np.asarray(start), None), options)
     passed = np.vstack([run.raw.step_states, run.final_state])
     reach = [passed.min(axis=0).tolist(), passed.max(axis=0).tolist()]
     if not run.status.ok:
@@ -64,25 +65,26 @@ def probe_attractor(automaton: HybridAutomaton, start: Any, options: SteadyState
             "state": run.final_state.tolist(),
             "reach": reach,
         }
-    attractor = classify_attractor(automaton, run.final_state, np.ptp(passed, axis=0), options)
+    attractor = classify_attractor(automaton, end_of(run), np.ptp(passed, axis=0), options)
     return {**add_ranges(attractor, attractor_points(automaton, attractor, options)), "reach": reach}
 
 
 def classify_attractor(
-    automaton: HybridAutomaton, state: Array, spread: Array, options: SteadyStateOptions
+    automaton: HybridAutomaton, start: ModeState, spread: Array, options: SteadyStateOptions
 ) -> AttractorData:
-    """The attractor of the motion from a state after the transient; `spread` (n,) is the range of each state
-    so far."""
+    """The attractor of the motion from where it is after the transient; `spread` (n,) is the range of each
+    state so far."""
     section, tolerance = options.section, options.tolerance
-    run = _run(automaton, options.window, state, options, sections_to_record(automaton, section))
+    run = _run(automaton, options.window, start, options, sections_to_record(automaton, section))
     verdict = classify_run(run, section, tolerance)
     kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, options.rtol) else verdict.kind
-    end, period = run.final_state, None if np.isnan(verdict.period) else verdict.period
+    period = None if np.isnan(verdict.period) else verdict.period
+    end, mode = end_of(run)
     drifting: list[int] = []
     if kind in RANGE_RTOL:
         drifting = [] if verdict.drift is None else verdict.drift.places
-        end = _state_on_attractor(automaton, end, kind, drifting, spread, options)
-    attractor = {"kind": kind, "period": period, "state": end.tolist()}
+        end, mode = _state_on_attractor(automaton, (end, mode), kind, drifting, spread, options)
+    attractor = {"kind": kind, "period": period, "state": end.tolist(), "mode": mode}
     return attractor | ({"drifting": drifting} if drifting else {})
 
 
@@ -100,12 +102,12 @@ def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
 
 def _state_on_attractor(
     automaton: HybridAutomaton,
-    state: Array,
+    start: ModeState,
     kind: str,
     drifting: list[int],
     spread: Array,
     options: SteadyStateOptions,
-) -> Array:
+) -> ModeState:
     """A state closer to the attractor, which is known to a few digits so far.
 
     It is the state after one more transient; for an equilibrium after as many as it takes for all but the
@@ -113,12 +115,13 @@ def _state_on_attractor(
     """
     size, moving = attractor_scale([], spread, automaton.coordinates), 2 * automaton.coordinates or None
     for _ in range(MAX_REST_TRANSIENTS if kind == MotionKind.EQUILIBRIUM else 1):
-        before, state = state, _run(automaton, options.transient, state, options).final_state
-        change = np.abs(state - before) / size
+        run = _run(automaton, options.transient, start, options)
+        before, start = start, end_of(run)
+        change = np.abs(start[0] - before[0]) / size
         change[drifting] = 0.0
         if not change[:moving].max() > REST_CHANGE_RTOL:
             break
-    return state
+    return start
 
 
 def attractor_points(
@@ -130,14 +133,20 @@ def attractor_points(
         return state[None]
     if attractor["kind"] not in RANGE_RTOL:
         return state[None][:0]
-    run = _run(automaton, attractor["period"] or options.window, state, options)
+    start = state, attractor.get("mode")
+    run = _run(automaton, attractor["period"] or options.window, start, options)
     return run(np.linspace(0.0, run.raw.t, ATTRACTOR_POINTS))
 
 
 def _run(
-    automaton: HybridAutomaton, t_end: float, state: Array, options: SteadyStateOptions, sections: Any = None
+    automaton: HybridAutomaton,
+    t_end: float,
+    start: ModeState,
+    options: SteadyStateOptions,
+    sections: Any = None,
 ) -> Trajectory:
-    return solve(automaton, t_end, x0=state, method=options.solver, sections=sections, progress=False)
+    records: dict[str, Any] = {"method": options.solver, "sections": sections}
+    return solve_from_end(automaton, t_end, *start, **records, progress=False)
 
 
 def add_ranges(attractor: AttractorData, points: Array) -> AttractorData:

@@ -16,6 +16,7 @@ from frictionlab.analysis.basins.attractors import (
     UNDECIDED,
     AttractorCatalogue,
     AttractorData,
+    ModeState,
     add_ranges,
     attractor_points,
     catalogue_of_probes,
@@ -32,7 +33,7 @@ from frictionlab.analysis.steady_state.steady_state import check_section
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.ensemble.arrays import Batch, select_runs
-from frictionlab.hybrid.kernels.run_state import FINISHED
+from frictionlab.hybrid.kernels.run_state import FINISHED, MODE
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, data_of
 from frictionlab.stability.equilibrium_points.frozen_time import refuse_time
 
@@ -169,10 +170,11 @@ def label_initial_states(
         group, left = select_runs(group, goes_on), left[goes_on]
         if not len(left):
             break
-    for i in left:
+    for i, number in zip(left, group.runs.counts[:, MODE], strict=True):
         labels[i] = catalogue.reached(states[i : i + 1])[0]
         if labels[i] == UNDECIDED:
-            labels[i] = _label_after_transient(automaton, states[i], catalogue, spread, options)
+            start = states[i], None if automaton.on_demand else group.program.modes[number]
+            labels[i] = _label_after_transient(automaton, start, catalogue, spread, options)
     return {"labels": labels.tolist(), "found": catalogue.attractors[len(known.attractors) :]}
 
 
@@ -188,12 +190,12 @@ def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
 
 def _label_after_transient(
     automaton: HybridAutomaton,
-    state: Array,
+    start: ModeState,
     catalogue: AttractorCatalogue,
     spread: Array,
     options: SteadyStateOptions,
 ) -> int:
-    """The attractor of the motion from a state after the transient."""
-    attractor = classify_attractor(automaton, state, spread, options)
+    """The attractor of the motion from where it is after the transient."""
+    attractor = classify_attractor(automaton, start, spread, options)
     points = attractor_points(automaton, attractor, options)
     return catalogue.place(add_ranges(attractor, points), points)

@@ -19,7 +19,7 @@ from frictionlab.analysis.orbits.branches import (
 )
 from frictionlab.analysis.orbits.periodic_orbit import (
     PeriodicOrbit,
-    mode_with_constraints,
+    mode_to_state,
     orbit_of_run,
 )
 from frictionlab.analysis.orbits.pseudo_arclength import (
@@ -165,7 +165,7 @@ def continue_orbit(
     check_flag("progress", progress)
     value = _check(orbit, parameter, bounds, step, max_points)
     automaton = with_parameter_as_state(automaton_of(orbit.model), parameter)
-    state, mode = np.append(orbit.state, value), mode_with_constraints(orbit.trajectory)
+    state, mode = np.append(orbit.state, value), mode_to_state(orbit.trajectory, 0.0)
     start = first_point(automaton, state, orbit.period, bounds[1] - bounds[0], mode)
     halves = []
     for point in (reversed_point(start), start):
@@ -236,7 +236,7 @@ def _orbit_at(model: ModelOrAutomaton, parameter: str, point: BranchPoint) -> Pe
     """The periodic orbit of a branch point, for the model with the parameter's value there."""
     here = model.replace(**{parameter: point.value})
     start = point.shot.run.raw.step_states[0][:-1]
-    begins = mode_with_constraints(point.shot.run)
+    begins = mode_to_state(point.shot.run, 0.0)
     run = solve(automaton_of(here), point.period, x0=start, mode=begins, progress=False)
     return orbit_of_run(here, run, point.monodromy.copy(), point.shot.residual)
 

@@ -27,7 +27,7 @@ from frictionlab.analysis.orbits.closing import Closing, closing_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import problem_of, solve
+from frictionlab.hybrid.solve import end_of, problem_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import carry_frame
 from frictionlab.hybrid.variational.tangent_jets import SaltationError, linearise_mode
@@ -167,8 +167,10 @@ def periodic_orbit(
     _check(model, guess, period, t_max, tolerance)
     refuse_time(model, "a periodic orbit")
     given = guess if isinstance(guess, (SteadyState, Trajectory)) else initial_state_of(model, guess)
+    run = guess.trajectory if isinstance(guess, SteadyState) else guess
+    mode = end_of(run)[1] if isinstance(run, Trajectory) else None
     state, about = state_and_period(automaton, given, period, t_max)
-    start = _start_in_freest_mode(automaton, carried_state_of(model, state), about)
+    start = _start_in_freest_mode(automaton, carried_state_of(model, state), about, mode)
     shot = shoot(automaton, start, tolerance)
     check_motion(shot, start)
     shot = _shortest_period(automaton, start, shot, tolerance)
@@ -217,35 +219,42 @@ def _check(model: ModelOrAutomaton, guess: Any, period: float | None, t_max: flo
         ) from error
 
 
-def _start_in_freest_mode(automaton: HybridAutomaton, state: Array, period: float) -> OrbitGuess:
+def _start_in_freest_mode(
+    automaton: HybridAutomaton, state: Array, period: float, mode: str | None
+) -> OrbitGuess:
     """The guess, moved along its motion into the mode with the fewest constraints, far from the events."""
-    run = solve(automaton, period, x0=state, progress=False)
+    run = solve_from_end(automaton, period, state, mode, progress=False)
     if not run.status.ok:
         raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
     ends = np.array([0.0, *run.events.t, run.raw.t])
-    i, mode = freest_stay(automaton, [run.mode[0], *run.events.target], np.diff(ends))
+    i = freest_stay(automaton, [run.mode[0], *run.events.target], np.diff(ends))
     # Without events it is not moved: an unstable motion leads away from the orbit.
     middle = 0.5 * (ends[i] + ends[i + 1]) if len(run.events) else 0.0
-    return OrbitGuess(run(middle), period, state_scales(run.states, automaton.coordinates), mode)
+    size = state_scales(run.states, automaton.coordinates)
+    return OrbitGuess(run(middle), period, size, mode_to_state(run, middle))
 
 
-def mode_with_constraints(run: Trajectory) -> str | None:
-    """The mode in which a run begins, where that has constraints."""
-    mode = run.mode_names[int(run.raw.step_modes[0])]
-    return mode if run.automaton.mode(mode).constraints else None
+def mode_to_state(run: Trajectory, t: float) -> str | None:
+    """The mode of a run at a time, where its state does not tell it: where the mode has constraints, or,
+    with hysteresis, another one is chosen there."""
+    automaton, mode = run.automaton, str(run.modes_at(t))
+    if automaton.mode(mode).constraints:
+        return mode
+    if automaton.on_demand or len(automaton.names) < 2:
+        return None
+    chosen = solve(automaton, SHORTEST_STAY * run.raw.t, x0=run(t), progress=False)
+    return mode if chosen.modes_at(0.0) != mode else None
 
 
-def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array) -> tuple[int, str | None]:
-    """Of stays in modes of these names the longest in a mode with the fewest constraints: its number, and
-    the name of its mode, None where that has no constraints."""
+def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array) -> int:
+    """Of stays in modes of these names the number of the longest in a mode with the fewest constraints."""
     counts = {name: len(automaton.mode(name).constraints) for name in {*names} if name}
     # A state that rounding has moved off a closed contact makes a flight before the first event.
     shortest = SHORTEST_STAY * lengths.sum()
     lasting = [n for n, length in zip(names, lengths, strict=True) if length > shortest and n in counts]
     fewest = min(counts[name] for name in lasting)
     chosen = [name in counts and counts[name] == fewest for name in names]
-    i = int(np.argmax(np.where(chosen, lengths, 0.0)))
-    return i, str(names[i]) if fewest else None
+    return int(np.argmax(np.where(chosen, lengths, 0.0)))
 
 
 def _shortest_period(
@@ -254,7 +263,8 @@ def _shortest_period(
     """The orbit with its shortest period, where the guess was several periods long."""
     start, times = shot.run.raw.step_states[0], shot.run.raw.t / np.arange(MOST_PERIODS, 1, -1)
     away = np.abs(shot.closing.difference(shot.run(times), start) / guess.size).max(axis=1)
-    for period in times[away < SAME_STATE_RTOL][:1]:
+    returns = (away < SAME_STATE_RTOL) & (shot.run.modes_at(times) == shot.run.modes_at(0.0))
+    for period in times[returns][:1]:
         return shoot(automaton, guess._replace(state=start, period=float(period)), tolerance)
     return shot
 
@@ -279,7 +289,7 @@ class OrbitGuess(NamedTuple):
     size : array (n,)
         The motion's size in each state.
     mode : str or None
-        The mode of the state, where that has constraints.
+        The mode of the state, where that does not tell it.
     parameters : int
         How many of the last states are parameters, which no constraint moves.
     """
@@ -339,12 +349,19 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
             method="bounded",
             options={"xatol": RETURN_XTOL * (high - low)},
         )
-        if minimum.fun < RETURN_RTOL:
-            return float(abs(minimum.x - start))
+        after = float(abs(minimum.x - start))
+        if minimum.fun < RETURN_RTOL and _in_mode_near(run, minimum.x, RETURN_RTOL * after, start):
+            return after
     raise ValueError(
         f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
         f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as period="
     )
+
+
+def _in_mode_near(run: Trajectory, t: float, about: float, start: float) -> bool:
+    """Whether a run is in its mode at `start` also near another time, within `about`."""
+    times = np.clip([t - about, t, t + about], 0.0, run.raw.t)
+    return bool((run.modes_at(times) == run.modes_at(start)).any())
 
 
 def _distances(run: Trajectory, t: Any, start: float) -> Array:
@@ -475,7 +492,7 @@ def _on_constraints(automaton: HybridAutomaton, guess: OrbitGuess) -> tuple[Arra
     Each unit perturbation is moved along the constraints' gradients; parameters are not moved.
     """
     z, frame = guess.state, np.eye(len(guess.state))
-    if guess.mode is None:
+    if guess.mode is None or not automaton.mode(guess.mode).constraints:
         return z, frame
     problem = problem_of(automaton, z, guess.period, guess.mode)
     program, mode = problem.program, problem.program.modes.index(guess.mode)
@@ -517,7 +534,7 @@ def _damped_step(
         other = guess._replace(state=moved, period=longer)
         try:
             after = run_one_period(automaton, other)
-        except SaltationError:
+        except ValueError:  # it ends early, or leaves the states of its mode
             continue
         if after.residual < shot.residual:
             return other, after

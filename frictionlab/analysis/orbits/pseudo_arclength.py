@@ -22,6 +22,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     ShootingResult,
     check_orbit,
     freest_stay,
+    mode_to_state,
     run_one_period,
 )
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -230,8 +231,9 @@ def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoi
         return point
     t, period = run.events.t, run.raw.t
     lengths = np.diff(np.append(t, t[0] + period))
-    i, mode = freest_stay(automaton, run.events.target.tolist(), lengths)
+    i = freest_stay(automaton, run.events.target.tolist(), lengths)
     middle = float((t[i] + 0.5 * lengths[i]) % period)
+    mode = mode_to_state(run, middle)
     if not middle > 0.0:
         return point
     part = solve(automaton, middle, x0=point.state, mode=point.mode, progress=False)

@@ -38,7 +38,7 @@ from frictionlab.analysis.steady_state.steady_state import (
     squared_distance,
     with_equilibrium_parameters,
 )
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import end_rates
 from frictionlab.models.model import automaton_of
@@ -47,6 +47,7 @@ from frictionlab.stability.equilibrium_points.equilibria import equilibrium_prob
 from frictionlab.validation import abbreviate, check_choice, check_text
 
 if TYPE_CHECKING:
+    from frictionlab.automaton import HybridAutomaton
     from frictionlab.models.model import ModelOrAutomaton
 
 SAME_TIME_SHARE = 1e-12  # share of the period: a turning point this near to an event is at the event
@@ -96,12 +97,18 @@ class _Extreme(NamedTuple):
     event: int | None
 
 
+def _once_more(orbit: PeriodicOrbit, automaton: HybridAutomaton, **records: Any) -> Trajectory:
+    """One period of an orbit with records."""
+    mode = str(orbit.trajectory.modes_at(0.0))
+    return solve_from_end(automaton, orbit.period, orbit.state, mode, progress=False, **records)
+
+
 def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
     """The largest and the least value of a coordinate along an orbit."""
     run = orbit.trajectory
     place = run.names.index(name)
     velocity = run.automaton.states[run.automaton.coordinates + place]
-    again = solve(run.automaton, orbit.period, x0=orbit.state, sections={"turn": velocity}, progress=False)
+    again = _once_more(orbit, run.automaton, sections={"turn": velocity})
     turns = again.sections["turn"]
     times, jumps = run.raw.event_times, run.raw.event_states[:, 0, place]
     # A velocity that jumps through zero is recorded as a turn too.
@@ -144,7 +151,7 @@ def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
     automaton = with_equilibrium_parameters(orbit.trajectory.automaton, point)
     integrand, names = squared_distance(automaton), [f"displacement {i}" for i in range(len(point))]
     asked = {SQUARED_DISTANCE: integrand, **dict(zip(names, displacements(automaton), strict=True))}
-    run = solve(automaton, orbit.period, x0=orbit.state, quadratures=asked, progress=False)
+    run = _once_more(orbit, automaton, quadratures=asked)
     means = np.array([run.quadratures[name] for name in names]) / orbit.period
     mean = float(run.quadratures[SQUARED_DISTANCE] / orbit.period)
     return _SquaredDistance(run, integrand, mean, means)

@@ -22,7 +22,7 @@ from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.run_events import SectionPoints
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, FrozenMapping
@@ -82,7 +82,8 @@ def intensity(run: Trajectory, period: float) -> float:
     if np.isnan(period):
         return run.quadratures[SQUARED_DISTANCE] / run.raw.t
     start, square = run(run.raw.t - period), {SQUARED_DISTANCE: squared_distance(run.automaton)}
-    again = solve(run.automaton, period, x0=start, quadratures=square, progress=False)
+    mode = str(run.modes_at(run.raw.t - period))
+    again = solve_from_end(run.automaton, period, start, mode, quadratures=square, progress=False)
     return again.quadratures[SQUARED_DISTANCE] / period
 
 
@@ -266,32 +267,35 @@ def check_section(model: ModelOrAutomaton, section: Section | None) -> None:
 
 
 def find_steady_state(
-    model: ModelOrAutomaton, x0: Any, options: SteadyStateOptions, progress: bool
+    model: ModelOrAutomaton, x0: Any, options: SteadyStateOptions, progress: bool, mode: str | None = None
 ) -> SteadyState:
-    """The steady state from an initial state (n,); arguments as of :func:`steady_state`, already checked."""
-    start, passed, t_max = x0, 0.0, options.t_max
+    """The steady state from an initial state (n,), or from where a run has ended in a mode; other arguments
+    as of :func:`steady_state`, already checked."""
+    start, passed, t_max = (x0, mode), 0.0, options.t_max
     if options.transient > 0:
         run = _run_transient(model, start, options, progress)
         if not run.status.ok:
             return steady_state_of_window(model, run, options.section, options.tolerance, passed=0.0)
-        start, passed = run.final_state, options.transient
+        start, passed = end_of(run), options.transient
     while True:
         run = _run_window(model, start, options, progress)
         steady = steady_state_of_window(model, run, options.section, options.tolerance, passed=passed)
         passed += options.window
         if steady.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
             return steady
-        start = run.final_state
+        start = end_of(run)
 
 
 def _run_transient(
-    model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, progress: bool
+    model: ModelOrAutomaton, start: tuple[Any, str | None], chosen: SteadyStateOptions, progress: bool
 ) -> Trajectory:
     options: dict[str, Any] = {"method": chosen.solver, "progress": progress, "source": model}
-    return solve(automaton_of(model), chosen.transient, x0=x0, **options)
+    return solve_from_end(automaton_of(model), chosen.transient, *start, **options)
 
 
-def _run_window(model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, progress: bool) -> Trajectory:
+def _run_window(
+    model: ModelOrAutomaton, start: tuple[Any, str | None], chosen: SteadyStateOptions, progress: bool
+) -> Trajectory:
     """A run with the section and the integrand of L_s along it, where the method can record them."""
     method = chosen.solver
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}
@@ -301,4 +305,4 @@ def _run_window(model: ModelOrAutomaton, x0: Any, chosen: SteadyStateOptions, pr
     if method.records_sections and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
         options["quadratures"] = {SQUARED_DISTANCE: squared_distance(automaton)}
-    return solve(automaton, chosen.window, x0=x0, **options)
+    return solve_from_end(automaton, chosen.window, *start, **options)

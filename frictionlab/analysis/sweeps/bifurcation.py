@@ -340,10 +340,10 @@ def steady_states_task(
 
 
 def steady_state_task(
-    model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions
+    model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions, mode: str | None = None
 ) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
-    steady = find_steady_state(model, start, options, progress=False)
+    steady = find_steady_state(model, start, options, progress=False, mode=mode)
     period = None if np.isnan(steady.period) else steady.period
     return {
         "kind": steady.kind,
@@ -353,6 +353,7 @@ def steady_state_task(
         "shares": dict(steady.time_in_mode),
         "section": steady.section.state[-MAX_SECTION_POINTS:].tolist(),
         "final": steady.trajectory.final_state.tolist(),
+        "mode": steady.trajectory.mode_names[steady.trajectory.raw.mode],
         "warning": steady.warning,
     }
 
@@ -369,27 +370,29 @@ def _run_continued(
     """
     bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
+    mode = None
     with InterruptCounter(URGENT_PRESS) as interrupts, bar:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
                 begins = rest if start is None else carried_state_of(model, start)
-                result = _named_task(name, model, begins, options)
+                result = _named_task(name, model, begins, options, mode)
                 if result is None:
                     return False
                 journal.keep(i, result)
             done = journal.results[i]
-            start = None if done["kind"] == MotionKind.ENDED_EARLY else np.array(done["final"])
+            ended = done["kind"] == MotionKind.ENDED_EARLY
+            start, mode = (None, None) if ended else (np.array(done["final"]), done.get("mode"))
             if interrupts.count:
                 return False
     return True
 
 
 def _named_task(
-    name: str, model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions
+    name: str, model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions, mode: str | None
 ) -> dict[str, Any] | None:
     """The steady state at a value; None after ctrl-C.  An error gives the value's name."""
     try:
-        return steady_state_task(model, start, options)
+        return steady_state_task(model, start, options, mode)
     except KeyboardInterrupt:
         return None
     except Exception as error:

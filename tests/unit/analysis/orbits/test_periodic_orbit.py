@@ -32,6 +32,21 @@ def van_der_pol(mu, time=1):
     return automaton(fl.Mode("only", flow), coordinates=0, mu=mu, sense=time)
 
 
+def hysteresis():
+    """Two modes that are both admissible where |x| < 5: circles of radius 1 in 2 pi and in 2 pi / 3."""
+
+    def mode(name, speed, room, other):
+        grow = 1 - X**2 - V**2
+        return fl.Mode(
+            name, (X * grow - speed * V, V * grow + speed * X), (fl.Event("leaves", room, (other,)),)
+        )
+
+    scale = sp.Symbol("scale")
+    return automaton(
+        mode("slow", scale, 5 - X, "fast"), mode("fast", 3 * scale, 5 + X, "slow"), coordinates=0, scale=1.0
+    )
+
+
 def multipliers(orbit):
     """Without that along the orbit, the largest first."""
     return np.delete(orbit.multipliers, np.argmin(np.abs(orbit.multipliers - 1)))
@@ -328,3 +343,24 @@ def test_continuation_of_many_contacts_derives_no_mode_in_advance():
     assert modes.derived == ()
     assert len(modes.named("slip+ | slip+ | stick").flow) == len(automaton.states) + 1
     assert modes.derived == ("slip+ | slip+ | stick",)
+
+
+def test_a_motion_with_hysteresis_goes_on_in_its_mode():
+    two, times = hysteresis(), {"transient": 10.0, "window": 30.0, "progress": False}
+    fast = fl.steady_state(two, [5.5, 0.0], **times)
+    assert fast.period == pytest.approx(2 * np.pi / 3, rel=1e-9)
+    orbit = fl.periodic_orbit(two, fl.solve(two, 20.0, x0=[0.5, 0.0], mode="fast"))
+    assert orbit.period == pytest.approx(2 * np.pi / 3, rel=1e-9)
+    branch = fl.continue_orbit(orbit, "scale", (0.99, 1.01), max_points=3, progress=False)
+    assert branch.periods * branch.values == pytest.approx(2 * np.pi / 3, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [1e-9, 1.0, 1e9])
+def test_a_relay_returns_in_its_mode(rate):
+    """x passes each value twice in a period, in modes that are both admissible there."""
+    speed, events = sp.Symbol("rate"), {"on": 0.7 - X, "off": X - 0.3}
+    on = fl.Mode("on", (speed * (1 - X),), (fl.Event("high", events["on"], ("off",)),))
+    off = fl.Mode("off", (-speed * X,), (fl.Event("low", events["off"], ("on",)),))
+    relay, period = automaton(on, off, states=(X,), coordinates=0, rate=rate), 2 * np.log(7 / 3) / rate
+    orbit = fl.periodic_orbit(relay, fl.solve(relay, 10.3 * period, x0=[0.5]))
+    assert orbit.period == pytest.approx(period, rel=1e-12)
