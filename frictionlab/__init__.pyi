@@ -198,6 +198,7 @@ from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
 from .structures.beam_on_belt import BeamOnBelt as BeamOnBelt
 from .structures.damping import RayleighDamping as RayleighDamping
+from .structures.damping import modal_damping as modal_damping
 from .structures.disc_brake import AnnularPlate as AnnularPlate
 from .structures.disc_brake import DiscBrake as DiscBrake
 from .structures.matrix_files import read_freedoms as read_freedoms

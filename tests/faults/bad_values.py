@@ -302,6 +302,9 @@ def doors() -> dict[str, Door]:
                 "tol": 1e-3,
             },
         ),
+        "modal_damping": Door(
+            fl.modal_damping, {"M": np.eye(2), "K": np.diag([1.0, 2.0]), "ratios": [0.1, 0.2]}
+        ),
         "relative_rows": Door(fl.relative_rows, {"pairs": [(0, 2), (1, -1)], "size": 3}),
         "SlidingContacts": Door(
             lambda **k: fl.equilibrium(

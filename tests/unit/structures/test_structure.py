@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from scipy import sparse
+from scipy import linalg, sparse
 
 import frictionlab as fl
 from tests.helpers.finite_elements import beam
@@ -142,3 +142,33 @@ def test_cures_for_what_is_not_skew():
         fl.Structure(UNIT, STIFF, gyroscopic=[[0.0, 1.0], [0.0, 0.0]])
     with pytest.raises(ValueError, match="give its symmetric part"):
         fl.Structure(UNIT, STIFF, gyroscopic=UNIT)
+
+
+def test_modal_damping_of_equal_ratios_is_a_root_of_the_stiffness():
+    """C = 2 zeta M (M^-1 K)^(1/2), by which no modes are computed."""
+    rng = np.random.default_rng(3)
+    M, K = (a @ a.T + np.eye(5) for a in rng.standard_normal((2, 5, 5)))
+    expected = 2 * 0.02 * M @ linalg.sqrtm(np.linalg.solve(M, K))
+    assert np.allclose(fl.modal_damping(M, K, 0.02), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    damped = fl.Structure(M, K, [("zeta", fl.modal_damping(M, K))], parameters={"zeta": 0.02})
+    assert np.allclose(fl.eigenvalues(damped).damping_ratios, 0.02, rtol=1e-9)
+    free = fl.modal_damping(np.eye(2), [[1.0, -1.0], [-1.0, 1.0]], 0.1)  # its translation is undamped
+    assert np.allclose(free, 0.1 * np.sqrt(2) * np.array([[1.0, -1.0], [-1.0, 1.0]]), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((np.eye(2), np.eye(3), 0.1), "M and K must have the same size, got 2 and 3"),
+        ((np.eye(2), np.eye(2), [0.1, 0.1, 0.1]), "of at most 2 modes"),
+        ((np.eye(2), np.eye(2), -0.1), "ratios must be at least 0"),
+        ((np.diag([1.0, 0.0]), np.eye(2), 0.1), "M must give each motion a mass"),
+        ((np.eye(2), -np.eye(2), 0.1), "K must not be negative"),
+        ((np.eye(2), [[1.0, 0.3], [0.1, 1.0]], 0.1), "K must be symmetric"),
+        ((np.eye(2), (1 + 0.1j) * np.eye(2), 0.1), "K must be real"),
+        ((sparse.eye_array(1001), sparse.eye_array(1001), 0.1), "at most 1000 freedoms"),
+    ],
+)
+def test_modal_damping_refuses(given, message):
+    with pytest.raises(ValueError, match=message):
+        fl.modal_damping(*given)
