@@ -231,11 +231,12 @@ def check_figure(figure: Any) -> None:
 
 
 def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
-    """A legend of everything labelled in `ax`, or of `handles`, to the right of it."""
+    """A legend of everything labelled in `ax`, or of `handles`, to the right of it; each label once."""
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if handles:
         place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
-        ax.legend(handles=handles, frameon=False, fontsize=font_size(9.0), **place)
+        once = list({str(each.get_label()): each for each in handles}.values())
+        ax.legend(handles=once, frameon=False, fontsize=font_size(9.0), **place)
 
 
 def restyle(artists: list[A], properties: Mapping[str, Any]) -> list[A]:

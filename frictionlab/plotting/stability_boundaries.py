@@ -208,7 +208,7 @@ def _map_legend_handles(plane: StabilityMap, boundary: list[Line2D], ax: Axes) -
     patches = [Patch(facecolor=colours[i], edgecolor=GREY, label=names[i]) for i in shown if i >= 0]
     if shown[0] < 0:
         patches.append(Patch(facecolor=background(ax), edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
-    return patches + list({str(line.get_label()): line for line in boundary}.values())
+    return [*patches, *boundary]
 
 
 def plot_hopf(
@@ -264,7 +264,7 @@ def plot_hopf(
     ax.margins(x=0)
     ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
     ax.xaxis.labelpad += font_size(12.0) if crowding() > 1.0 else 0.0  # else it meets the offset
-    legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
+    legend_beside(ax, lines)
     return restyle(lines, line)
 
 

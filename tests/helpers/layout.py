@@ -1,8 +1,7 @@
-"""The layout of the package in numbers: `python -m tests.helpers.layout`."""
+"""Imports between files of the package, and what calls go through: `python -m tests.helpers.layout`."""
 
 import ast
 import inspect
-import statistics
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,28 +11,10 @@ PACKAGE = Path(__file__).parents[2] / "frictionlab"
 Graph = dict[str, set[str]]
 
 
-def files() -> list[Path]:
-    """The Python files of the package, without `__init__.py`."""
-    return sorted(path for path in PACKAGE.rglob("*.py") if path.name != "__init__.py")
-
-
 def module_name(path: Path) -> str:
     """The dotted name of a file; of an `__init__.py` that of its package."""
     parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-def parameter_counts() -> list[tuple[int, str]]:
-    """The number of parameters of every `def`, with its name; `self` and `cls` are none."""
-    found = []
-    for path in files():
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-                given = node.args
-                names = [each.arg for each in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
-                names += [each.arg for each in (given.vararg, given.kwarg) if each is not None]
-                found.append((len([name for name in names if name not in ("self", "cls")]), node.name))
-    return found
 
 
 def imports() -> Graph:
@@ -132,16 +113,7 @@ def _calls() -> dict[str, Callable[[], object]]:
 
 
 def main() -> None:
-    """Print files, parameters, import cycles, and what calls go through."""
-    lines = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files()}
-    largest = max(lines, key=lambda path: lines[path])
-    counts = parameter_counts()
-    found = cycles(imports())
-    print(f"files: {len(lines)}")
-    print(f"lines of the median file: {statistics.median(lines.values()):.0f}")
-    print(f"lines of the largest file: {lines[largest]} ({largest.relative_to(PACKAGE)})")
-    print(f"longest list of parameters: {max(counts)}")
-    print(f"import cycles: {len(found)}, of {[len(each) for each in found]} files")
+    """Print what calls go through, the first time and again."""
     for name, call in _calls().items():
         print(f"files, functions called by {name}: {touched(call)}; again: {touched(call)}")
 

@@ -238,8 +238,7 @@ def _title(letter: str, model: SliderOnBelt, k_nl: float, columns: int) -> str:
 def _row_legends(panels: Any) -> None:
     """One legend for each row, with all labels in that row."""
     for row in panels:
-        handles = {h.get_label(): h for ax in row for h in ax.get_legend_handles_labels()[0]}
-        legend_beside(row[-1], list(handles.values()))
+        legend_beside(row[-1], [handle for ax in row for handle in ax.get_legend_handles_labels()[0]])
 
 
 def _draw_intensities(result: PaperFigure) -> RunFigure:
@@ -290,8 +289,7 @@ def _draw_preload(result: PaperFigure) -> RunFigure:
         panels[0, i].set_title(f"({'ab'[i]}) {name}")
         panels[1, i].set_title(f"({'cd'[i]}) {name}")
         panels[0, i].set_xlabel("")
-    handles = {h.get_label(): h for ax in panels[0] for h in ax.get_legend_handles_labels()[0]}
-    legend_beside(panels[0, -1], list(handles.values()))
+    _row_legends(panels[:1])
     model = next(iter(result.data.sweeps.values())).model
     values = ", ".join(parameter_value_text(model, name, getattr(model, name)) for name in ("mu_k", "k_nl"))
     picture.suptitle(result.heading(f"against the preload from rest, {values}"))

@@ -282,7 +282,7 @@ def plot_orbit_branch(
         lines += ax.plot(*at, marker, color=legible(colour, ax), label=kind)
     text = "period (s)" if name is None else f"largest {state_with_unit(branch.orbits[0].model, name)}"
     ax.set(xlabel=parameter_label(branch.orbits[0].model, branch.parameter), ylabel=text)
-    legend_beside(ax, list({str(line.get_label()): line for line in lines}.values()))
+    legend_beside(ax, lines)
     return restyle(lines, line)
 
 

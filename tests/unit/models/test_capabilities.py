@@ -56,22 +56,6 @@ def test_it_can_be_without_each_of_its_nonlinearities(model):
         model.without("friction")
 
 
-def test_ablation_has_a_scene_for_each_choice(model):
-    found = fl.ablation(model, lambda m: len(m.automaton().modes), progress=False)
-    names = tuple(model.nonlinearities)
-    assert len(found.results) == 2 ** len(names)
-    assert found.switches == names
-    assert found.models[0] == model
-    assert (found[names] == 1) == bool(names)
-    assert found[names] <= found[()]
-
-
-@pytest.mark.slow
-def test_it_is_animated(run):
-    animation = fl.animate(run, fps=2)
-    assert animation.to_jshtml().count("data:image/png") > 10
-
-
 def test_it_is_watched(run):
     found, name = columns(fl.watch(run)), run.source.coordinates[0]
     assert all(np.isfinite(found[each]).all() for each in run.names)

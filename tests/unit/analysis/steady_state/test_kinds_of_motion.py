@@ -42,15 +42,6 @@ def test_a_slow_decay_goes_on_to_the_equilibrium(model, x0):
     assert found.transient == pytest.approx(2 * np.log(1e3) / model.c, rel=0.3, abs=200.0)
 
 
-@pytest.mark.slow  # as that of test_bifurcation
-def test_a_sweep_goes_on_where_a_motion_decays_slowly():
-    model = fl.MassOnBelt(c=1e-3, **SLIDES)
-    options = {"transient": 200.0, "window": 100.0, "progress": False}
-    assert fl.bifurcation(model, "c", [2e-3, 1e-2], **options).kinds == ("not settled yet",) * 2
-    longer = fl.bifurcation(model, "c", [2e-3, 1e-2], t_max=2e4, **options)
-    assert longer.kinds == ("equilibrium", "equilibrium")
-
-
 def test_two_frequencies_without_damping_are_no_decay():
     model = fl.TwoBlocks(**SLIDES)  # 1 and sqrt(3.4)
     assert settled(model, APART, transient=0.0, window=400.0).kind == "non-periodic"

@@ -62,12 +62,6 @@ def test_values_are_those_of_steady_state(one_worker):
     assert {k: v[2] for k, v in one_worker.shares.items()} == dict(alone.time_in_mode)
 
 
-@pytest.mark.slow  # the next test has them too
-def test_kinds_from_rest():
-    kinds = fl.bifurcation(FLAT, "mu_k", [0.3, 0.38, 1.4, 2.9], transient=200.0, window=50.0).kinds
-    assert kinds == ("equilibrium", "periodic", "periodic", "periodic")
-
-
 def test_up_and_down_shows_hysteresis():
     up, down = [0.3, 0.5, 0.7, 2.1], [0.7, 0.5, 0.3]
     long = {"transient": 180.0, "window": 20.0, "progress": False}

@@ -156,15 +156,6 @@ def test_an_error_that_tells_of_an_executor_is_that_of_its_task():
         run(fails, 1, pool)
 
 
-def test_threads_keep_an_error_as_it_is():
-    def fails(i):
-        raise TwoArguments("oops", 1)
-
-    with pytest.raises(TaskFailure, match="task 0 failed with TwoArguments: oops") as info:
-        run(fails, 1, None)
-    assert isinstance(info.value.__cause__, TwoArguments)
-
-
 def test_after_a_failure_that_does_not_come_again_chunks_grow_again():
     calls = []
 
@@ -222,17 +213,6 @@ def test_a_lost_executor_is_named_and_what_was_done_is_kept(tmp_path, end):
     assert 0 < done == path.read_text().count('"task"') < 14
     again = fl.sweep(MODEL, friction, GRID, resume=path, **QUIET)
     assert again.to_dataframe().equals(fl.sweep(MODEL, friction, GRID, **QUIET).to_dataframe())
-
-
-def test_a_task_that_fails_leaves_a_partial_result():
-    def fails(model):
-        if model.mu_k > 0.9:
-            raise ZeroDivisionError("oops")
-        return model.mu_k
-
-    with pytest.raises(RuntimeError, match=r"mu_k = 1, F = 100 failed .*partial_result"):
-        fl.sweep(MODEL, fails, GRID, workers=1, **QUIET)
-    assert np.isfinite(fl.partial_result().to_array()[:-1]).all()
 
 
 def test_a_bar_that_stands_still_says_that_no_worker_is_left(monkeypatch):
