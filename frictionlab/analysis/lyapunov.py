@@ -128,10 +128,10 @@ def lyapunov(
             growths.append(growth)
             state, mode = end_of(run)
     except KeyboardInterrupt as error:
-        done = len(growths) - 1
-        so_far = _spectrum(np.array(growths[1:]) * blocks / t_end, state) if done > 1 else None
+        blocks_done = len(growths) - 1
+        so_far = _spectrum(np.array(growths[1:]) * blocks / t_end, state) if blocks_done > 1 else None
         raise interruption(
-            f"the average was stopped after {max(done, 0)} of {blocks} blocks", so_far
+            f"the average was stopped after {max(blocks_done, 0)} of {blocks} blocks", so_far
         ) from error
     return _spectrum(np.array(growths[1:]) * blocks / t_end, state)
 

@@ -141,8 +141,8 @@ def verify(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 1.0)
-    >>> found.ok, found.until, found.events_agree
+    >>> verification = fl.verify(fl.SliderOnBelt(mu_k=1.4).without("geometry"), 1.0)
+    >>> verification.ok, verification.until, verification.events_agree
     (True, 1.0, True)
     """
     check_flag("progress", progress)

@@ -145,8 +145,8 @@ def critical_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         parser.error(str(error))
     rows = [_change_data(change) for change in changes]
     if chosen.json:
-        asked = {"parameter": chosen.parameter, "bounds": [chosen.low, chosen.high]}
-        print_json({**model_data(model), **asked, "changes": rows})
+        interval = {"parameter": chosen.parameter, "bounds": [chosen.low, chosen.high]}
+        print_json({**model_data(model), **interval, "changes": rows})
     else:
         print("\n".join([f"{model!r}", *map(_change_line, rows)] if rows else _no_change(chosen, model)))
     return 0

@@ -14,6 +14,7 @@ from typing import Any
 from frictionlab.validation import abbreviate, check_choice, check_sequence, float_array, is_sequence
 
 GIVE_NUMBER = "give a number, an array or an expression"
+TINY = 1e-300  # keeps a quotient of zeros from having no value
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
@@ -183,9 +184,6 @@ def _of_two(name: str, a: Any, b: Any) -> Any:
         return _plain(getattr(numpy, name)(a, b))
     a, b = (a, b) if _are_expressions(a) else (b, a)
     return piecewise(a, (b,), (a, b) if name == "minimum" else (b, a))
-
-
-TINY = 1e-300  # keeps a quotient of zeros from having no value
 
 
 def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip") -> Any:

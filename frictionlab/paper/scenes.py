@@ -197,7 +197,7 @@ def steady_states(
     model = setting.adapt_model(model)
     options: dict[str, Any] = {"section": section, "tolerance": setting.tolerance}
     options |= times_of(model, setting)._asdict()
-    asked = [model.to_dict(), parameter, list(values), x0, setting.method.describe(), options]
+    identity = [model.to_dict(), parameter, list(values), x0, setting.method.describe(), options]
 
     def compute(path: Path | None) -> Any:
         return bifurcation(
@@ -212,7 +212,7 @@ def steady_states(
             **options,
         )
 
-    return _cached(asked, setting, compute)
+    return _cached(identity, setting, compute)
 
 
 def sweep_results(
@@ -220,13 +220,13 @@ def sweep_results(
 ) -> Any:
     """`fl.sweep` of a function; `name` identifies it and all that it depends on except the model."""
     model = setting.adapt_model(model)
-    asked = [name, model.to_dict(), {key: list(values) for key, values in over.items()}]
+    identity = [name, model.to_dict(), {key: list(values) for key, values in over.items()}]
 
     def compute(path: Path | None) -> Any:
         options: dict[str, Any] = {"workers": setting.workers, "progress": setting.progress}
         return sweep(model, function, over, resume=path, **options)
 
-    return _cached(asked, setting, compute)
+    return _cached(identity, setting, compute)
 
 
 def cea_and_motions(
@@ -243,8 +243,8 @@ def cea_and_motions(
     return _cached([about, model.to_dict(), list(values)], setting, compute)
 
 
-def _cached(asked: Any, setting: Setting, compute: Callable[[Path | None], Any]) -> Any:
-    key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:16]
+def _cached(identity: Any, setting: Setting, compute: Callable[[Path | None], Any]) -> Any:
+    key = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
     if key not in CACHE:
         path = None
         if setting.resume is not None:

@@ -35,6 +35,8 @@ from frictionlab.validation import (
     seed_of,
 )
 
+__all__ = ["BasinStability", "Basins", "basin_stability", "basins", "load_basins"]
+
 MAX_SAMPLES = 10_000_000  # initial states, each of which is a run
 
 
@@ -51,8 +53,8 @@ class LabelledStates(Drawable):
     @property
     def fractions(self) -> dict[str, float]:
         """Share p of the computed initial states that goes to each attractor, by its name."""
-        done = max(1, int((self.labels != UNDECIDED).sum()))
-        return {a.name: float((self.labels == i).sum()) / done for i, a in enumerate(self.attractors)}
+        decided = max(1, int((self.labels != UNDECIDED).sum()))
+        return {a.name: float((self.labels == i).sum()) / decided for i, a in enumerate(self.attractors)}
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
@@ -197,9 +199,6 @@ def _fractions_text(fractions: dict[str, float], errors: dict[str, float] | None
     return shorten(f"{name} {share:.4g}{bounds[name]}" for name, share in fractions.items())
 
 
-__all__ = ["BasinStability", "Basins", "basin_stability", "basins", "load_basins"]
-
-
 def basins(
     model: ModelOrAutomaton,
     x: tuple[str, Any],
@@ -251,8 +250,8 @@ def basins(
     >>> import frictionlab as fl
     >>> model = fl.SliderOnBelt(mu_k=1.4).without("geometry")
     >>> speeds = ("x1'", [0.0, 0.5]), ("y1'", [0.0, 0.1])
-    >>> found = fl.basins(model, *speeds, "near", transient=150.0, window=10.0, progress=False)
-    >>> [attractor.kind for attractor in found.attractors]
+    >>> portrait = fl.basins(model, *speeds, "near", transient=150.0, window=10.0, progress=False)
+    >>> [attractor.kind for attractor in portrait.attractors]
     ['equilibrium', 'periodic']
     """
     chosen, how = _options("basins", keywords)
@@ -309,8 +308,8 @@ def basin_stability(
     --------
     >>> import frictionlab as fl
     >>> model = fl.SliderOnBelt(mu_k=0.3).without("geometry")
-    >>> found = fl.basin_stability(model, {"x1'": (0.0, 0.1)}, 20, x0="near", progress=False)
-    >>> found.fractions
+    >>> stability = fl.basin_stability(model, {"x1'": (0.0, 0.1)}, 20, x0="near", progress=False)
+    >>> stability.fractions
     {'equilibrium': 1.0}
     """
     chosen, how = _options("basin_stability", keywords)

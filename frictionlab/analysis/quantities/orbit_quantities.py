@@ -150,8 +150,8 @@ class _SquaredDistance(NamedTuple):
 def _squared_distance(orbit: PeriodicOrbit, point: Array) -> _SquaredDistance:
     automaton = with_equilibrium_parameters(orbit.trajectory.automaton, point)
     integrand, names = squared_distance(automaton), [f"displacement {i}" for i in range(len(point))]
-    asked = {SQUARED_DISTANCE: integrand, **dict(zip(names, displacements(automaton), strict=True))}
-    run = _once_more(orbit, automaton, quadratures=asked)
+    integrals = {SQUARED_DISTANCE: integrand, **dict(zip(names, displacements(automaton), strict=True))}
+    run = _once_more(orbit, automaton, quadratures=integrals)
     means = np.array([run.quadratures[name] for name in names]) / orbit.period
     mean = float(run.quadratures[SQUARED_DISTANCE] / orbit.period)
     return _SquaredDistance(run, integrand, mean, means)

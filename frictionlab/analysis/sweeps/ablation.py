@@ -76,9 +76,9 @@ class Ablation(Drawable):
         """The result of a scene: ``ablation["geometry"]`` without geometry, ``ablation[()]`` with all
         nonlinearities, ``ablation[{"contact": "HertzContact"}]`` by all levels that are not the first.
         """
-        asked = self._levels(scene)
+        levels_of_scene = self._levels(scene)
         for levels, result in zip(self.scenes, self.results):
-            if levels == asked:
+            if levels == levels_of_scene:
                 return result
         raise KeyError(f"no scene {scene!r}")
 

@@ -379,9 +379,9 @@ def _run_continued(
                 if result is None:
                     return False
                 journal.keep(i, result)
-            done = journal.results[i]
-            ended = done["kind"] == MotionKind.ENDED_EARLY
-            start, mode = (None, None) if ended else (np.array(done["final"]), done.get("mode"))
+            row = journal.results[i]
+            ended = row["kind"] == MotionKind.ENDED_EARLY
+            start, mode = (None, None) if ended else (np.array(row["final"]), row.get("mode"))
             if interrupts.count:
                 return False
     return True
@@ -410,5 +410,5 @@ def _sweep_arguments(
     values = [values_of(m)[parameter] for m in models]
     states = list(automaton_of(model).state_names)
     about = {"model": data_of(model), "parameter": parameter, "values": values, "x0": start}
-    asked = options.specification("transient", "window", "t_max", "section", "tolerance")
-    return {**about, **asked, "states": states}
+    settings = options.specification("transient", "window", "t_max", "section", "tolerance")
+    return {**about, **settings, "states": states}

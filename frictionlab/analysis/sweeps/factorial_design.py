@@ -93,13 +93,14 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
         )
     if isinstance(switches, Mapping):
         check_mapping("switches", switches, "write {'contact': [fl.LinearContact(), fl.CubicContact()]}")
-        asked = switches
+        alternatives = switches
     else:
-        asked = {_known(model, name): None for name in switches}
-    if not asked:
+        alternatives = {_known(model, name): None for name in switches}
+    if not alternatives:
         raise ValueError("switches must name one at least, got none: leave it out for all nonlinearities")
     return tuple(
-        _on_off(_known(model, n)) if a is None else _alternatives(model, n, a) for n, a in asked.items()
+        _on_off(_known(model, n)) if a is None else _alternatives(model, n, a)
+        for n, a in alternatives.items()
     )
 
 

@@ -356,9 +356,9 @@ def _locked(path: Path) -> Any:
 
 
 def _refuse_another(path: Path, stored: dict[str, Any], specification: dict[str, Any], version: str) -> None:
-    asked = {**json.loads(json.dumps(specification)), "version": __version__}
+    current = {**json.loads(json.dumps(specification)), "version": __version__}
     stored = {**stored, "version": version}
-    differing = [name for name in {**stored, **asked} if stored.get(name) != asked.get(name)]
+    differing = [name for name in {**stored, **current} if stored.get(name) != current.get(name)]
     if differing:
         raise ValueError(
             f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}: "

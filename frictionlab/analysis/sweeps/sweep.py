@@ -173,8 +173,8 @@ def sweep(
         initial_state_of(model, start)
     part = _check_shard(shard)
     path = how.resume if shard is None or how.resume is None else _file_of_shard(Path(how.resume), part)
-    asked = {"function": function_name(function), **grid.specification()}
-    specification = {} if path is None else {"model": data_of(model), **asked}
+    study = {"function": function_name(function), **grid.specification()}
+    specification = {} if path is None else {"model": data_of(model), **study}
     tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
     chosen, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
     with Journal(specification, path, parts) as journal:

@@ -330,8 +330,8 @@ def plot_cea_against_motion(
     Examples
     --------
     >>> import frictionlab as fl
-    >>> found = fl.cea_against_motion(fl.ModeCoupling(c=0.1), "mu_k", [0.1, 1.0], progress=False)
-    >>> found.plot().get_ylabel()
+    >>> comparison = fl.cea_against_motion(fl.ModeCoupling(c=0.1), "mu_k", [0.1, 1.0], progress=False)
+    >>> comparison.plot().get_ylabel()
     'frequency (Hz)'
     """
     ax = axes_or_new(ax)

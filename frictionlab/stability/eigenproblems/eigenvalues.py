@@ -155,8 +155,8 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     Eigenvalues(stable: -0.00323/s at 0.1894 Hz, -0.0968/s at 0.1894 Hz)
     >>> fl.eigenvalues(fl.TwoBlocks())  # without damping
     Eigenvalues(marginal: 0/s at 0.1592 Hz, 0/s at 0.2935 Hz)
-    >>> found = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
-    >>> found.stable, found.frequencies.round(2)[::2].tolist()
+    >>> modes = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
+    >>> modes.stable, modes.frequencies.round(2)[::2].tolist()
     (True, [13.51, 14.92, 15.71, 17.74, 25.63])
     """
     if isinstance(model, LargeSystem):
