@@ -13,7 +13,7 @@ from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.run_file import STORED_ARRAYS, StoredRun, rates_by_mode, read_run_file
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.automaton_of_model import automaton_from_stored
-from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of, model_from_data
 from frictionlab.tape.packing import program_of, program_of_modes
 
 RATES_RTOL = 1e-9  # rates by the same equations agree to rounding, on every processor
@@ -25,9 +25,9 @@ def load(path: str | Path, model: ModelOrAutomaton | None = None) -> Trajectory:
     Parameters
     ----------
     path : path
-    model : model or automaton, optional
-        The model or automaton of the run; by default that in the file.  Needed for laws and models of your
-        own that are not defined in this session.  It must be the same as that of the run.
+    model : Model, Structure or HybridAutomaton, optional
+        That of the run, the same as it was; by default that in the file.  Needed for laws and models of your
+        own that are not defined in this session.
 
     Raises
     ------
@@ -40,13 +40,13 @@ def load(path: str | Path, model: ModelOrAutomaton | None = None) -> Trajectory:
     if model is None and "model" in stored.description:
         model = _model_in_file(stored)
     automaton = _automaton_in_file(stored) if model is None else automaton_of(model)
-    return _trajectory_in_file(stored, automaton, model if isinstance(model, Model) else None)
+    return _trajectory_in_file(stored, automaton, None if isinstance(model, HybridAutomaton) else model)
 
 
-def _model_in_file(stored: StoredRun) -> Model:
+def _model_in_file(stored: StoredRun) -> ModelOrAutomaton:
     try:
-        return Model.from_dict(stored.description["model"])
-    except (ValueError, TypeError, RecursionError) as error:
+        return model_from_data(stored.description["model"])
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise ValueError(
             f"{stored.path} holds a run of a model that cannot be made: {error}: "
             "give it as load(path, model=model)"
@@ -70,7 +70,9 @@ def _automaton_in_file(stored: StoredRun) -> HybridAutomaton:
         raise ValueError(f"{stored.path} is damaged, {error}: save the run again") from error
 
 
-def _trajectory_in_file(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:
+def _trajectory_in_file(
+    stored: StoredRun, automaton: HybridAutomaton, source: ModelOrAutomaton | None
+) -> Trajectory:
     """The run that a file holds; ValueError where `automaton` is not the one that made it, or the file is
     damaged.
     """
@@ -80,7 +82,7 @@ def _trajectory_in_file(stored: StoredRun, automaton: HybridAutomaton, source: M
         raise ValueError(f"{stored.path} is damaged, {error!r}: save the run again") from error
 
 
-def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: Model | None) -> Trajectory:
+def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: ModelOrAutomaton | None) -> Trajectory:
     about = stored.about
     # The one parameter that is a setting of the method, not of the model.
     automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))

@@ -306,6 +306,15 @@ def test_steady_states_over_a_parameter_are_those_of_the_model(tmp_path):
     assert stored.to_dict() == structure.to_dict()
 
 
+def test_a_saved_run_of_a_structure_is_loaded_with_it(tmp_path):
+    structure = two_blocks()
+    run = fl.simulate(structure, 1.0, progress=False)
+    run.save(tmp_path / "run.npz")
+    again = fl.load(tmp_path / "run.npz")
+    np.testing.assert_array_equal(again.final_state, run.final_state)
+    assert again.source.to_dict() == structure.to_dict()
+
+
 def test_near_begins_along_the_least_stable_mode():
     model, structure = slider_on_belt(fl.PlasticImpact(), mu_k=1.4)
     run = fl.simulate(structure, 0.02, x0="near", progress=False)
