@@ -22,17 +22,9 @@ from frictionlab.validation import (
 LOGGER = logging.getLogger(__name__)
 
 JOINT = " | "  # separates the regimes in a mode's name
-
-
 NO_PARTS = "only"  # the name of the only mode where there are no parts
-
-
 MOST_REMEMBERED = 4096  # names whose combinations are remembered
-
-
 LISTED = 243  # most modes that a message lists: those of five contacts
-
-
 Combination = tuple[int, ...]  # for each part the index of its regime
 
 

@@ -11,14 +11,17 @@ What kernels need when they are imported, each file only from those before it:
 
 ``targets``
     Processors and systems, and which of them fit this machine.
+``kernel_sources``
+    The files on which kernels depend, and digests of the code in them that matters.
 ``manifest``
     The file beside the objects that says what has been compiled, and from which sources.
 ``loaded_kernels``
     The object that fits this machine, and its functions as Python calls them.  It needs llvmlite, not numba.
 ``machine_code``
     What there is on this machine: `LOADED` kernels, else `NUMBA`, else neither.
-``numba_cache``
-    What numba has compiled, kept for later processes.
+``numba_internals``
+    All that depends on undocumented parts of numba: what it has compiled, kept for later processes; its
+    instructions in place of machine code.
 ``decorators``
     `kernel` and `inlined`: compiled ahead of time, else by numba, else plain Python.
 ``llvm_instructions``

@@ -24,27 +24,17 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-from frictionlab.compilation import flat_functions
 from frictionlab.compilation.entry_points import entry_points, symbols
 from frictionlab.compilation.flat_functions import flat_function, scalar_function
-from frictionlab.compilation.manifest import (
-    FILE,
-    Function,
-    Manifest,
-    Source,
-    digest,
-    kernel_names,
-    kernel_sources,
-    path_of,
-    read_manifest,
-    source,
-    source_files,
-)
+from frictionlab.compilation.kernel_sources import digest, kernel_names, kernel_sources, path_of, source_files
+from frictionlab.compilation.manifest import FILE, Function, Manifest, Source, read_manifest, source
+from frictionlab.compilation.numba_internals import captured_libraries, linked
 from frictionlab.compilation.targets import TARGETS, WEB, Target
 
 # The modules that make the instructions and the tables.
 BUILDERS = tuple(
-    f"frictionlab.compilation.{name}" for name in ("build", "entry_points", "flat_functions", "targets")
+    f"frictionlab.compilation.{name}"
+    for name in ("build", "entry_points", "flat_functions", "numba_internals", "targets")
 )
 PACKAGES = "numba", "llvmlite", "ziglang"  # by whose versions the machine code may differ
 # With more targets it pays to do once the optimisations that hold for all processors; this takes as long as
@@ -125,10 +115,10 @@ def _machine_code(instructions: str, exports: list[str], targets: Sequence[Targe
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
     """The instructions, the tables of the entry points, and the names of the functions of numbers."""
     entries, called = entry_points(), symbols()  # before capturing, as making specimens runs compiled code
-    with flat_functions.captured_libraries() as libraries:
+    with captured_libraries() as libraries:
         flat = [flat_function(entry) for entry in entries]
         scalar = [(each, scalar_function(each)) for each in called]
-        module = flat_functions.linked(libraries)
+        module = linked(libraries)
     for function in flat:
         module.link_in(llvm.parse_assembly(shim(function.name, function.symbol)))
     for symbol, function in scalar:

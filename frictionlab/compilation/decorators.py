@@ -7,13 +7,12 @@ machine is known in :mod:`frictionlab.compilation.machine_code`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import Any, TypeVar
 
 from frictionlab.compilation import machine_code
 from frictionlab.compilation.loaded_kernels import with_table
 from frictionlab.compilation.machine_code import LOADED, NUMBA
-from frictionlab.compilation.numba_cache import KernelCache, has_kernel
+from frictionlab.compilation.numba_internals import c_function, compiled_kernel, has_kernel
 
 T = TypeVar("T", bound=tuple)
 _FOUND: set[Any] = set()  # kernels found in the cache folder, so that it is read once for each
@@ -41,7 +40,9 @@ def inlined(function: Callable) -> Callable:
 
 def c_address(name: str, function: Callable, signature: str) -> int:
     """Address at which C code calls a function; ahead of time it was compiled under this `name`."""
-    return _c_function(function, signature).address if LOADED is None else LOADED.address(name)
+    if LOADED is not None:
+        return LOADED.address(name)
+    return c_function(NUMBA, function, signature, machine_code.CACHE_FOLDER).address
 
 
 def prepare_arrays(arrays: T) -> T:
@@ -49,29 +50,9 @@ def prepare_arrays(arrays: T) -> T:
     return arrays if LOADED is None else with_table(arrays)
 
 
-@cache  # keeps the compiled function alive: its code is freed with it
-def _c_function(function: Callable, signature: str) -> Any:
-    from numba.core.ccallback import CFunc
-    from numba.core.sigutils import normalize_signature
-
-    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=jit_options())
-    compiled._cache = KernelCache(function, machine_code.CACHE_FOLDER)
-    compiled.compile()
-    return compiled
-
-
 def _compile(function: Callable, further: dict[str, bool]) -> Callable:
     if LOADED is not None:
         return LOADED.function(function)
     if NUMBA is None:
         return function
-    compiled = NUMBA.njit(nogil=True, **jit_options(), **further)(function)
-    compiled._cache = KernelCache(function, machine_code.CACHE_FOLDER)
-    return compiled
-
-
-def jit_options() -> dict[str, Any]:
-    """Compile without reference counts: kernels allocate nothing, and counting would take most of their
-    time."""
-    counts = {"_nrt": False} if hasattr(NUMBA.core.options.DefaultOptions, "_nrt") else {}
-    return {"error_model": "numpy", "boundscheck": False, **counts}
+    return compiled_kernel(NUMBA, function, machine_code.CACHE_FOLDER, further)

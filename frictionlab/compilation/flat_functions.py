@@ -11,83 +11,21 @@ layout is the same on every processor, and a caller needs to know nothing else a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import count
 from typing import Any
-from unittest.mock import patch
 
-import llvmlite.binding as llvm
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import njit, typeof, types
 from numba.core import sigutils
-from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary, JITCPUCodegen
-from numba.core.lowering import BaseLower
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
-from frictionlab.compilation.decorators import jit_options
 from frictionlab.compilation.entry_points import EntryPoint, Symbol
 from frictionlab.compilation.manifest import Function, Word
-from frictionlab.compilation.numba_cache import KernelCache
-
-NO_CODE = 1  # stands for an address that nothing calls
-
-
-@contextmanager
-def captured_libraries() -> Iterator[list[Any]]:
-    """Context in which numba compiles to unoptimised instructions, and to nothing else.
-
-    The list that it yields is filled with the libraries of all functions compiled within it.  The library of
-    a function does not contain the functions that it calls.
-    """
-    libraries: list[Any] = []
-
-    def keep_layout(library: Any, module: Any) -> None:
-        module.data_layout = library._codegen._data_layout
-
-    def finalize(library: Any) -> None:
-        library._finalized = True
-        libraries.append(library)
-
-    def nothing(*arguments: Any) -> None:
-        return None
-
-    replaced = {
-        CPUCodeLibrary: {"_optimize_functions": keep_layout, "finalize": finalize},
-        JITCodeLibrary: {"get_pointer_to_function": lambda library, name: NO_CODE},
-        JITCPUCodegen: {"set_env": nothing},
-        KernelCache: {"load_overload": nothing, "save_overload": nothing},
-        BaseLower: {"create_cpython_wrapper": nothing, "create_cfunc_wrapper": nothing},
-    }
-    with ExitStack() as stack:
-        for owner, methods in replaced.items():
-            for name, method in methods.items():
-                stack.enter_context(patch.object(owner, name, method))
-        yield libraries
-
-
-def compiled(dispatcher: Any, types: tuple[Any, ...]) -> Any:
-    """numba's result of compiling a function for these types."""
-    dispatcher.compile(types)
-    result = dispatcher.overloads[types]
-    result.library._ensure_finalized()  # numba has not yet done so for a function that no other calls
-    return result
-
-
-def linked(libraries: list[Any]) -> Any:
-    """One module with the functions of all libraries, each once."""
-    whole = llvm.parse_assembly("")
-    for library in libraries:
-        module = library._final_module
-        for function in module.functions:
-            if not function.is_declaration and function.linkage == llvm.Linkage.external:
-                function.linkage = "weak_odr"
-        whole.link_in(module, preserve=True)
-    return whole
-
+from frictionlab.compilation.numba_internals import compile_for, jit_options
 
 WORD = ir.IntType(64)
 KINDS = {types.int64: "i8", types.float64: "f8", types.boolean: "b1"}
@@ -174,7 +112,7 @@ def _array_at(kind: Any) -> Any:
 
 def flat_function(entry: EntryPoint) -> FlatFunction:
     """Compile the function of an entry point, within :func:`captured_libraries`."""
-    inner = compiled(entry.kernel, tuple(map(typeof, entry.arguments.values())))
+    inner = compile_for(entry.kernel, tuple(map(typeof, entry.arguments.values())))
     results = _results(inner.signature.return_type)
     names: dict[str, Any] = {
         "integer_at": integer_at,
@@ -191,8 +129,8 @@ def flat_function(entry: EntryPoint) -> FlatFunction:
     elif results:
         lines.append("    put(table, 0, result)")
     exec("\n".join(lines), names)
-    function = njit(**jit_options())(names[entry.name])
-    result = compiled(function, (types.CPointer(types.int64),))
+    function = njit(**jit_options(numba))(names[entry.name])
+    result = compile_for(function, (types.CPointer(types.int64),))
     table = Function(tuple(results), tuple(leaves), _class_name(inner.signature.return_type))
     return FlatFunction(entry.name, result.fndesc.llvm_func_name, table)
 
@@ -201,7 +139,7 @@ def scalar_function(symbol: Symbol) -> FlatFunction:
     """Compile a function of numbers, within :func:`captured_libraries`."""
     arguments, _ = sigutils.normalize_signature(symbol.signature)
     function = getattr(symbol.function, "py_func", symbol.function)
-    result = compiled(njit(**jit_options())(function), arguments)
+    result = compile_for(njit(**jit_options(numba))(function), arguments)
     return FlatFunction(symbol.name, result.fndesc.llvm_func_name, Function((), ()))
 
 

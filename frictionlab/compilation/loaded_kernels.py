@@ -15,7 +15,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from frictionlab.compilation.manifest import Function, Manifest, compiled_object, digest
+from frictionlab.compilation.kernel_sources import digest
+from frictionlab.compilation.manifest import Function, Manifest, compiled_object
 from frictionlab.compilation.targets import targets_of_machine
 
 LOGGER = logging.getLogger(__name__)

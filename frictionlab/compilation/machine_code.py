@@ -17,8 +17,8 @@ from importlib import import_module
 from typing import Any
 
 from frictionlab.cache_folder import DIGEST_LENGTH, digest_folder
+from frictionlab.compilation.kernel_sources import kernel_sources
 from frictionlab.compilation.loaded_kernels import LoadedKernels, load_kernels
-from frictionlab.compilation.manifest import kernel_sources
 
 LOGGER = logging.getLogger(__name__)
 DISABLE_VARIABLE = "FRICTIONLAB_DISABLE_NUMBA"  # kernels are plain Python, whatever is installed

@@ -122,9 +122,10 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     ValueError
         Where a law has no real value at the values of the parameters.
     """
-    key, values = model.structure_key, model.parameters
+    key, numbers = model.structure_key, model.parameters
+    values = {name: numbers[name] for name in key.parameters}
     check_laws(key, values)
-    derivations = derivations_of(key, tuple(values))
+    derivations = derivations_of(key)
     outline = _outline(key, derivations)
     if outline is None:
         derived = automaton_of_structure(key)

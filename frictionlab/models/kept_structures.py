@@ -107,14 +107,13 @@ def archive_digest(path: Path) -> str | None:
 
 
 @cache
-def derivations_of(key: StructureKey, parameters: tuple[str, ...]) -> Derivations:
-    """What has been derived of a structure, as functions of these parameters.
+def derivations_of(key: StructureKey) -> Derivations:
+    """What has been derived of a structure, as functions of its parameters in their order.
 
     Nothing is kept where a class is not the library's.
     """
     try:
-        about = [structure_to_data(key), parameters]
-        text = json.dumps(about) if all(map(_is_ours, _classes(key))) else ""
+        text = json.dumps(structure_to_data(key)) if all(map(_is_ours, _classes(key))) else ""
     except TypeError:  # a field that no file can hold
         text = ""
     folder = cache_folder.digest_folder(LOADED.digest) if text and LOADED.digest else ""

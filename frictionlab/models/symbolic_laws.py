@@ -36,8 +36,6 @@ LAW_METHODS = (
     "impulse",
     "friction",
 )
-
-
 MAY_BE_NONE = "rates_in_separation", "state_limit"
 
 
@@ -73,7 +71,7 @@ def _doubtful_parts(key: StructureKey) -> tuple[list[Any], Formulas]:
 
     Of each part there are the name of the law's method, its text and the names of its parameters.
     """
-    derivations = derivations_of(key, key.parameters)
+    derivations = derivations_of(key)
 
     def parts() -> list[tuple[str, Any]]:
         known = frozenset(parameter_symbols(key))

@@ -221,17 +221,17 @@ class Renamed(fl.Coulomb):
 @pytest.mark.parametrize("law", [Weak(), Renamed()], ids=lambda law: type(law).__name__)
 def test_nothing_is_kept_of_a_law_of_ones_own(law):
     key = fl.SliderOnBelt(friction=law).structure_key
-    assert not derivations_of(key, key.parameters).keeps
+    assert not derivations_of(key).keeps
 
 
 def test_a_law_whose_method_was_exchanged_is_ones_own(monkeypatch, tmp_path):
     monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path))
     key = fl.MassOnBelt().structure_key
     derivations_of.cache_clear()
-    assert derivations_of(key, key.parameters).keeps
+    assert derivations_of(key).keeps
     monkeypatch.setattr(fl.Coulomb, "kinetic", lambda self, normal_force, speed: 0 * normal_force)
     derivations_of.cache_clear()
-    assert not derivations_of(key, key.parameters).keeps
+    assert not derivations_of(key).keeps
     monkeypatch.undo()
     derivations_of.cache_clear()
 

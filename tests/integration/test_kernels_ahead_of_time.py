@@ -14,17 +14,14 @@ import pytest
 import frictionlab as fl
 from frictionlab.compilation import machine_code
 from frictionlab.compilation.entry_points import entry_points
+from frictionlab.compilation.kernel_sources import code_digest, digest, kernel_names, path_of
 from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.compilation.manifest import (
     FILE,
     REPOSITORY,
     Manifest,
     changed_sources,
-    code_digest,
-    digest,
-    kernel_names,
     objects_folder,
-    path_of,
     read_manifest,
     source,
 )

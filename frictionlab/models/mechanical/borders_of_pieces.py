@@ -70,7 +70,7 @@ def _neighbours(key: StructureKey) -> tuple[list[Any], Formulas | None]:
                     found.append((division.x, low, high))
         return bool(found)
 
-    if not derivations_of(key, key.parameters).value("borders of laws", derive) or not (found or derive()):
+    if not derivations_of(key).value("borders of laws", derive) or not (found or derive()):
         return [], None
     from frictionlab.tape.formulas import formulas_of
 
@@ -109,7 +109,7 @@ def _borders_of_energies(key: StructureKey) -> list[EnergyBorder]:
                     known.append(EnergyBorder(name, f"{x} = {border}", len(system.states), formulas))
         return bool(known)
 
-    if derivations_of(key, key.parameters).value("borders of energies", derive) and not known:
+    if derivations_of(key).value("borders of energies", derive) and not known:
         derive()
     return known
 

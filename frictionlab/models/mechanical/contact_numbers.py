@@ -53,7 +53,7 @@ def _formulas(key: StructureKey) -> tuple[list[int], Formulas]:
     from frictionlab.models.symbols import parameter_symbols
     from frictionlab.tape.formulas import formulas_of, kept_formulas
 
-    derivations = derivations_of(key, key.parameters)
+    derivations = derivations_of(key)
 
     def derive() -> Formulas:
         return formulas_of(parameter_symbols(key), [one for some in _expressions(key) for one in some])
@@ -88,7 +88,7 @@ def _only_slide(key: StructureKey) -> tuple[bool, ...]:
         contacts = system_of(key).mechanics.contacts
         return [isinstance(one, Friction) and "slip" in one.modes and not one.in_plane for one in contacts]
 
-    return tuple(derivations_of(key, key.parameters).value("contacts that only slide", only_slide))
+    return tuple(derivations_of(key).value("contacts that only slide", only_slide))
 
 
 def check_contacts(model: MechanicalModel) -> None:

@@ -76,7 +76,7 @@ def _check_limit(model: MechanicalModel, name: str, value: float, limit: float) 
 def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
     """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
     that is negative where it is lost, and the limit of its state, for each."""
-    derivations = derivations_of(key, key.parameters)
+    derivations = derivations_of(key)
     known = derivations.value("states of laws", lambda: [about for about, _ in _contacts(key)])
 
     def derive() -> Formulas:

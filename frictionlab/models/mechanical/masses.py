@@ -104,7 +104,7 @@ def _function(
 @cache
 def _masses(key: StructureKey) -> tuple[dict[str, Any], Formulas]:
     """The entries of M as formulas of coordinates, phase and parameters; none where T is surely positive."""
-    derivations = derivations_of(key, key.parameters)
+    derivations = derivations_of(key)
     about = derivations.value("masses", lambda: _about_masses(key))
     return about, kept_formulas(derivations, "masses", lambda: _mass_formulas(key, about))
 

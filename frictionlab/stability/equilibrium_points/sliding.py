@@ -276,7 +276,7 @@ def sliding_equations(model: Model) -> SlidingEquations:
 
 @cache
 def _equations_of_structure(key: StructureKey) -> SlidingEquations:
-    derivations = derivations_of(key, key.parameters)
+    derivations = derivations_of(key)
     names = tuple(derivations.value("coordinates", lambda: symbolic_copy(key).coordinates))
     return SlidingEquations(key, derivations, names, names.index(key.component.statics.height))
 

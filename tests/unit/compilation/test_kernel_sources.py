@@ -8,7 +8,7 @@ import pytest
 import frictionlab
 from frictionlab.compilation import decorators, machine_code
 from frictionlab.compilation.entry_points import entry_points, symbols
-from frictionlab.compilation.manifest import kernel_sources
+from frictionlab.compilation.kernel_sources import kernel_sources
 
 pytestmark = pytest.mark.plain_python
 
@@ -80,15 +80,15 @@ def test_an_edit_of_a_source_names_another_folder(monkeypatch):
 
 
 def test_names_under_a_condition_are_followed(monkeypatch):
-    from frictionlab.compilation import manifest
+    from frictionlab.compilation import kernel_sources
 
     text = (
         b"from frictionlab.tape.program import system_of\n"
         b"if True:\n    def one():\n        return system_of\n"
     )
     read = {"frictionlab.hybrid.made_up": text}
-    monkeypatch.setattr(manifest, "read_module", lambda module: read[module])
-    manifest.module_contents.cache_clear()
-    found = manifest.needed_names("frictionlab.hybrid.made_up", "one")
-    manifest.module_contents.cache_clear()
+    monkeypatch.setattr(kernel_sources, "read_module", lambda module: read[module])
+    kernel_sources.module_contents.cache_clear()
+    found = kernel_sources.needed_names("frictionlab.hybrid.made_up", "one")
+    kernel_sources.module_contents.cache_clear()
     assert found == [("frictionlab.tape.program", "system_of")]

@@ -8,6 +8,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.compilation import manifest
+from frictionlab.compilation.kernel_sources import digest
 from frictionlab.pages import export
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
 from frictionlab.pages.scene import parameter_controls
@@ -61,7 +62,7 @@ def test_without_the_solver_the_error_says_how_to_build_it(monkeypatch, tmp_path
 
 def test_a_solver_older_than_the_kernels_is_refused(monkeypatch, tmp_path):
     old = manifest.Manifest(
-        {"hybrid/solve.py": manifest.Source("", "", ())}, objects={"kernels.wasm": manifest.digest(b"")}
+        {"hybrid/solve.py": manifest.Source("", "", ())}, objects={"kernels.wasm": digest(b"")}
     )
     monkeypatch.setattr(manifest, "read_manifest", lambda folder: old)
     with pytest.raises(export.SolverNotBuiltError, match=r"have changed since .*solve\.py.* --web` once"):
