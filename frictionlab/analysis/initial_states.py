@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import state_from_mapping, state_from_x0
+from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
@@ -54,6 +54,7 @@ def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> 
         if x0 == "rest":
             return _state_at_rest(model, automaton)
         return model.near_equilibrium() if isinstance(model, MovingSystem) else displaced_equilibrium(model)
+    x0 = by_names(x0)
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, _state_at_rest(model, automaton))
     if not isinstance(model, Model):
@@ -76,6 +77,7 @@ def named_state(x0: Any) -> Any:
 
     Raises ValueError for what is none of any model.
     """
+    x0 = by_names(x0)
     if isinstance(x0, Mapping):
         check_mapping("x0", x0, "give states by their names")
         cure = "give one in SI units"

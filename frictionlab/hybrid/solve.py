@@ -255,6 +255,15 @@ def run_automaton(
     return run
 
 
+def by_names(x0: Any) -> Any:
+    """An initial state with the names of states as labels, such as a pandas Series, as a mapping; anything
+    else as it is."""
+    labels = getattr(x0, "index", None)
+    if labels is None or callable(labels) or not all(isinstance(label, str) for label in labels):
+        return x0
+    return dict(zip(labels, x0.tolist(), strict=True)) if hasattr(x0, "tolist") else x0
+
+
 def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], rest: Any) -> np.ndarray:
     """The state with the values `given` by name; the other states have those of `rest`."""
     check_mapping("x0", given, "give states by their names")
@@ -272,6 +281,7 @@ def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:
     plain = type(x0) is np.ndarray and x0.shape == (len(names),) and x0.dtype == float
     if plain and all(map(isfinite, x0.tolist())):  # the quick case
         return x0.copy()
+    x0 = by_names(x0)
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, np.zeros(len(names)))
     rule = f"a finite number for each of the states {', '.join(names)}"

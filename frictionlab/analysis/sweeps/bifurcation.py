@@ -20,6 +20,7 @@ from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import by_names
 from frictionlab.interruption import InterruptCounter, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import (
@@ -281,7 +282,7 @@ def _models(model: ModelOrAutomaton, parameter: str, values: Any) -> list[ModelO
 
 def _initial_states(models: Sequence[ModelOrAutomaton], x0: Any) -> list[np.ndarray]:
     """The initial state of each model; names and mappings are resolved for each."""
-    first, named = initial_state_of(models[0], x0), isinstance(x0, (str, Mapping))
+    first, named = initial_state_of(models[0], x0), isinstance(by_names(x0), (str, Mapping))
     return [first, *(initial_state_of(m, x0) if named else first for m in models[1:])]
 
 
