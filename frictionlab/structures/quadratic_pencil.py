@@ -282,6 +282,8 @@ def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _Sh
 
 def factorised(matrix: Matrix) -> Callable[..., Array] | None:
     """What solves matrix x = b, or with "T" its transpose; None where the matrix is singular to rounding."""
+    if not matrix.data.flags.c_contiguous:  # the real part of a complex matrix is a view of it
+        matrix = matrix.copy()
     sample = np.random.default_rng(0).standard_normal(matrix.shape[0]).astype(matrix.dtype)
     symmetric = {"diag_pivot_thresh": PIVOT_SHARE, "options": {"SymmetricMode": True}}
     # An order for symmetric patterns makes half the entries; pivots by size are needed where it is not exact.

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 import frictionlab as fl
 from tests.helpers.finite_elements import unsymmetric_chain
@@ -35,6 +36,19 @@ def test_modes_over_a_range():
     assert rougher.size < small.size
     assert fl.reduce(large).size <= rougher.size
     assert repr(pickle.loads(pickle.dumps(small))) == repr(small)
+
+
+def test_a_hysteretic_structure_is_reduced():
+    M, C, K, _, N = unsymmetric_chain(40, coupling=1.0, damping=0.02)
+    parts = {"circulatory": [("mu", N)], "parameters": {"mu": 0.05}, "window": (0.0, 0.3)}
+    small = fl.reduce(fl.Structure(M, (1.0 + 0.02j) * K, C, **parts)).replace(mu=0.1)
+    M, C, K, N = (part.toarray() for part in map(sparse.csc_array, (M, C, K, N)))
+    rates = -np.linalg.solve(M, np.hstack([(1.0 + 0.02j) * K + 0.1 * N, C]))
+    exact = np.linalg.eigvals(np.vstack([np.eye(40, 80, 40), rates]))
+    values = fl.eigenvalues(small).values
+    missed = np.abs(values[:, None] - exact).min(axis=1)
+    assert (missed < 1e-6 * np.abs(values)).all()
+    assert np.allclose(small.error_estimates(), missed, rtol=0.05)
 
 
 def test_estimates_are_the_errors():

@@ -54,6 +54,19 @@ def test_slider_on_belt_as_a_structure(model):
     assert np.allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
+def test_hysteretic_damping_leaves_the_equilibrium():
+    plain = slider_on_belt(SLIDERS[0])
+    K = plain.K.at({}).toarray()
+    damped = plain.replace(K=(1.0 + 0.05j) * K)
+    assert is_same(fl.equilibrium(damped).q, fl.equilibrium(plain).q)
+    M, C, tangent = (part.toarray() for part in plain.pencil.parts)
+    rates = np.hstack([-np.linalg.solve(M, tangent + 0.05j * K), -np.linalg.solve(M, C)])
+    expected = np.linalg.eigvals(np.vstack([np.eye(4, 8, 4), rates]))
+    values = fl.eigenvalues(damped).values
+    assert np.abs(values[:, None] - expected).min(axis=1).max() < 1e-12 * np.abs(expected).max()
+    assert np.isfinite(fl.eigenvalues(damped).sensitivities("mu_k")).all()
+
+
 def test_critical_values_of_slider_on_belt():
     model = SLIDERS[0]
     found, expected = (fl.critical_value(one, "mu_k", (0, 4)) for one in (slider_on_belt(model), model))
