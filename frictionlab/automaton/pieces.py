@@ -85,9 +85,11 @@ class Pieces(sympy.Function):
         """The same as sympy's function: Abs, sign, Min, Max, else Piecewise."""
         x, values = self.x, self.values
         if self.borders == (0,):
-            known = {(-x, x): sympy.Abs(x), (sympy.S.NegativeOne, sympy.S.One): sympy.sign(x)}
-            if values in known:
-                return known[values]
+            plain = x.is_Symbol  # of others sympy would look for a sign for seconds
+            if values == (-x, x):
+                return sympy.Abs(x, evaluate=plain)
+            if values == (sympy.S.NegativeOne, sympy.S.One):
+                return sympy.sign(x, evaluate=plain)
         if values == (x, *self.borders):
             return sympy.Min(*values, evaluate=False)
         if values == (*self.borders, x):

@@ -111,7 +111,7 @@ class ContactRegime:
     sliding : Expr or None
         What is positive in slip of a rigid contact, whatever its forces: v_r by its sign.
     by_holding : callable or None
-        Of breakaway in the plane: the friction force, by the one that would hold.
+        Of breakaway in the plane: the friction force, by the one that would hold and the rate of this.
     """
 
     name: str
@@ -125,7 +125,7 @@ class ContactRegime:
     rates: tuple[Any, ...] = ()
     share: Any = None
     sliding: Any = None
-    by_holding: Callable[[Any], Any] | None = None
+    by_holding: Callable[[Any, Any], Any] | None = None
 
 
 def regimes_of_contact(contact: AnyContact, system: LagrangeSystem) -> tuple[ContactRegime, ...]:

@@ -288,6 +288,10 @@ class LagrangeSystem:
         moving = (*self.q, *self.clocks, *self.further)
         return _dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
+    def rate_in_motion(self, expression: Any, accelerations: Sequence[Any]) -> Any:
+        """Time derivative of a function of coordinates, velocities, clocks and further states."""
+        return self.rate(expression) + _dot(self.gradient(expression, self.v), accelerations)
+
     def explicit_rate(self, expression: Any) -> Any:
         """The part of a time derivative that is there with all coordinates and velocities at rest, of what
         does not depend on further states: that by the clocks."""

@@ -1,20 +1,21 @@
 """Friction in the plane: the regimes of a contact whose v_r has two components, and when it stops.
 
-In slip the friction force is the law's at the speed |v_r|, along v_r.  This has a Taylor series while
-|v_r| > 0, whose radius is the time that is left before a stop.  So steps shrink with that time.  Slip ends
+In slip the friction force is the law's at the speed s = |v_r|, along v_r.  This has a Taylor series while
+s > 0, whose radius is the time that is left before a stop.  So steps shrink with that time.  Slip ends
 LAST_TIME before the stop, and a reset makes v_r zero: with the deceleration a the place errs by
 a LAST_TIME^2/2.
 
 Stick holds both components, until the holding force F leaves the circle |F| <= mu_s F_N.  Then v_r is zero
-and has no direction.  In "breakaway" the friction force is along F instead, which has a series: v_r turns
-into this direction at a rate of the order of |F|/|v_r|.  With the acceleration a by |F| alone, slip takes
-over
+and has no direction.  In "breakaway" the friction force has a direction e that has a series.  Slip is along
+e = F/|F| at first, and goes on along F as this turns:
 
-* at the speed 2 LAST_TIME a, times the ratio of |F| to its excess over kinetic friction, as v_r begins a
-  little beside F where inertia differs between the directions;
-* at most at the speed BREAKAWAY_TIME a.  Where there is hardly an excess, as with mu_s = mu_k, slip is slow
-  at first and turns so fast that its steps would be thousands.  If the excess grows at the rate a/T and F
-  turns by a radian in T, velocities err by (BREAKAWAY_TIME/T)^1.5/2 of a T.
+    F_k e = F - B^-1 v_r',  v_r' = s' F/|F| + s (F/|F|)',  s' = (|F| - F_k)/(F B^-1 F/F^2),
+
+with B = W^T M^-1 W, and F' by the motion in stick.  With the excess x = 1 - F_k/|F| and the acceleration a by
+|F| alone, slip takes over at the speed 2 NEARNESS sqrt(L a)/x, where L is the distance of the contact's
+coordinates from their origin, but not below LEAST_DISTANCE: so units of time do not matter.  Under a law with
+mu_s = mu_k the excess grows from zero.  Then v_r turns into the direction of F at the rate |F|/s, so fast
+that steps from an earlier instant would be thousands; but it follows F as closely, and that is the above.
 
 The constraint of breakaway is v_r^2 = 0, which is so but for rounding: no motion rests in it.
 """
@@ -47,7 +48,8 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
 LAST_TIME = sympy.Float("3e-9")  # s; with less the series of order 32 goes beyond the largest number
-BREAKAWAY_TIME = sympy.Float("2e-8")  # s
+NEARNESS = sympy.Float("3e-9")  # a share of the time in which the motion changes
+LEAST_DISTANCE = sympy.Float("1e-4")  # m
 NO_FORCE = sympy.Float("1e-200")  # N^2
 STOP = "stop"  # the event at which slip ends
 
@@ -76,13 +78,8 @@ def _slip(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
 def rate_of_speed(contact: Friction, system: LagrangeSystem, accelerations: Sequence[Any]) -> Any:
     """d|v_r|/dt (m/s^2) of a contact in the plane."""
-    rates = (
-        system.rate(one)
-        + sum(a * b for a, b in zip(system.gradient(one, system.v), accelerations, strict=True))
-        for one in contact.velocities
-    )
-    power = sum(one * rate for one, rate in zip(contact.velocities, rates, strict=True))
-    return power / magnitude(contact.velocities)
+    rates = [system.rate_in_motion(one, accelerations) for one in contact.velocities]
+    return _dot(contact.velocities, rates) / magnitude(contact.velocities)
 
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -103,30 +100,63 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Slip begins: friction is along the force that would hold, until v_r has a direction."""
     pressing, velocities, directions = contact.pressing, contact.velocities, system.direction(contact)
     resting = sum(one**2 for one in velocities)  # rounding throughout
-    softness = (directions.T * system.inverse * directions).trace() / 2
+    soft = (directions.T * system.inverse * directions).tolist()
+    stiff = tuple(_solved(soft, one) for one in ((1, 0), (0, 1)))  # B^-1, by columns
 
-    def friction(holding: Any) -> tuple[Any, ...]:
-        largest = contact.law.kinetic(pressing, sympy.S.Zero)
-        return tuple(largest * one / _size(holding) for one in holding)
+    def friction(holding: Any, rates: Any) -> tuple[Any, ...]:
+        size = _size(holding)
+        along = [one / size for one in holding]
+        speed = _dot(along, velocities)
+        largest = contact.law.kinetic(pressing, speed)
+        by_size = _dot(along, rates)
+        turning = [(rate - one * by_size) * speed / size for one, rate in zip(along, rates, strict=True)]
+        drive = [one - _dot(row, turning) for one, row in zip(holding, stiff, strict=True)]
+        inert = _dot(holding, [_dot(row, holding) for row in stiff]) + NO_FORCE * (stiff[0][0] + stiff[1][1])
+        rate = size**2 * (size - largest) / inert
+        (a, b), (c, d) = stiff
+        direction = _solved(((rate * a + largest, rate * b), (rate * c, rate * d + largest)), drive)
+        return tuple(largest * one / _size(direction) for one in direction)
 
     def ends(holding: Any, _: Any) -> tuple[RegimeEnd, ...]:
         holding = components(holding)
-        power = sum(one * velocity for one, velocity in zip(holding, velocities, strict=True))
-        size, largest = _size(holding), contact.law.kinetic(pressing, sympy.S.Zero)
-        gained = softness * sum(one**2 for one in holding)  # power, by a time
+        power, size = _dot(holding, velocities), _size(holding)
+        excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / size
+        full = size * _softness(contact, system)  # acceleration by the force alone
+        least = 2 * NEARNESS * size * sympy.sqrt(full * _distance(contact, system))
         return (
             RegimeEnd(STOP, power, ("stick",), "stop"),
-            RegimeEnd("slips", 2 * LAST_TIME * gained - power * (1 - largest / size), ("slip",)),
-            RegimeEnd("slips", BREAKAWAY_TIME * gained - power, ("slip",)),
+            RegimeEnd("slips", least - power * excess, ("slip",)),
             *ends_of_contact(contact, system),
         )
 
     return ContactRegime("breakaway", None, (), (resting,), ends, pressing=pressing, by_holding=friction)
 
 
-def _size(holding: Any) -> Any:
-    """|F| of the force that would hold, with a value where no force acts on the body."""
-    return sympy.sqrt(sum(one**2 for one in holding) + NO_FORCE)
+def _solved(matrix: Any, right: Sequence[Any]) -> tuple[Any, ...]:
+    """The solution of two linear equations, by Cramer's rule and without looking for common factors."""
+    (a, b), (c, d) = matrix
+    determinant = a * d - b * c
+    return (d * right[0] - b * right[1]) / determinant, (a * right[1] - c * right[0]) / determinant
+
+
+def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
+    return sum(a * b for a, b in zip(one, other, strict=True))
+
+
+def _size(force: Any) -> Any:
+    """The magnitude of a force, with a value where no force acts on the body."""
+    return sympy.sqrt(sum(one**2 for one in force) + NO_FORCE)
+
+
+def _softness(contact: Friction, system: LagrangeSystem) -> Any:
+    """Acceleration by a unit force (1/kg), the mean of all directions."""
+    directions = system.direction(contact)
+    return (directions.T * system.inverse * directions).trace() / 2
+
+
+def _distance(contact: Friction, system: LagrangeSystem) -> Any:
+    """L, m."""
+    return magnitude((*(system.direction(contact).T * sympy.Matrix(system.q)), LEAST_DISTANCE))
 
 
 def plane_stop(system: LagrangeSystem, contact: Friction) -> Reset:

@@ -183,11 +183,13 @@ def _breaking_away(
     after = list(chosen)
     for i in which:
         after[i] = next(one for one in system.regimes[i] if one.name == "stick")
-    forces = solve_contact_forces(system, after, hold).forces
+    stuck = solve_contact_forces(system, after, hold)
+    forces = stuck.forces
     for i in which:
         by_holding = chosen[i].by_holding
         assert by_holding is not None
-        after[i] = replace(chosen[i], force=by_holding(forces[i]))
+        rates = [system.rate_in_motion(one, stuck.accelerations) for one in forces[i]]
+        after[i] = replace(chosen[i], force=by_holding(forces[i], rates))
     return {i: forces[i] for i in which}, after
 
 

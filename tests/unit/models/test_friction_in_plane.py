@@ -171,6 +171,18 @@ def stick_slip_by_dop853(x, t_end, belt=0.2, mu_k=0.5, mu_s=1.0, least=1e-8):
     return z, instants
 
 
+@pytest.mark.parametrize("time", [1e-6, 1e-3, 1e3])
+def test_slip_begins_alike_in_other_units_of_time(time):
+    laws, x0 = {"mu_k": 1.0, "mu_s": 1.0}, [0.0, 0.5, 0.2, 0.0]
+    one = fl.simulate(Coupled(**laws), 1.0, x0=x0, progress=False)
+    model = Coupled(m=time**2, v=0.2 / time, **laws)
+    run = fl.simulate(model, time, x0=[0.0, 0.5, 0.2 / time, 0.0], progress=False)
+    assert run.events.source.tolist() == ["stick", "breakaway"]
+    assert run.stats["steps"] < 400
+    assert run.final_state[:2] == pytest.approx(one.final_state[:2], rel=1e-13)
+    assert run.final_state[2:] * time == pytest.approx(one.final_state[2:], rel=1e-12)
+
+
 @pytest.mark.slow  # 0.5 s: the integration beside it is one of scipy's
 def test_stick_slip_is_that_of_an_integration_with_a_least_speed():
     run = fl.simulate(Coupled(), 12.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False)
