@@ -84,7 +84,8 @@ def classify_attractor(
     if kind in RANGE_RTOL:
         drifting = [] if verdict.drift is None else verdict.drift.places
         end, mode = _state_on_attractor(automaton, (end, mode), kind, drifting, spread, options)
-    attractor = {"kind": kind, "period": period, "state": end.tolist(), "mode": mode}
+    modes = [run.mode_names[i] for i in np.unique(run.raw.step_modes)]
+    attractor = {"kind": kind, "period": period, "state": end.tolist(), "mode": mode, "modes": modes}
     return attractor | ({"drifting": drifting} if drifting else {})
 
 
@@ -284,13 +285,19 @@ class AttractorCatalogue:
             self._trees.append(KDTree(points / self._size))
         return len(self.attractors) - 1
 
-    def reached(self, states: Array) -> np.ndarray:
-        """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none."""
+    def reached(self, states: Array, modes: np.ndarray | None = None) -> np.ndarray:
+        """Index of the attractor that each state (N, n) is on, `UNDECIDED` where there is none.
+
+        In a mode that an attractor never is in a motion is not on it, as with hysteresis; `modes` (N,) are
+        the names of the modes.
+        """
         index, scaled = np.full(len(states), UNDECIDED), states / self._size
         for i, tree in enumerate(self._trees):
             if tree is None:
                 continue
             box = (scaled > tree.mins - 2 * self._rtol) & (scaled < tree.maxes + 2 * self._rtol)
+            if modes is not None and "modes" in self.attractors[i]:
+                box &= np.isin(modes, self.attractors[i]["modes"])[:, None]
             about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # faster to test than the tree
             if len(about):
                 distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._rtol)[0]

@@ -165,22 +165,30 @@ def label_initial_states(
     group = start_group(automaton, states, method)
     for t in check_times(options.transient):
         advance_group(group, t)
-        states[left], labels[left] = group.runs.states, _labels_of_runs(group, catalogue)
+        modes = None if automaton.on_demand else _modes_of_runs(group)
+        states[left], labels[left] = group.runs.states, _labels_of_runs(group, catalogue, modes)
         goes_on = labels[left] == UNDECIDED
         group, left = select_runs(group, goes_on), left[goes_on]
         if not len(left):
             break
-    for i, number in zip(left, group.runs.counts[:, MODE], strict=True):
-        labels[i] = catalogue.reached(states[i : i + 1])[0]
+    modes = None if automaton.on_demand else _modes_of_runs(group)
+    for row, i in enumerate(left):
+        mode = None if modes is None else modes[row : row + 1]
+        labels[i] = catalogue.reached(states[i : i + 1], mode)[0]
         if labels[i] == UNDECIDED:
-            start = states[i], None if automaton.on_demand else group.program.modes[number]
+            start = states[i], None if modes is None else str(modes[row])
             labels[i] = _label_after_transient(automaton, start, catalogue, spread, options)
     return {"labels": labels.tolist(), "found": catalogue.attractors[len(known.attractors) :]}
 
 
-def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue) -> np.ndarray:
+def _modes_of_runs(group: Batch) -> np.ndarray:
+    """The name of the mode that each run is in, "" where it has none."""
+    return np.array([*group.program.modes, ""])[group.runs.counts[:, MODE]]
+
+
+def _labels_of_runs(group: Batch, catalogue: AttractorCatalogue, modes: np.ndarray | None) -> np.ndarray:
     """The index of the attractor that each run is on; "ended early" has one, too."""
-    labels = catalogue.reached(group.runs.states)
+    labels = catalogue.reached(group.runs.states, modes)
     for i in np.flatnonzero(group.runs.status != FINISHED):
         labels[i] = catalogue.place(
             {"kind": MotionKind.ENDED_EARLY, "period": None, "state": group.runs.states[i].tolist()}

@@ -355,6 +355,14 @@ def test_a_motion_with_hysteresis_goes_on_in_its_mode():
     assert branch.periods * branch.values == pytest.approx(2 * np.pi / 3, rel=1e-9)
 
 
+def test_attractors_at_the_same_states_are_told_apart_by_their_modes():
+    times = {"transient": 10.0, "window": 30.0, "progress": False}
+    reached = fl.basins(hysteresis(), x=("x", [0.5, 5.5, 6.0]), y=("v", [0.0, 0.1]), **times)
+    names = [each.name for each in reached.attractors]
+    assert reached.labels[:, 0].tolist() == [names.index("period 6.283 s")] * 2
+    assert (reached.labels[:, 1:] == names.index("period 2.094 s")).all()
+
+
 @pytest.mark.parametrize("rate", [1e-9, 1.0, 1e9])
 def test_a_relay_returns_in_its_mode(rate):
     """x passes each value twice in a period, in modes that are both admissible there."""
