@@ -44,7 +44,7 @@ from frictionlab.compilation import machine_code
 assert importlib.util.find_spec("numba") is None and machine_code.LOADED is not None
 """
 NOTEBOOKS = "tests/slow/docs/test_tutorials.py"
-NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("page", "axe")]
+NEED_THE_SOLVER = [f"tests/browser/test_{name}.py" for name in ("explorer", "page", "axe")]
 WITHOUT_SYMPY = """
 import sys
 from frictionlab.cli.command import main

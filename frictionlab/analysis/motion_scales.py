@@ -84,8 +84,7 @@ def motion_size(run: Trajectory, samples: int | None = None) -> Array:
 def is_at_rest(run: Trajectory, span: tuple[float, float]) -> bool:
     """Whether no coordinate changes in a part of a run, relative to its size or distance from the start."""
     count = run.automaton.coordinates or len(run.names)
-    states = run(np.linspace(*span, SAMPLES_AT_REST))[:, :count]
-    began = run(np.zeros(1))[:, :count]
+    began, states = np.split(run(np.append(0.0, np.linspace(*span, SAMPLES_AT_REST)))[:, :count], [1])
     size = max(float(np.abs(states - began).max()), float(np.abs(states).max()))
     return bool(np.ptp(states, axis=0).max() <= AT_REST_RTOL * size)
 

@@ -38,7 +38,7 @@ class Explorer:
     ----------
     result : Result
         That of the last values that worked: ``result.run``, ``result.eigenvalues``, ``result.settings``.
-    error : Exception or None
+    error : BaseException or None
         The error raised for the current values.
     controls : dict of str to Control
         Set the ``value`` of one and the pictures follow; link it to any widget.
@@ -55,7 +55,8 @@ class Explorer:
         widget: FrontEnd | None = None,
         **about: Any,
     ) -> None:
-        self.settings, self.result, self.error = settings, Result(settings), None
+        self.settings, self.result = settings, Result(settings)
+        self.error: BaseException | None = None
         self.start_model, self.panels = settings.model, panels
         self.drawings: dict[str, Drawing] = {}
         self._images: dict[str, bytes] = {}
@@ -73,9 +74,10 @@ class Explorer:
             self.widget.scene, self.widget.state, self.widget.picture = scene, self.initial, {}
         for control in self.controls.values():
             control.observe(self._changed, names="value")
-        self._take = in_this_thread(self._moved)
-        self.widget.observe(self._take, names="state")
-        self.widget.observe(in_this_thread(self._go_on), names="shown")
+        answers = {"state": self._moved, "sliding": self._stopped, "shown": self._go_on}
+        self._answers = {name: in_this_thread(answer) for name, answer in answers.items()}
+        for name, answer in self._answers.items():
+            self.widget.observe(answer, names=name)
         self.scheduler.request()
 
     @property
@@ -119,7 +121,8 @@ class Explorer:
     def release(self) -> None:
         """Leave the widget to another explorer."""
         self.scheduler.cancel()
-        self.widget.unobserve(self._take, names="state")
+        for name, answer in self._answers.items():
+            self.widget.unobserve(answer, names=name)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
@@ -135,6 +138,11 @@ class Explorer:
         except (TypeError, ValueError) as error:
             self._fail(error)
 
+    def _stopped(self, change: Any) -> None:
+        """The slider stands still: what has waited for that is computed."""
+        if not (change["new"] or self.error or self.widget.picture.get("complete")):
+            self.scheduler.request()
+
     def _go_on(self, _: Any) -> None:
         if self.progress:  # the rest has waited until a browser shows it
             self.scheduler.request_later()
@@ -146,9 +154,15 @@ class Explorer:
             result = self.result if settings == self.settings else Result(settings)
             goes_on = result is self.result and bool(self.progress)
             self._draw(result, goes_on)
-            picture = result_data(result, self.drawings, *needed_of(self.panels))
+            needed = needed_of(self.panels)
+            picture = result_data(result, self.drawings, *needed, complete=not self.widget.sliding)
         except Exception as error:  # any error of a user's law is shown, not lost in a log
             self._fail(error)
+            return
+        except KeyboardInterrupt as stop:  # "interrupt the kernel" stops this computation, not what follows
+            self._fail(stop)
+            if not has_event_loop():
+                raise
             return
         for name, data in picture["drawings"].items():
             data["pick"] = getattr(self.panels[name], "pick", None)
@@ -178,7 +192,7 @@ class Explorer:
             self._images = {name: drawn_on_axes(own[name], result) for name in on_axes}
         self.drawings |= drawn
 
-    def _fail(self, error: Exception) -> None:
+    def _fail(self, error: BaseException) -> None:
         self.error, self.progress = error, None
         with self.widget.hold_sync():
             self.widget.error, self.widget.limits = error_text(error), self._limits()
@@ -211,8 +225,10 @@ def _last_value(model: Model, name: str, beyond: float) -> float:
     return rounded if holds(rounded) else good
 
 
-def error_text(error: Exception) -> str:
+def error_text(error: BaseException) -> str:
     """The message of an error; its class comes first, except for ValueError and TypeError."""
+    if isinstance(error, KeyboardInterrupt):
+        return "The computation was stopped: the pictures are those of the last values that worked."
     kind = "" if isinstance(error, (ValueError, TypeError)) else f"{type(error).__name__}: "
     return f"{kind}{str(error) or type(error).__name__}"
 

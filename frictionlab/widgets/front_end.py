@@ -45,6 +45,8 @@ class FrontEnd(anywidget.AnyWidget):
         Why the present state has no result; empty where it has one.
     limits : dict
         The last value of a parameter that was moved too far.
+    sliding : bool
+        Whether a slider moves: what takes long waits until it stops.
     shown : bool
         Whether a browser shows it.
     """
@@ -56,6 +58,7 @@ class FrontEnd(anywidget.AnyWidget):
     picture = traitlets.Dict().tag(sync=True)
     error = traitlets.Unicode().tag(sync=True)
     limits = traitlets.Dict().tag(sync=True)
+    sliding = traitlets.Bool(False).tag(sync=True)
     shown = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self) -> None:
@@ -75,7 +78,8 @@ class FrontEnd(anywidget.AnyWidget):
             self.send({"text": str(error)})
             return
         silent = not sound.samples.any()
-        text = "it makes no sound" if silent else f"{sound.signal}, {sound.pitch:.3g} times as high as it is"
+        signal = sound.signal.replace("_", " ")
+        text = "it makes no sound" if silent else f"{signal}, {sound.pitch:.3g} times as high as it is"
         samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
         self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
 
@@ -90,11 +94,17 @@ def result_data(
     needs_run: bool,
     needs_spectrum: bool,
     needs_friction: bool = False,
+    complete: bool = True,
 ) -> Data:
-    """A result as the front end takes it; without samples where no panel shows the run."""
+    """A result as the front end takes it; without samples where no panel shows the run.
+
+    While a slider moves it is not complete: the spectrum and what the words say of the run are left out.
+    """
     model, known = result.model, result.eigenvalues
     point = None if known is None else known.equilibrium
-    shown = run_data(result, needs_spectrum) if needs_run else _without_run(model)
+    shown = run_data(result) if needs_run else _without_run(model)
+    if needs_run and complete:
+        shown |= facts(result) | {"spectrum": spectrum_data(result) if needs_spectrum else None}
     data: Data = {
         "parameters": dict(model.parameters),
         "coordinate": result.settings.coordinate,
@@ -110,7 +120,7 @@ def result_data(
         },
         "friction": friction_data(result) if needs_friction else None,
         "python": python_snippet(result.settings),
-        "complete": True,
+        "complete": complete,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
         "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),
     }
@@ -150,17 +160,22 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def run_data(result: Result, needs_spectrum: bool) -> Data:
-    """The run, sampled over the part that is shown, and what it does at its end."""
-    run, moving = result.run, result.is_moving
-    samples = result.samples()
+def run_data(result: Result) -> Data:
+    """The run, sampled over the part that is shown, and its end."""
+    run, samples = result.run, result.samples()
     return sampled_run(run, result.model, *samples) | {
         "mode": run.mode_names[run.raw.step_modes[-1]] if len(run.raw.step_modes) else "",
         "struck": bool(np.any((run.events.t > samples[0][0]) & (run.events.guard != TURN_OF_FORCE))),
+    }
+
+
+def facts(result: Result) -> Data:
+    """What the run does at its end."""
+    moving = result.is_moving
+    return {
         "moving": moving,
         "decays": result.decays if moving else False,
-        "rest": None if moving else time_of_rest(run),
-        "spectrum": spectrum_data(result) if needs_spectrum else None,
+        "rest": None if moving else time_of_rest(result.run),
     }
 
 

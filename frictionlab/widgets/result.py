@@ -205,11 +205,12 @@ class Result:
         end, window = float(self.run.raw.t), self.settings.window
         if window is None:
             return 0.0, end
-        moving = window == WHAT_MOVES
         shown = SHOWN_PERIODS * rounded_period(self.model)
         if window == BEGINNING:
             return 0.0, min(end, shown)
-        return moving_span(self.run, shown) if moving else (max(0.0, end - float(window)), end)
+        if window == WHAT_MOVES and not self.is_moving:
+            return moving_span(self.run, shown)
+        return max(0.0, end - (shown if window == WHAT_MOVES else float(window))), end
 
     @cached_property
     def is_moving(self) -> bool:
@@ -221,10 +222,8 @@ class Result:
     def decays(self) -> bool:
         """Whether the motion is smaller in the last periods of the run than in as many in its middle."""
         end, seconds = float(self.run.raw.t), SHOWN_PERIODS * rounded_period(self.model)
-        late, early = (
-            self.run(np.linspace(max(0.0, t - seconds), t, MIN_SAMPLES))[:, : len(self.model.coordinates)]
-            for t in (end, end / 2)
-        )
+        spans = [np.linspace(max(0.0, t - seconds), t, MIN_SAMPLES) for t in (end / 2, end)]
+        early, late = self.run(np.array(spans))[..., : len(self.model.coordinates)]
         return bool(np.ptp(late, axis=0).max() < STEADY * np.ptp(early, axis=0).max())
 
     def times(self) -> Array:

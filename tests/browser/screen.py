@@ -27,10 +27,21 @@ def flip(page, root, name):
     page.locator(f"{root} .fl-switch-{name} input").click()
 
 
+def wait_until(page, condition, arg=None):
+    """Wait until an expression, or a function of `arg`, is true.
+
+    Playwright's own function evaluates texts in the page, which the policy of exported pages forbids.
+    """
+    end = time.monotonic() + PATIENCE / 1000
+    while not page.evaluate(condition, arg):
+        assert time.monotonic() < end, f"{condition} of {arg}"
+        page.wait_for_timeout(20)
+
+
 def settled(page, root):
     """Wait until nothing is computed any more; returns what is seen then."""
     page.wait_for_timeout(400)  # the mark appears after 0.3 s
-    page.wait_for_function(BUSY, arg=root, timeout=PATIENCE)
+    wait_until(page, BUSY, root)
     last = seen(page, root)
     while True:
         page.wait_for_timeout(300)

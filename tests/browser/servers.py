@@ -17,8 +17,8 @@ import psutil
 ROOT = Path(__file__).parents[2]
 PATIENCE = 60  # seconds
 
-# An explorer and a run that is watched.  The kernel counts what the controls say.  One cell, as JupyterLab
-# takes others off the page where they are out of sight.
+# An explorer, a run that is watched, a plane and a diagram to click into.  The kernel counts what the
+# controls say.  One cell, as JupyterLab takes others off the page where they are out of sight.
 CELL = """\
 import frictionlab as fl
 import ipywidgets
@@ -32,7 +32,10 @@ def count(change):
 for control in explorer.controls.values():
     control.observe(count, names="value")
 watched = fl.watch(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.0, progress=False), speed=0.2)
-display(heard, explorer, watched.add_class("watched"))
+plane, diagram = fl.explore_stability(), fl.explore_bifurcation(fl.SliderOnBelt().without("geometry"))
+plane.widget.add_class("plane")
+diagram.widget.add_class("diagram")
+display(heard, explorer, watched.add_class("watched"), plane, diagram)
 """
 
 
@@ -42,53 +45,6 @@ import frictionlab as fl
 
 fl.animate(fl.simulate(fl.SliderOnBelt(mu_k=1.4), 1.5), fps=5)
 """
-
-# A plane and a diagram to click into.
-CLICKED = """\
-import frictionlab as fl
-
-plane, diagram = fl.explore_stability(), fl.explore_bifurcation(fl.SliderOnBelt().without("geometry"))
-plane.widget.add_class("plane")
-diagram.widget.add_class("diagram")
-display(plane, diagram)
-"""
-
-
-# Every model with all its controls, and of each how often a value changed and whether the model is still that
-# of the start.
-EVERY_MODEL = """\
-import frictionlab as fl
-import ipywidgets
-
-def made(i, model):
-    explorer = fl.explore(model, panels=("eigenvalues",))
-    explorer.widget.add_class(f"model-{i}")
-    told, times = ipywidgets.Label("0 same").add_class(f"told-{i}"), []
-    def tell(change):
-        times.append(change["name"])
-        kept = explorer.values() == explorer.initial
-        told.value = f"{len(times)} {'same' if kept else 'other'}"
-    for control in explorer.controls.values():
-        control.observe(tell, names="value")
-    display(told, explorer)
-
-for i, row in enumerate(fl.list_models("classics")):
-    made(i, eval(f"fl.{row.call}", {"fl": fl}))
-"""
-
-
-# Some models in one cell, each with what its last run ended with, to the last bit.
-MODELS_IN_LAB = """\
-import frictionlab as fl
-import ipywidgets
-
-for i, (name, model) in enumerate({models}):
-    explorer = fl.explore(model, panels=("response", "eigenvalues"))
-    explorer.widget.add_class(f"model-{{i}}")
-    said = ipywidgets.Label(repr(explorer.run.final_state.tolist())).add_class(f"final-{{i}}")
-    display(said, explorer)
-"""
-
 
 LAB = (
     "--no-browser",

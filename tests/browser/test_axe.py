@@ -1,6 +1,6 @@
-"""axe-core finds no serious fault on an exported page, nor on the pages of the site that are opened most.
+"""axe-core finds no serious fault on lessons, formulas and the index of pages, nor on the site.
 
-Those of the explorer are in test_scenes.py.
+Those of the explorer are in test_explorer.py.
 """
 
 import os
@@ -17,16 +17,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 SITE = Path(os.environ.get("FRICTIONLAB_SITE", Path(__file__).parents[2] / "docs/_build/html"))
 PAGES = ("index.html", "getting-started.html", "models/slider-on-rigid-belt.html", "course/00-one-mass.html")
-
-
-@pytest.mark.parametrize("model", [fl.SliderOnBelt(mu_k=1.4), fl.BouncingBall()], ids=repr)
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_an_exported_page(browser, axe, tmp_path, model, theme):
-    page = opened(browser, exported(model, tmp_path / "page.html"))
-    page.evaluate("(name) => explorer.setTheme(name)", theme)
-    page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
-    assert faults(page, axe) == []
-    page.context.close()
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

@@ -1,403 +1,399 @@
-"""The explorer in a browser, in Voila, in JupyterLab and as `frictionlab app`: keys, clicks, pictures."""
+"""The explorer as an exported page, in `frictionlab app` and in JupyterLab, by what is on the screen.
 
+What only pages have is in test_page.py, what only Python's engine has in test_python_engine.py.
+"""
+
+import csv
 import json
 import re
+from dataclasses import dataclass, field
 from importlib.util import find_spec
-from itertools import combinations
-from types import SimpleNamespace
-from urllib.parse import quote
+from itertools import product
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import frictionlab as fl
-from frictionlab.pages.gallery import library_scenes
-from frictionlab.widgets.result import default_settings, limit_steps
-from tests.browser.screen import PATIENCE, changed, come_to, cut_off, flip, press, seen, settled
+from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.pages.export import SolverNotBuiltError
+from frictionlab.pages.gallery import export_gallery, library_scenes
+from frictionlab.presentation import unit_of_state
+from tests.browser.screen import (
+    PATIENCE,
+    changed,
+    come_to,
+    cut_off,
+    faults,
+    flip,
+    press,
+    settled,
+    wait_until,
+)
 from tests.browser.servers import (
-    CLICKED,
-    MODELS_IN_LAB,
+    SCENES,
     app,
     free_port,
     in_lab,
     printed_path,
     run_all,
-    running_kernels,
     serving,
     write_notebook,
 )
 
 pytestmark = pytest.mark.browser
 
-SWITCHES = "cubic", "nonsmooth", "geometry"
-LABELS = {"mu_k": "μk", "mu_s": "μs", "F": "FN", "v": "vm/s", "k2": "k2N/m", "k_nl": "knlN/m³"}
+ROOT = ".fl-explorer"
+SIZES = {390: 844, 1280: 800, 1920: 1080}
+LIBRARY = {each.name: each for each in library_scenes()}
+AT_ONCE = "two fates", "MassOnBelt()", "BouncingBall()"
+PLACES = [pytest.param("page"), pytest.param("app"), pytest.param("notebook", marks=pytest.mark.slow)]
+READS = "([name, text]) => document.querySelector(`.fl-control.fl-${name} .fl-field`)?.value === text"
+SAYS = "([of, text]) => document.querySelector(of)?.innerText.includes(text)"
 
 
-def voila(folder, port):
-    return ["voila", str(write_notebook(folder)), "--no-browser", f"--port={port}"]
+@dataclass
+class Place:
+    """Where the explorer is shown, at rest; `folder` holds the exported pages, None where Python answers."""
 
+    name: str
+    page: Any
+    folder: Path | None = None
+    failures: list[str] = field(default_factory=list)
 
-def voila_clicked(folder, port):
-    return ["voila", str(write_notebook(folder, CLICKED)), "--no-browser", f"--port={port}"]
+    def choose(self, scene):
+        """A scene of the library as it opens."""
+        if self.folder is not None:
+            file = self.folder / LIBRARY[scene].file
+            if not file.exists():
+                export_gallery(self.folder, [LIBRARY[scene]])
+            self.page.goto("about:blank")
+            self.page.goto(file.as_uri())
+            self.page.wait_for_selector("body[data-ready]")
+        elif (menu := self.page.locator(".fl-scene select")).input_value() != scene:
+            menu.select_option(scene)
+        self.says(".fl-about", LIBRARY[scene].about)
+        self.page.wait_for_selector(f"{ROOT} .fl-words:not(:empty)")
+        settled(self.page, ROOT)
 
+    def press_button(self, name):
+        self.page.get_by_role("button", name=name, exact=True).first.click()
 
-def lab(folder, port):
-    write_notebook(folder)
-    return in_lab(folder, port)
+    def type_into(self, name, value):
+        self.page.locator(f".fl-control.fl-{name} .fl-field").fill(repr(value))
+        self.page.keyboard.press("Enter")
 
+    def select(self, name, option):
+        self.page.locator(f".fl-control.fl-{name} select").select_option(option)
 
-def lab_clicked(folder, port):
-    write_notebook(folder, CLICKED)
-    return in_lab(folder, port)
+    def reads(self, name, text):
+        wait_until(self.page, READS, [name, text])
 
+    def says(self, part, text):
+        wait_until(self.page, SAYS, [part, text])
 
-FRONT_ENDS = {
-    "voila": (voila, "voila", "/", ".live"),
-    "lab": (lab, "jupyterlab", "/doc/tree/page.ipynb", ".live"),
-    "app": (app, "voila", None, "body"),  # it prints its path
-    "voila-clicked": (voila_clicked, "voila", "/", ".plane"),
-    "lab-clicked": (lab_clicked, "jupyterlab", "/doc/tree/page.ipynb", ".plane"),
-}
-CLICKS = "voila-clicked", "lab-clicked"
+    def file_of(self, button, path):
+        """What a button of the menu of files writes."""
+        self.page.locator(".fl-files").evaluate("(menu) => { menu.open = true }")
+        with self.page.expect_download() as waiting:
+            self.press_button(button)
+        waiting.value.save_as(path)
+        self.page.locator(".fl-files").evaluate("(menu) => { menu.open = false }")
+        return path.read_text(encoding="utf-8")
 
-
-def shown_in(*front_ends):
-    """A test that is shown in these; in the app at once, in others with the slow tests."""
-    each = [pytest.param(name, marks=() if name == "app" else pytest.mark.slow) for name in front_ends]
-    return pytest.mark.parametrize("shown", each, indirect=True, scope="module")
-
-
-EVERYWHERE, COMMAND = shown_in("voila", "lab", "app"), shown_in("app")
-NOTEBOOKS, CLICKABLE = shown_in("voila", "lab"), shown_in(*CLICKS)
+    def make_dark(self, dark):
+        """Pages and the app have a button, JupyterLab its own setting."""
+        if self.name != "notebook":
+            return self.press_button("dark" if dark else "light")
+        self.page.locator(".lm-MenuBar-item").get_by_text("Settings", exact=True).click()
+        self.page.locator(".lm-Menu-item").get_by_text("Theme", exact=True).click()
+        name = "JupyterLab Dark" if dark else "JupyterLab Light"
+        self.page.locator(".lm-Menu-item").get_by_text(name, exact=True).click()
+        light = str(not dark).lower()
+        wait_until(self.page, "(light) => document.body.dataset.jpThemeLight === light", light)
 
 
 @pytest.fixture(scope="module")
-def shown(request, browser, tmp_path_factory):
-    """A page with an explorer: its page, front end and CSS selector, and what went wrong or abroad."""
-    command, module, path, root = FRONT_ENDS[request.param]
+def place(request, browser, tmp_path_factory):
+    """One of the three places, and at its end that nothing went wrong there."""
+    folder = tmp_path_factory.mktemp(request.param)
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme="light")
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    shown = Place(request.param, page)
+    page.on("pageerror", lambda error: shown.failures.append(str(error)))
+    if request.param == "page":
+        context.set_offline(True)
+        shown.folder = folder
+        try:
+            export_gallery(folder, [LIBRARY["two fates"]])
+        except SolverNotBuiltError as error:
+            pytest.skip(str(error))
+        yield shown
+    else:
+        yield from served(shown, folder)
+    context.close()
+    assert shown.failures == []
+
+
+def served(shown, folder):
+    """The app or JupyterLab with the explorer of all models."""
+    in_app, port = shown.name == "app", free_port()
+    module = "voila" if in_app else "jupyterlab"
     if find_spec(module) is None:
         pytest.skip(f"{module} shows the explorer; it is not installed")
-    folder, port = tmp_path_factory.mktemp(request.param), free_port()
-    with serving(command(folder, port), port, folder) as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 720})
-        failures = []
-        page.on("pageerror", lambda error: failures.append(str(error)))
+    write_notebook(folder, SCENES)
+    with serving((app if in_app else in_lab)(folder, port), port, folder) as address:
         # The tests need no network, and nothing that they see comes from there.
-        page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
-        page.set_default_timeout(PATIENCE)
-        page.goto(
-            address + (path or printed_path(folder)), wait_until="commit"
-        )  # Voila sends the rest when the cells have run
-        if module == "jupyterlab":
-            run_all(page)
-        page.wait_for_selector(f"{root} .fl-words:not(:empty)", timeout=3 * PATIENCE)
-        if module == "jupyterlab":  # what follows in the cell still runs
-            page.get_by_text("| Idle").wait_for(timeout=PATIENCE)
-        settled(page, root)
-        yield SimpleNamespace(page=page, name=request.param, root=root, failures=failures)
-        page.close()
+        here = (address, "blob:", "data:")
+        shown.page.route(lambda url: not url.startswith(here), lambda route: route.abort())
+        path = printed_path(folder) if in_app else "/doc/tree/page.ipynb"
+        shown.page.goto(address + path, wait_until="commit")
+        if not in_app:
+            run_all(shown.page)
+        shown.page.wait_for_selector(f"{ROOT} .fl-words:not(:empty)", timeout=3 * PATIENCE)
+        settled(shown.page, ROOT)
+        yield shown
+        assert shown.page.get_by_text("Error displaying widget").count() == 0
 
 
-@EVERYWHERE
-def test_a_key_on_a_slider_changes_pictures_and_equilibrium(shown):
-    before = settled(shown.page, shown.root)
-    press(shown.page, shown.root, "F")
-    after = changed(shown.page, shown.root, before, pictures=2)
-    assert all(a != b for a, b in zip(before["pictures"][:2], after["pictures"][:2], strict=True))
+@pytest.fixture
+def slider(place):
+    """The first scene as it opens, in a window of usual size."""
+    place.page.set_viewport_size({"width": 1280, "height": 800})
+    place.choose("two fates")
+    if place.page.locator("button.fl-reset").is_enabled():
+        place.press_button("reset")
+    place.reads("mu_k", "1.4")
+    settled(place.page, ROOT)
+    return place
+
+
+everywhere = pytest.mark.parametrize("place", PLACES, indirect=True, scope="module")
+
+
+def open_all(page):
+    """Open what is folded."""
+    page.locator(f"{ROOT} details.fl-group").evaluate_all("(all) => all.forEach((e) => { e.open = true })")
+    page.wait_for_timeout(300)
+
+
+def cases():
+    """Every scene in every place; some of them at once."""
+    return [
+        pytest.param(*case, marks=() if case[1] in AT_ONCE else pytest.mark.slow)
+        for case in product(("page", "app", "notebook"), LIBRARY)
+    ]
+
+
+# Move each slider by one position, away from the end it may be at, and back; what the fields show before and
+# after.
+ROUND_TRIP = """async (root) => {
+  const controls = [...document.querySelectorAll(root + " .fl-number:not([hidden])")].map((c) =>
+    [c.querySelector("input[type=range]"), c.querySelector("input[type=text]")]);
+  const fields = () => controls.map(([, field]) => field.value), before = fields();
+  for (const [range] of controls) {
+    const home = range.value, end = home === range.max;
+    range.value = Number(home) + (end ? -1 : 1);
+    range.oninput();
+    range.value = home;
+    range.oninput();
+  }
+  return { before, after: fields() };
+}"""
+
+
+@pytest.mark.parametrize(("place", "name"), cases(), indirect=["place"], scope="module")
+def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipped(
+    place, name, axe, tmp_path
+):
+    model, page = LIBRARY[name].model, place.page
+    end = 10 * oscillation_period(model)
+    place.choose(name)
+    open_all(page)
+    if page.locator(".fl-control.fl-method").count():
+        place.select("method", "exact (Taylor)")
+    place.select("window", "whole run")
+    place.type_into("duration", end)
+    settled(page, ROOT)
+    state = json.loads(place.file_of("save state", tmp_path / "state.json"))
+    changed = {"duration": end, "window": "whole run"}
+    assert {key: value for key, value in state["changed"].items() if key != "method"} == changed
+    run = fl.simulate(model, end, progress=False)
+    *_, last = csv.DictReader(place.file_of("data csv", tmp_path / "data.csv").splitlines())
+    assert [float(last[of]) for of in ("t", *run.names)] == [run.raw.t, *run.final_state.tolist()]
+    texts = re.sub("<[^>]*>", "", place.file_of("figure svg", tmp_path / "figure.svg"))
+    shown = model.automaton().shown_state
+    for unit in ("s", unit_of_state(model, shown), unit_of_state(model, f"{shown}'"), "Hz"):
+        assert re.search(rf"\((10\S+ )?{re.escape(unit.replace('^2', '²'))}\)", texts), unit
+    for width, height in SIZES.items():
+        page.set_viewport_size({"width": width, "height": height})
+        assert come_to(page, [], lambda: cut_off(page, ROOT)) == []
+    page.set_viewport_size({"width": 1280, "height": 800})
+    fields = page.evaluate(ROUND_TRIP, ROOT)
+    assert len(fields["before"]) > 1
+    assert fields["after"] == fields["before"]
+    for dark in (True, False):
+        place.make_dark(dark)
+        settled(page, ROOT)
+        # The rest of JupyterLab's page is its own.
+        assert faults(page, axe, ROOT if place.name == "notebook" else "html") == []
+
+
+@everywhere
+def test_a_key_on_a_slider_changes_pictures_and_equilibrium_and_is_undone(slider):
+    before = settled(slider.page, ROOT)
+    press(slider.page, ROOT, "F")
+    after = changed(slider.page, ROOT, before, pictures=2)
     point = fl.equilibrium(fl.SliderOnBelt(F=205.0, mu_k=1.4))
     assert f"x1 = {point.q[0]:.5g} m" in after["words"].replace("\n", "")
     assert f"FN = {point.normal_force:.5g} N" in after["words"].replace("\n", "")
-    press(shown.page, shown.root, "F", "ArrowLeft")
-    assert changed(shown.page, shown.root, after)["words"] == before["words"]
+    for button, value in (("undo", "200"), ("redo", "205"), ("undo", "200")):
+        slider.press_button(button)
+        slider.reads("F", value)
+        settled(slider.page, ROOT)
+    assert settled(slider.page, ROOT)["words"] == before["words"]
 
 
-@EVERYWHERE
-@pytest.mark.parametrize("name", SWITCHES)
-def test_a_switch_changes_pictures_and_equilibrium(shown, name):
-    before = settled(shown.page, shown.root)
-    flip(shown.page, shown.root, name)
-    after = changed(shown.page, shown.root, before, words=name != "nonsmooth")
+@everywhere
+@pytest.mark.parametrize("name", ["cubic", "nonsmooth", "geometry"])
+def test_a_switch_changes_pictures_and_equilibrium(slider, name):
+    before = settled(slider.page, ROOT)
+    flip(slider.page, ROOT, name)
+    after = changed(slider.page, ROOT, before, words=name != "nonsmooth")
     # Steady sliding neither sticks nor lifts off: without those it is the same.
     assert (after["words"] == before["words"]) == (name == "nonsmooth")
     assert ("φ" in after["words"]) == (name != "geometry")
-    flip(shown.page, shown.root, name)
-    last = changed(shown.page, shown.root, after, words=name != "nonsmooth")
-    assert last["words"] == before["words"]
 
 
-@EVERYWHERE
-def test_labels_have_indices_and_units(shown):
-    for name, text in LABELS.items():
-        label = shown.page.locator(f"{shown.root} .fl-control.fl-{name} .fl-label")
-        assert re.sub(r"\s", "", label.inner_text()) == text
-
-
-@NOTEBOOKS
-def test_showing_the_controls_changes_nothing(shown):
-    before = settled(shown.page, shown.root)
-    heard = int(shown.page.locator(".live-heard").inner_text())
-    press(shown.page, shown.root, "F")
-    changed(shown.page, shown.root, before)
-    shown.page.wait_for_function(
-        "(n) => Number(document.querySelector('.live-heard').innerText) > n", arg=heard, timeout=PATIENCE
-    )
-    press(shown.page, shown.root, "F", "ArrowLeft")
-    settled(shown.page, shown.root)
-
-
-@COMMAND
-def test_the_app_opens_with_a_scene_that_moves_and_has_a_menu_of_all_models(shown):
-    options = shown.page.locator(".fl-scene option").all_inner_texts()
-    assert options[0] == "two fates"
-    assert [f"model: {row.call}" for row in fl.list_models()] == options[-len(fl.list_models()) :]
-    said = shown.page.locator(".fl-words").inner_text()
+@everywhere
+def test_it_opens_with_a_scene_that_moves_and_says_what_it_does(slider):
+    said = slider.page.locator(".fl-words").inner_text()
     assert "is stable, but from rest this run sticks, slips and separates at 10.7 Hz" in said
-    assert shown.page.locator("button.fl-play").inner_text() == "pause"
-
-
-@COMMAND
-def test_undo_and_redo_of_a_slider(shown):
-    page, reads = shown.page, "(v) => document.querySelector('.fl-mu_k .fl-field').value === v"
-    press(page, shown.root, "mu_k")
-    settled(page, shown.root)
-    for button, value in (("undo", "1.4"), ("redo", "1.41"), ("undo", "1.4")):
-        page.get_by_role("button", name=button, exact=True).click()
-        page.wait_for_function(reads, arg=value)
-        settled(page, shown.root)
-
-
-@COMMAND
-def test_an_error_is_in_sight_and_undone(shown):
-    page, field = shown.page, shown.page.locator(".fl-control.fl-mu_k .fl-field")
-    field.fill("-1")
-    field.press("Enter")
-    page.wait_for_selector(".fl-status.fl-bad")
-    assert page.inner_text(".fl-status").startswith("mu_k must be at least 0, got -1.0")
-    assert page.inner_text(".fl-mu_k .fl-message").startswith("mu_k must be at least 0")  # beside it too
-    assert field.get_attribute("aria-invalid") == "true"
-    page.get_by_role("button", name="undo", exact=True).click()
-    page.wait_for_selector(".fl-status:not(.fl-bad)")
-    assert field.input_value() == "1.4"
-
-
-@COMMAND
-def test_a_slider_stops_where_a_rule_does(shown):
-    page = shown.page
-    press(page, shown.root, "mu_s", "Home")  # mu_s must be at least mu_k
-    page.wait_for_function(
-        "document.querySelector('.fl-mu_s .fl-message').innerText.startsWith('mu_s stays at 1.4: mu_s')"
+    labels = {"mu_k": "μk", "F": "FN", "v": "vm/s", "k2": "k2N/m", "k_nl": "knlN/m³"}
+    for name, text in labels.items():
+        label = slider.page.locator(f"{ROOT} .fl-control.fl-{name} .fl-label")
+        assert re.sub(r"\s", "", label.text_content()) == text
+    range_, number = (
+        slider.page.locator(f".fl-control.fl-mu_k {of}").bounding_box()
+        for of in ("input[type=range]", ".fl-field")
     )
-    assert page.locator(".fl-control.fl-mu_s .fl-field").input_value() == "1.4"
-    page.wait_for_selector(".fl-status:not(.fl-bad)")
-    page.get_by_role("button", name="undo", exact=True).click()
-    settled(page, shown.root)
+    assert range_["x"] + range_["width"] <= number["x"]
+    assert number["y"] <= range_["y"] + range_["height"] / 2 <= number["y"] + number["height"]
 
 
-@COMMAND
-def test_files_are_downloaded(shown):
-    page = shown.page
-    page.locator(".fl-files > summary").click()
-    for button, name in (("figure svg", "svg"), ("data csv", "csv"), ("save state", "json")):
-        with page.expect_download() as waiting:
-            page.get_by_role("button", name=button, exact=True).click()
-        assert waiting.value.suggested_filename == f"SliderOnBelt.{name}"
-    page.locator(".fl-files > summary").click()
+@everywhere
+def test_an_error_is_in_sight_and_undone(slider):
+    slider.type_into("mu_k", -1)
+    slider.page.wait_for_selector(".fl-status.fl-bad")
+    assert slider.page.inner_text(".fl-status").startswith("mu_k must be at least 0, got -1.0")
+    assert slider.page.inner_text(".fl-mu_k .fl-message").startswith("mu_k must be at least 0")
+    number = slider.page.locator(".fl-control.fl-mu_k .fl-field")
+    assert number.get_attribute("aria-invalid") == "true"
+    slider.press_button("undo")
+    slider.page.wait_for_selector(".fl-status:not(.fl-bad)")
+    assert number.input_value() == "1.4"
 
 
-@COMMAND
-def test_the_code_is_that_of_the_model(shown):
-    shown.page.get_by_role("button", name="copy as Python", exact=True).click()
-    shown.page.get_by_text("copied as Python").wait_for()
+@everywhere
+def test_a_slider_stops_where_a_rule_does(slider):
+    press(slider.page, ROOT, "mu_s", "Home")  # mu_s must be at least mu_k
+    slider.says(".fl-mu_s .fl-message", "mu_s stays at 1.4: mu_s")
+    slider.reads("mu_s", "1.4")
+    slider.page.wait_for_selector(".fl-status:not(.fl-bad)")
 
 
-@EVERYWHERE
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (400, 800)], ids=["wide", "narrow"])
-def test_nothing_overlaps(shown, width, height):
-    page = shown.page
-    page.set_viewport_size({"width": width, "height": height})
-    names = (*LABELS, *(f"switch-{name}" for name in SWITCHES), "duration")
-
-    def misplaced():
-        parts = [*(f"fl-control.fl-{name}" for name in names), "fl-words", "fl-numbers", "fl-panel-phase"]
-        boxes = {part: box_of(page, f"{shown.root} .{part}") for part in parts}
-        pairs = [(a, b) for a, b in combinations(boxes, 2) if overlap(boxes[a], boxes[b])]
-        return pairs + [a for a, box in boxes.items() if box["x"] < 0 or box["x"] + box["width"] > width]
-
-    assert come_to(page, [], misplaced) == []
-    page.set_viewport_size({"width": 1280, "height": 720})
-
-
-@pytest.mark.slow
-def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila shows the explorer; it is not installed")
-    port = free_port()
-    with serving(app(tmp_path, port), port, tmp_path) as address:
-        page = browser.new_page()
-        lesson = quote(json.dumps([{"text": "See it stick.", "control": "mu_k", "changed": {"mu_k": 0.55}}]))
-        link = f"#scene=stick-slip&mu_k=0.6&lesson={lesson}"
-        page.goto(address + printed_path(tmp_path) + link, wait_until="commit")
-        page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
-        page.wait_for_function("document.querySelector('.fl-mu_k .fl-field')?.value === '0.55'")
-        assert "token" not in page.url
-        assert page.locator(".fl-scene select").input_value() == "stick-slip"
-        assert page.inner_text(".fl-step") == "See it stick."
-        page.get_by_role("button", name="end the lesson").click()
-        page.wait_for_function("location.hash === '#scene=stick-slip&mu_k=0.55'")
-        page.close()
-
-
-IN_LAB = "MassOnBelt()", "SliderOnRigidBelt()", "BouncingBall()"
-ALL_SCENES = {each.name: each for each in library_scenes()}
-
-
+@everywhere
 @pytest.mark.parametrize(
-    "names", [IN_LAB, pytest.param(tuple(ALL_SCENES), marks=pytest.mark.slow)], ids=["three", "all"]
+    ("text", "words"), [("1,234", "a comma of two meanings"), ("abc", "must be one number")]
 )
-def test_models_in_jupyterlab_show_the_motion_of_simulate(browser, tmp_path, names):
-    if find_spec("jupyterlab") is None:
-        pytest.skip("jupyterlab shows the explorers; it is not installed")
-    scenes = f"[(s.name, s.model) for s in library_scenes() if s.name in {names!r}]"
-    source = "from frictionlab.pages.gallery import library_scenes\n" + MODELS_IN_LAB.format(models=scenes)
-    write_notebook(tmp_path, source)
-    port, failures = free_port(), []
-    with serving(in_lab(tmp_path, port), port, tmp_path) as address:
-        page = browser.new_page(viewport={"width": 1280, "height": 720})
-        page.on("pageerror", lambda error: failures.append(str(error)))
-        page.route(lambda url: not url.startswith((address, "blob:", "data:")), lambda route: route.abort())
-        page.goto(address + "/doc/tree/page.ipynb", wait_until="commit")
-        run_all(page)
-        shown = (name for name in ALL_SCENES if name in names)
-        for i, name in enumerate(shown):
-            page.wait_for_selector(f".model-{i} .fl-words:not(:empty)", timeout=3 * PATIENCE)
-            settings = default_settings(ALL_SCENES[name].model)
-            method = limit_steps(settings.method)
-            run = fl.simulate(settings.model, settings.t_end, method=method, progress=False)
-            assert page.inner_text(f".final-{i}") == repr(run.final_state.tolist())
-            assert cut_off(page, f".model-{i}") == []
-        assert failures == []
-        page.close()
+def test_what_is_no_number_is_refused_beside_the_control(slider, text, words):
+    number = slider.page.locator(".fl-control.fl-mu_k .fl-field")
+    number.fill(text)
+    number.press("Enter")
+    slider.says(".fl-mu_k .fl-message", words)
+    assert number.input_value() == "1.4"
+    assert number.get_attribute("aria-invalid") == "true"
+    number.fill("0,5")  # a decimal comma is one
+    number.press("Enter")
+    slider.reads("mu_k", "0.5")
+    assert slider.page.locator(".fl-mu_k .fl-message").is_hidden()
 
 
-@pytest.mark.slow
-def test_pages_of_models_need_no_kernel(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila serves the pages; it is not installed")
-    before, port = running_kernels(), free_port()
-    with serving(app(tmp_path, port), port, tmp_path) as address:
-        page = browser.new_context().new_page()
-        assert page.request.get(f"{address}/models/DenHartog.html").status == 403
-        page.goto(address + printed_path(tmp_path).replace("/?", "/models/?"))
-        assert page.url == f"{address}/models/"
-        page.get_by_role("link", name="DenHartog()").click()
-        page.wait_for_selector(".fl-words:not(:empty)", timeout=PATIENCE)
-        page.locator(".fl-scene select").select_option("FreeCoulomb()")
-        page.wait_for_url("**/FreeCoulomb.html#*")
-        page.wait_for_selector(".fl-words:not(:empty)", timeout=PATIENCE)
-        assert page.request.get(f"{address}/models/nothing.html").status == 404
-        assert running_kernels() == before
-        page.context.close()
+@everywhere
+def test_a_saved_state_is_loaded_again_and_code_is_copied(slider, tmp_path):
+    press(slider.page, ROOT, "mu_k")
+    slider.reads("mu_k", "1.41")
+    settled(slider.page, ROOT)
+    text = slider.file_of("save state", tmp_path / "state.json")
+    assert json.loads(text)["changed"] == {"mu_k": 1.41}
+    slider.press_button("copy as Python")
+    slider.says(".fl-status", "copied as Python")
+    slider.press_button("reset")
+    slider.reads("mu_k", "1.4")
+    settled(slider.page, ROOT)
+    slider.page.locator(".fl-files input").set_input_files(tmp_path / "state.json")
+    slider.reads("mu_k", "1.41")
 
 
-@pytest.mark.slow
-def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila shows the explorer; it is not installed")
-    before, port = running_kernels(), free_port()
-    with serving(app(tmp_path, port), port, tmp_path) as address:
-        page = browser.new_page()  # nothing intercepts what it says as it closes
-        page.goto(address + printed_path(tmp_path), wait_until="commit")
-        assert page.url.split("#")[0] == address + "/"  # the token is not there to be read from the screen
-        page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
-        page.reload(wait_until="commit")
-        page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
-        wait_for_kernels(page, before + 1)
-        page.goto("about:blank")
-        wait_for_kernels(page, before)
-        page.close()
+@everywhere
+def test_full_screen_shows_all_panels_at_once(slider):
+    page = slider.page
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    slider.press_button("full screen")
+    wait_until(page, "document.fullscreenElement?.matches('.fl-explorer')")
+    settled(page, ROOT)
+    assert come_to(page, [], lambda: cut_off(page, ROOT)) == []
+    assert page.evaluate("parseFloat(getComputedStyle(document.querySelector('.fl-words')).fontSize)") >= 16
+    boxes = [box for panel in page.locator(".fl-panel").all() if (box := panel.bounding_box())]
+    assert all(box["y"] >= 0 and box["y"] + box["height"] <= 1080 + 40 for box in boxes)
+    slider.press_button("full screen")
+    wait_until(page, "!document.fullscreenElement")
 
 
-def wait_for_kernels(page, number):
-    for _ in range(PATIENCE // 200):
-        if running_kernels() == number:
-            return
-        page.wait_for_timeout(200)
-    assert running_kernels() == number
+@everywhere
+def test_the_mechanism_moves_pauses_and_is_heard(slider):
+    page = slider.page
+    if page.locator("button.fl-play").inner_text() == "play":
+        slider.press_button("play")
+    first = page.inner_text(".fl-now")
+    wait_until(page, "(text) => document.querySelector('.fl-now').innerText !== text", first)
+    slider.press_button("pause")
+    stopped = page.inner_text(".fl-now")
+    page.wait_for_timeout(300)
+    assert page.inner_text(".fl-now") == stopped
+    page.locator(".fl-scrub").focus()
+    page.keyboard.press("Home")
+    slider.says(".fl-now", "t = 19.0000 s")
+    slider.press_button("sound")
+    slider.says(".fl-heard", "relative velocity, 20 times as high as it is")
 
 
-def box_of(page, selector):
-    return page.locator(selector).first.bounding_box()
+@everywhere
+def test_the_slider_is_taken_and_the_motion_starts_where_it_is_let_go(slider):
+    slider.page.locator(".fl-panel-mechanism .fl-over").focus()
+    for key in ("ArrowRight", "ArrowUp"):
+        slider.page.keyboard.press(key)
+    slider.says(".fl-now", "y1 = ")
+    slider.page.keyboard.press("Enter")
+    slider.says(".fl-words", "from your own state")
+    assert slider.page.locator(".fl-window select").input_value() == "how it begins"
 
 
-def overlap(a, b):
-    across = min(a["x"] + a["width"], b["x"] + b["width"]) - max(a["x"], b["x"])
-    return across > 1 and min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"]) > 1
-
-
-@CLICKABLE
-def test_a_click_into_the_plane_moves_the_point_there(shown):
-    words = shown.page.locator(".plane .fl-words")
-    assert "is stable" in words.inner_text()
-    click(shown.page, ".plane .fl-panel-critical .fl-over", 0.5, 0.25)
-    shown.page.wait_for_function(
-        "document.querySelector('.plane .fl-words').innerText.includes('unstable')", timeout=PATIENCE
-    )
-    force = float(shown.page.locator(".plane .fl-F .fl-field").input_value())
-    assert force % 5.0 == 0.0  # a round number
-    assert 300.0 < force < 700.0
-
-
-FIELD = "document.querySelector('.diagram .fl-mu_k .fl-field').value"
-
-
-@CLICKABLE
-def test_a_click_into_the_diagram_selects_the_value_there(shown):
-    page = shown.page
-    page.wait_for_selector(".diagram .fl-panel-bifurcation", timeout=PATIENCE)
-    before = page.evaluate(FIELD)
-    click(page, ".diagram .fl-panel-bifurcation .fl-over", 0.8, 0.5)
-    page.wait_for_function(f"(before) => {FIELD} !== before", arg=before, timeout=PATIENCE)
-    assert 2.0 < float(page.evaluate(FIELD)) < 2.9
-
-
-PICTURE = "document.querySelector('.diagram .fl-panel-response .fl-canvas').toDataURL()"
-FILLING = "document.querySelector('.diagram .fl-busy progress').max === 300"
-
-
-@CLICKABLE
-def test_sliders_answer_while_a_diagram_fills(shown):
-    page = shown.page
-    press(page, ".diagram", "F")  # another diagram
-    page.wait_for_function(FILLING, timeout=PATIENCE)
-    before = page.evaluate(PICTURE)
-    press(page, ".diagram", "mu_k")
-    page.wait_for_function(f"(before) => {PICTURE} !== before", arg=before, timeout=PATIENCE)
-    assert page.evaluate(FILLING)
-
-
-def click(page, selector, x, y):
-    """Click at shares of a picture's width from the left and of its height from above."""
-    picture = page.locator(selector)
-    picture.scroll_into_view_if_needed(timeout=PATIENCE)
-    box = picture.bounding_box()
-    picture.click(position={"x": x * box["width"], "y": y * box["height"]})
-
-
-@NOTEBOOKS
-def test_a_run_that_is_watched_plays(shown):
-    page = shown.page
-    play = page.locator(".watched button.fl-play")
-    play.scroll_into_view_if_needed(timeout=PATIENCE)
-    start = page.locator(".watched .fl-now").inner_text()
-    play.click()
-    page.wait_for_function(
-        "(start) => document.querySelector('.watched .fl-now').innerText !== start", arg=start
-    )
-    play.click()
-    assert play.inner_text() == "play"
-
-
-@EVERYWHERE
-def test_nothing_went_wrong_on_the_page(shown):
-    assert shown.failures == []
-    assert shown.page.get_by_text("Error displaying widget").count() == 0
-    assert seen(shown.page, shown.root)["pictures"]
+@everywhere
+def test_two_scenes_at_once(slider, axe):
+    page = slider.page
+    slider.press_button("compare")
+    slider.says(".fl-comparison", "move a control")
+    press(page, ROOT, "mu_k", "PageUp")
+    slider.says(".fl-comparison", "dotted, kept: mu_k = 1.4")
+    now = page.locator(".fl-control.fl-mu_k .fl-field").input_value()
+    slider.says(".fl-comparison", f"solid, now: mu_k = {now}")
+    settled(page, ROOT)
+    slider.press_button("swap")
+    slider.reads("mu_k", "1.4")
+    slider.says(".fl-comparison", f"dotted, kept: mu_k = {now}")
+    assert come_to(page, [], lambda: cut_off(page, ROOT)) == []
+    assert faults(page, axe, ROOT) == []
+    slider.press_button("compare")
+    assert page.inner_text(".fl-comparison") == ""

@@ -1,7 +1,6 @@
 """An exported page in Chromium, from a file, without a network: results, controls, pictures."""
 
 import json
-import time
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -10,10 +9,8 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.analysis.motion_scales import oscillation_period
 from frictionlab.pages.export import SolverNotBuiltError
-from frictionlab.pages.gallery import library_scenes
-from tests.helpers.cases import slow_but
+from tests.browser.screen import wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -32,7 +29,6 @@ TEN = [
     {"v": 0.1, "mu_s": 1.0, "mu_k": 0.9},
 ]
 SECONDS = 1.0
-PATIENCE = 30.0  # s
 PANELS = ("mechanism", "response", "phase", "forces", "spectrum", "eigenvalues")
 RUN = """([values, without, start, duration]) => {
   const off = Object.fromEntries(without.map((name) => [`switch-${name}`, false]));
@@ -61,17 +57,6 @@ def opened(browser, path, width=1280, fragment=""):
     page.goto(path.resolve().as_uri() + fragment)
     page.wait_for_selector("body[data-ready]")
     return page
-
-
-def wait_until(page, condition, arg=None):
-    """Wait until an expression, or a function of `arg`, is true.
-
-    Playwright's own function evaluates texts in the page, which the page's policy forbids.
-    """
-    end = time.monotonic() + PATIENCE
-    while not page.evaluate(condition, arg):
-        assert time.monotonic() < end, condition
-        page.wait_for_timeout(20)
 
 
 @pytest.fixture(scope="module")
@@ -174,18 +159,6 @@ def final(page):
     return page.evaluate("explorer.result.final")
 
 
-def test_a_slider_changes_the_pictures_and_the_state(page):
-    page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    before = [picture(page, name) for name in PANELS], final(page)
-    slider = page.locator(".fl-mu_k input[type=range]")
-    slider.focus()
-    page.keyboard.press("PageUp")
-    wait_until(page, "(state) => String(explorer.result.final) !== String(state)", before[1])
-    assert page.evaluate("explorer.state.mu_k") == page.evaluate("explorer.result.parameters.mu_k") > 1.4
-    wait_until(page, "explorer.result.complete")
-    assert all(new != old for new, old in zip((picture(page, n) for n in PANELS), before[0]))
-
-
 DRAGS = """async (count) => {
   const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), painted = {};
   const { paint } = explorer;
@@ -261,16 +234,6 @@ def test_copied_python_computes_the_same(page):
     assert scope["state"] == found["state"]
 
 
-def test_play_moves_the_picture(page):
-    page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    before = page.inner_text(".fl-now")
-    page.click("button.fl-play")
-    wait_until(page, "(text) => explorer.now.innerText !== text", before)
-    assert page.inner_text("button.fl-play") == "pause"
-    page.click("button.fl-play")
-    assert page.inner_text("button.fl-play") == "play"
-
-
 @pytest.mark.parametrize("reduced", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider, reduced):
     page = opened(browser, slider, fragment="#play=1&mu_k=1.5")
@@ -289,13 +252,6 @@ def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider
     assert page.input_value(".fl-mu_k .fl-field") == "1.5"
     assert not page.problems
     page.context.close()
-
-
-def test_dark_and_light(page):
-    before = picture(page, "mechanism")
-    page.keyboard.press("d")
-    assert picture(page, "mechanism") != before
-    page.keyboard.press("d")
 
 
 BROKEN = [
@@ -322,32 +278,6 @@ def test_a_broken_rule_is_said_in_the_words_of_the_model(page, values):
     assert found["state"] == before
 
 
-def test_typed_values_are_checked_too(page):
-    page.evaluate(RUN, [{}, [], "rest", SECONDS])
-    page.fill(".fl-mu_s .fl-field", "1")
-    page.keyboard.press("Tab")
-    page.wait_for_selector(".fl-status.fl-bad")
-    assert page.inner_text(".fl-status") == words_of(fl.SliderOnBelt(mu_k=1.4), {"mu_s": 1.0})
-    page.fill(".fl-mu_s .fl-field", "2")
-    page.keyboard.press("Tab")
-    page.wait_for_selector(".fl-status:not(.fl-bad)")
-
-
-def test_a_slider_stops_where_a_rule_does(page):
-    page.evaluate(RUN, [{"mu_s": 2.123}, [], "rest", 0.1])
-    page.focus(".fl-mu_k input[type=range]")
-    page.keyboard.press("End")
-    wait_until(page, "explorer.result.parameters.mu_k === 2.123 && explorer.result.complete")
-    said = page.inner_text(".fl-mu_k .fl-message")
-    assert said == f"mu_k stays at 2.123: {words_of(fl.SliderOnBelt(), {'mu_k': 3.0, 'mu_s': 2.123})}"
-    assert page.input_value(".fl-mu_k .fl-field") == "2.123"
-    page.keyboard.press("ArrowLeft")
-    wait_until(page, "explorer.result.parameters.mu_k < 2.123 && explorer.result.complete")
-    assert page.locator(".fl-mu_k .fl-message").is_hidden()
-    page.click("button.fl-reset")
-    wait_until(page, "explorer.request === null")
-
-
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
     at_ends = """(end) => SCENE.controls.filter(({ name, parameter }) =>
@@ -365,13 +295,6 @@ def test_the_ends_of_every_slider_give_a_run_or_say_why_not(page, end):
             assert computed == value == model.replace(**{name: value}).parameters[name]
         else:
             assert status == words_of(model, {name: value})
-
-
-@pytest.mark.parametrize("width", [1920, 1280, 390])
-def test_nothing_is_wider_than_the_screen(browser, slider, width):
-    page = opened(browser, slider, width)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    page.context.close()
 
 
 @dataclass(frozen=True)
@@ -392,25 +315,6 @@ class Softening(fl.FrictionLaw):
 
     def static_limit(self, normal_force):
         return self.mu_s * normal_force
-
-
-SCENES = {each.name: each.model for each in library_scenes()}
-AT_ONCE = "MassOnBelt()", "stick-slip"
-
-
-@pytest.mark.parametrize("name", slow_but(AT_ONCE, SCENES))
-def test_every_scene_of_the_library_has_the_bits_of_simulate(browser, tmp_path, name):
-    model = SCENES[name]
-    end = 10 * oscillation_period(model)
-    page = opened(browser, exported(model, tmp_path / "page.html", t_end=end, switches=(), laws=()))
-    found = page.evaluate(
-        "({ state: explorer.result.final, times: Array.from(explorer.engine.run.eventTimes) })"
-    )
-    run = fl.simulate(model, end)
-    assert found["state"] == run.final_state.tolist()
-    assert found["times"] == run.events.t.tolist()
-    assert not page.problems
-    page.context.close()
 
 
 def test_a_law_of_the_menu_has_the_bits_of_simulate_and_its_own_parameters(page):

@@ -46,6 +46,8 @@ function typedNumber(text) { // with a point or a comma before its decimals; an 
   return Number(number);
 }
 
+const isTyped = (field) => document.activeElement === field; // into it: a result that arrives leaves it as it is
+
 const row = (about, children, kind) =>
   html("div", { className: `fl-control fl-${kind} fl-${about.name}`, title: about.hint ?? "" }, children);
 
@@ -72,11 +74,12 @@ function numberControl(about, changed) { // it counts positions: a browser that 
   control.show = (value) => {
     if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value),
       Math.max(about.high, value), value, log && value > 0);
+    const before = control.value;
     control.value = value;
     range.max = control.positions.length - 1;
     range.value = nearest(control.positions, value);
     range.ariaValueText = `${shortNumber(value, 7)} ${unit}`.trim();
-    field.value = shortNumber(value, 7);
+    if (value !== before || !isTyped(field)) field.value = shortNumber(value, 7);
     refuse("");
   };
   function move(dragging) {
@@ -124,10 +127,14 @@ function choiceControl(about, changed) {
 
 function textControl(about, changed) {
   const field = html("input", { type: "text", spellcheck: false });
+  let shown = about.value;
   field.onchange = () => changed(about.name, field.value, false);
   return { name: about.name, about,
     node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), field])],
-    "text-field"), show: (value) => { field.value = value; } };
+    "text-field"), show: (value) => {
+      if (value !== shown || !isTyped(field)) field.value = value;
+      shown = value;
+    } };
 }
 
 function formulaControl(about, changed) { // a text that is taken only where it can be read

@@ -240,7 +240,11 @@ class Explorer {
     clearTimeout(this.settled);
     if (dragging) this.settled = setTimeout(() => { this.showState(); this.ask(false); }, 250);
     this.dragging = dragging;
-    this.request ??= requestAnimationFrame(() => { this.request = null; this.compute(this.dragging); });
+    if (!dragging && this.took > BUSY_AFTER) this.busy.hidden = false; // a page stands still while it computes
+    this.request ??= requestAnimationFrame(() => setTimeout(() => { // when that has been painted
+      this.request = null;
+      this.compute(this.dragging);
+    }));
   }
 
   compute(dragging) {

@@ -8,9 +8,11 @@ class PythonEngine {
 
   constructor(model) { this.model = model; }
 
-  ask(state, _dragging, explorer) {
-    if (sameValue(state, this.model.get("state"))) return explorer.rest(); // nothing that Python would answer
+  ask(state, dragging, explorer) {
+    const waits = this.model.get("sliding") && !dragging && !explorer.error; // for what sliding has left out
+    if (!waits && sameValue(state, this.model.get("state"))) return explorer.rest(); // Python would answer nothing
     this.model.set("state", state);
+    this.model.set("sliding", Boolean(dragging));
     this.model.save_changes();
   }
 

@@ -23,7 +23,12 @@ function sample(solver, run, times, outputs = run.structure.outputs) {
       "steps.states": shape("record.step_states", n),
     which: cut(arrays.which), times: cut(arrays.times), out: cut(arrays.out, n), J: arrays["scratch.jets"],
   });
-  return samplesOf(run, times, modes, arrays.out.view.slice(0, n * times.length), outputs);
+  const states = arrays.out.view.slice(0, n * times.length);
+  for (let i = times.length - 1; i >= 0 && times[i] >= run.end; i--) { // at its end, what the run ended with
+    states.set(run.state, i * n);
+    modes[i] = run.mode;
+  }
+  return samplesOf(run, times, modes, states, outputs);
 }
 
 // {times, modes, byName, column}

@@ -127,6 +127,29 @@ def test_any_error_of_a_panel_is_told_with_its_kind():
     assert explorer.widget.error == ""
 
 
+def test_interrupting_a_script_ends_it_and_is_told():
+    def slow(result):
+        if result.model.c != 0.1:
+            raise KeyboardInterrupt
+        return Drawing("x", "y", {})
+
+    explorer = fl.explore(fl.MassOnBelt(c=0.1), panels=[slow])
+    with pytest.raises(KeyboardInterrupt):
+        explorer.controls["c"].value = 0.2
+    assert explorer.widget.error.startswith("The computation was stopped")
+    explorer.controls["c"].value = 0.1
+    assert explorer.widget.error == ""
+
+
+def test_what_takes_long_waits_until_a_slider_stops():
+    explorer = fl.explore(fl.MassOnBelt(c=0.1), panels=("response", "spectrum"))
+    for sliding, c in ((True, 0.2), (False, 0.2)):
+        explorer.widget.set_state({"sliding": sliding, "state": {**explorer.values(), "c": c}})
+        picture = explorer.widget.picture
+        assert picture["parameters"]["c"] == c
+        assert picture["complete"] == ("spectrum" in picture) == (not sliding)
+
+
 def test_the_last_value_wins():
     seen = []
 
