@@ -8,7 +8,6 @@ import json
 import re
 from dataclasses import dataclass, field
 from importlib.util import find_spec
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +39,7 @@ from tests.browser.servers import (
     serving,
     write_notebook,
 )
+from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.browser
 
@@ -178,14 +178,6 @@ def open_all(page):
     page.wait_for_timeout(300)
 
 
-def cases():
-    """Every scene in every place; some of them at once."""
-    return [
-        pytest.param(*case, marks=() if case[1] in AT_ONCE else pytest.mark.slow)
-        for case in product(("page", "app", "notebook"), LIBRARY)
-    ]
-
-
 # Move each slider by one position, away from the end it may be at, and back; what the fields show before and
 # after.
 ROUND_TRIP = """async (root) => {
@@ -203,7 +195,8 @@ ROUND_TRIP = """async (root) => {
 }"""
 
 
-@pytest.mark.parametrize(("place", "name"), cases(), indirect=["place"], scope="module")
+@everywhere
+@pytest.mark.parametrize("name", slow_but(AT_ONCE, LIBRARY))
 def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipped(
     place, name, axe, tmp_path
 ):

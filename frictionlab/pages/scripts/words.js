@@ -1,8 +1,8 @@
 // What a result says in words: whether steady sliding is stable, what the run does, why it ended.
 const VERBS = { stick: "sticks", "slip+": "slips", "slip-": "slips", slip: "slips", separation: "separates" };
 const STARTS = { rest: "from rest", near: "from near the equilibrium", own: "from your own state" };
-const NOTHING_SLIDES = "Nothing in this model slides steadily on something that moves, so there is no steady sliding "
-  + "to be stable or unstable.";
+const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest, so there is no steady sliding to be "
+  + "stable or unstable.";
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
 function verdict(result) {

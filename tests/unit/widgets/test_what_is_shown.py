@@ -74,7 +74,7 @@ def test_rates_that_are_rounding_do_not_set_the_axis():
 def test_where_nothing_slides_there_is_no_panel_of_eigenvalues():
     explorer = fl.explore(fl.BouncingBall(), panels=("eigenvalues", "spectrum"))
     assert said(explorer.widget, "eigenvaluePanel(result)") is None
-    assert words(explorer).startswith("Nothing in this model slides steadily")
+    assert words(explorer).startswith("Nothing in this model slides while its coordinates rest")
     assert said(explorer.widget, "spectrum(result).note") == "at rest"
 
 
