@@ -54,8 +54,8 @@ const row = (about, children, kind) =>
 function numberControl(about, changed) { // it counts positions: a browser that computed values would round them
   const { name, label, unit, meaning, log } = about,
     id = `fl-${name}-${++numberControls}`;
-  const control = { name, about, positions: sliderPositions(about.low, about.high, about.value, log),
-    value: about.value };
+  const usual = sliderPositions(about.low, about.high, about.value, log);
+  const control = { name, about, positions: usual, value: about.value };
   const range = html("input", { type: "range", id, min: 0, step: 1, ariaLabel: meaning || name });
   const field = html("input", { type: "text", inputMode: "decimal", className: "fl-field",
     ariaLabel: `${meaning || name}, value`, spellcheck: false });
@@ -72,7 +72,8 @@ function numberControl(about, changed) { // it counts positions: a browser that 
     text ? field.setAttribute("aria-invalid", "true") : field.removeAttribute("aria-invalid");
   };
   control.show = (value) => {
-    if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value),
+    if (usual.includes(value)) control.positions = usual; // a value beyond the range widens it no longer
+    else if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value),
       Math.max(about.high, value), value, log && value > 0);
     const before = control.value;
     control.value = value;
