@@ -87,12 +87,11 @@ class InterruptCounter:
     """
 
     def __init__(self, limit: int) -> None:
-        self.count, self._limit = 0, limit
-        self.in_main_thread, self.installed = False, False
+        self.count, self._limit, self.installed = 0, limit, False
+        self.in_main_thread = threading.current_thread() is threading.main_thread()
         self._previous: Any = None  # the handler outside
 
     def __enter__(self) -> Self:
-        self.in_main_thread = threading.current_thread() is threading.main_thread()
         if self.in_main_thread:
             self._previous = SIGNALS.getsignal(signal.SIGINT)
         self.installed = callable(self._previous)
@@ -224,19 +223,13 @@ class Progress(InterruptCounter):
 
     def __init__(self, t_end: float, show: bool = True, compiling: bool = False) -> None:
         super().__init__(URGENT_PRESS)
-        self._t_end, self._show = t_end, show and _switch["shown"]
-        self._compiling = compiling
+        # In a thread of a sweep, which has a bar of its own, runs show none.
+        self._t_end, self._show = t_end, show and _switch["shown"] and self.in_main_thread
         self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
         self._bar: Any = None
-
-    def __enter__(self) -> Self:
-        super().__enter__()
-        # In a thread of a sweep, which has a bar of its own, runs show none.
-        self._show = self._show and self.in_main_thread
-        if self._show and self._compiling:
+        if self._show and compiling:
             tell("compiling the solver, once on this machine: some 30 s")
-        return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         super().__exit__(kind, error, trace)
