@@ -31,26 +31,39 @@ class MatrixProduct:
     ----------
     matrix : array (rows, factors)
     factors : tuple of Expr
+    own : int
+        How many factors at the end are those of one mode, where other modes have a product like this one.
+    like : MatrixProduct or None
+        Another product of the same matrix, whose terms this one shares.
     """
 
     matrix: Array
     factors: tuple[Expr, ...]
+    own: int = 0
+    like: MatrixProduct | None = None
     number: int = field(default_factory=lambda: next(_NUMBERS))
+
+    def with_own(self, factors: Sequence[Expr]) -> MatrixProduct:
+        """The product with other factors at the end, those of a mode."""
+        first = len(self.factors) - len(factors)
+        return MatrixProduct(self.matrix, (*self.factors[:first], *factors), len(factors), self)
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
         """(rows + 1,) the range of each row's entries that are not zero, in `columns` and `entries`."""
+        if self.like is not None:
+            return self.like.starts
         return np.concatenate([[0], np.cumsum((self.matrix != 0.0).sum(axis=1))])
 
     @cached_property
     def columns(self) -> NDArray[np.intp]:
         """Columns of the entries that are not zero, row by row."""
-        return np.nonzero(self.matrix)[1]
+        return np.nonzero(self.matrix)[1] if self.like is None else self.like.columns
 
     @cached_property
     def entries(self) -> Array:
         """Entries that are not zero, row by row."""
-        return self.matrix[self.matrix != 0.0]
+        return self.matrix[self.matrix != 0.0] if self.like is None else self.like.entries
 
     @cached_property
     def symbols(self) -> frozenset[Any]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import islice, product
 from threading import Lock
 from typing import Any, NamedTuple, overload
@@ -61,13 +62,13 @@ class ModeNames(Sequence[str]):
     """
 
     def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
-        self._names, self._allows = regimes, allows
+        self._names, self.allows = regimes, lru_cache(maxsize=MOST_REMEMBERED)(allows)
         self._numbers = [{name: i for i, name in enumerate(names)} for names in regimes]
         self._made: dict[str, Combination] = {}  # of the names that were made last
 
     def combinations(self) -> Iterator[Combination]:
         """All combinations that are modes, in order: the last part's regime changes fastest."""
-        return filter(self._allows, product(*(range(len(names)) for names in self._names)))
+        return filter(self.allows, product(*(range(len(names)) for names in self._names)))
 
     def name_of(self, combination: Combination) -> str:
         """The name of a combination."""
@@ -81,13 +82,13 @@ class ModeNames(Sequence[str]):
     def combination_of(self, name: Any) -> Combination | None:
         """The combination of that name; None where there is no such mode."""
         if isinstance(name, str) and (made := self._made.get(name)) is not None:
-            return made if self._allows(made) else None
+            return made if self.allows(made) else None
         words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else []
         combination = ()
         for numbers in self._numbers:
             named = bool(words) and words[0] in numbers
             combination += (numbers.get(words.pop(0) if named else "", -1),)
-        return combination if not words and -1 not in combination and self._allows(combination) else None
+        return combination if not words and -1 not in combination and self.allows(combination) else None
 
     def has_regime(self, name: str) -> bool:
         """Whether some part has a regime of this name."""
@@ -163,6 +164,11 @@ def check_mode_name(mode: Any, names: Sequence[str], others: Sequence[str] = ())
     )
 
 
+def names_of_parts(parts: Parts, allows: Callable[[Combination], bool]) -> ModeNames:
+    """`ModeNames` of parts with these regimes."""
+    return ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
+
+
 class KnownModes(NamedTuple):
     """Modes derived so far, the combination of each, and combinations found not to be modes."""
 
@@ -180,8 +186,8 @@ class ModesOnDemand(Sequence[Mode]):
         The regimes of each part, in the order in which they are tried.
     derive : callable
         Gives the mode of a combination, which has the index of a regime for each part.
-    allows : callable
-        Whether a combination is a mode.
+    names : ModeNames or None
+        Names of all modes, which also tell what combinations are modes; with None all are.
     again : tuple of callable and arguments, or None
         A call that makes these modes again in another process, for pickling.  With None all modes are
         derived and pickled.
@@ -192,26 +198,21 @@ class ModesOnDemand(Sequence[Mode]):
         Of modes on sides of borders, as of laws in pieces, the modes on all sides.
     products : tuple of MatrixProduct
         Products of matrices that many modes have in common.
-
-    Attributes
-    ----------
-    names : ModeNames
-        Names of all modes; none is derived for this.
     """
 
     def __init__(
         self,
         parts: Parts,
         derive: Callable[[Combination], Mode],
-        allows: Callable[[Combination], bool] = lambda _: True,
+        names: ModeNames | None = None,
         again: tuple[Callable[..., ModesOnDemand], tuple[Any, ...]] | None = None,
         origin: Callable[[], dict[str, Any]] | None = None,
         whole: Sequence[Mode] | None = None,
         products: tuple[Any, ...] = (),
     ) -> None:
         self.parts, self.origin, self.whole, self.products = parts, origin, whole, products
-        self.names = ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
-        self._derive, self.allows, self._again = derive, allows, again
+        self.names = names_of_parts(parts, lambda _: True) if names is None else names
+        self._derive, self._again = derive, again
         self._derived: dict[Combination, Mode] = {}
         self._refused: dict[Combination, None] = {}
         self._one_at_a_time = Lock()  # else two threads might derive one mode twice
@@ -243,7 +244,7 @@ class ModesOnDemand(Sequence[Mode]):
         """The mode of a combination; None if the combination is no mode."""
         with self._one_at_a_time:
             if combination not in self._derived and combination not in self._refused:
-                if self.allows(combination):
+                if self.names.allows(combination):
                     LOGGER.debug("deriving mode %r, to which a run came", self.names.name_of(combination))
                     self._derived[combination] = self._derive(combination)
                 else:

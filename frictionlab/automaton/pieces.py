@@ -27,6 +27,7 @@ from frictionlab.automaton.modes_on_demand import (
     ModeNames,
     ModesOnDemand,
     Regime,
+    names_of_parts,
 )
 
 MOST_AT_ONCE = 27  # up to so many modes are all made; where there are more, each is when a run comes to it
@@ -436,7 +437,7 @@ def _on_demand(split: _Split, modes: Any, again: Any, origin: Any) -> ModesOnDem
         sides = [place - 1 if place else None for place in combination[count:]]
         if few:
             return all(map(_contains, split.sides(modes[combination[0]]), sides))
-        return None not in sides and modes.allows(combination[:count])
+        return None not in sides and modes.names.allows(combination[:count])
 
     def derive(combination: Combination) -> Mode:
         mode = whole(combination)
@@ -447,7 +448,8 @@ def _on_demand(split: _Split, modes: Any, again: Any, origin: Any) -> ModesOnDem
     smooth_parts = tuple(
         tuple(replace(one, conditions=_without_pieces(one.conditions)) for one in part) for part in parts
     )
-    made = ModesOnDemand((*smooth_parts, *map(_part, split.divisions)), derive, allows, again, origin, modes)
+    all_parts = (*smooth_parts, *map(_part, split.divisions))
+    made = ModesOnDemand(all_parts, derive, names_of_parts(all_parts, allows), again, origin, modes)
     names = _NamesOnDemand(made.names, places.get if few else modes.names.combination_of, sides_of)
     for i, mode in enumerate(modes if few else ()):  # limit modes are tried in no other way
         for sides in product(*split.sides(mode)) if mode.limit else ():

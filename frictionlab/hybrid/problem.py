@@ -88,6 +88,18 @@ class RunData(NamedTuple):
     mode: int
     status: Status
 
+    def renumbered(self, before: Program, after: Program) -> RunData:
+        """The data of a run of one program with the numbers that modes and guards have in another."""
+        if before.modes == after.modes[: len(before.modes)]:
+            return self
+        places = {name: i for i, name in enumerate(after.modes)}
+        modes = np.array([*(places[name] for name in before.modes), -1], dtype=np.int64)
+        guards, codes = np.arange(len(before.guards)), self.event_codes.copy()
+        source = before.guard_modes
+        guards += after.code.mode_guards[modes[source]] - before.code.mode_guards[source]
+        codes[:, 0], codes[:, 1] = guards[codes[:, 0]], modes[codes[:, 1]]
+        return self._replace(step_modes=modes[self.step_modes], event_codes=codes, mode=int(modes[self.mode]))
+
     def cut(self, states: int) -> RunData:
         """The data without the integrals, which follow the first `states` states."""
         if self.state.size == states:

@@ -234,7 +234,9 @@ def run_automaton(
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %r", raw.t, *counts, wall_time, raw.status)
     if more:  # without the integrals, with all modes that the run has derived
+        own = problem_of(automaton, start, float(t_end), options.mode, asked).program
         problem = problem_of(automaton, state, float(t_end), options.mode)
+        raw = raw.renumbered(own, problem.program)
     if problem.program.has_powers:
         raw = cut_where_undefined(problem, raw)
     ended_at_start = raw.status is Status.NOT_FINITE and not len(raw.step_modes)
@@ -343,6 +345,11 @@ def _section(name: str, asked: Any) -> Section:
 _program_of = lru_cache(maxsize=64)(program_of)
 
 
+def _combination_of(automaton: HybridAutomaton, mode: str) -> tuple[int, ...]:
+    modes: Any = automaton.modes
+    return modes.names.combination_of(mode)
+
+
 def problem_of(
     automaton: HybridAutomaton,
     x0: np.ndarray,
@@ -364,10 +371,8 @@ def problem_of(
         modes: Any = automaton.modes
         for combination in combinations:
             modes.mode(combination)
-        return program_of(automaton, *asked, complete=False)
+        return program_of(automaton, *asked, complete=False, combinations=combinations)
 
-    if mode is not None:
-        automaton.mode(mode)
-    program, numbers = program_of(automaton, *asked, complete=False)
+    program, numbers = derive([] if mode is None else [_combination_of(automaton, mode)])
     number = None if mode is None else program.modes.index(mode)
     return Problem(program, numbers, x0, t_end, number, derive, chatter)

@@ -125,7 +125,7 @@ def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
         return system.states, tuple(map(derive, system.names.combinations()))
     parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes)
     again = modes_of_structure, (structure,)
-    modes = ModesOnDemand(parts, derive, system.allows, again, products=system.products)
+    modes = ModesOnDemand(parts, derive, system.names, again, products=system.products)
     return system.states, modes
 
 
@@ -315,25 +315,42 @@ class StructureSystem(LagrangeSystem):
     def hold(self, chosen: Sequence[ContactRegime], leading: Sequence[int]) -> Solution:
         """Accelerations, the force of each contact, and those of the contacts `leading`, which stick."""
         forces = [regime.force for regime in chosen]
-        normal = [i for i, one in enumerate(chosen) if one.pressing != 0]
-        slipping = [i for i, force in enumerate(forces) if force is not None and force != 0]
-        held = list(leading)
-        factors = [chosen[i].pressing for i in normal] + [forces[i] for i in slipping]
-        pushed = np.hstack([self._pushed_by_normals[:, normal], self._pushed_by_tangents[:, slipping]])
+        acting = [one.pressing for one in chosen] + [force or sympy.S.Zero for force in forces]
+        held, count = list(leading), len(chosen)
         holding: list[Any] = []
         if held:
-            along = np.hstack([np.eye(len(held)), product(self.tangents[held], pushed)])
+            given = [k for k, force in enumerate(acting) if force != 0]
+            pushed = product(self.tangents[held], self._pushed[:, given])
             stiff = -inverse_of(self._compliance[np.ix_(held, held)])
             holding = matrix_rows(
-                product(stiff, along), [*(self._free_along_tangents[i] for i in held), *factors]
+                product(stiff, np.hstack([np.eye(len(held)), pushed])),
+                [*(self._free_along_tangents[i] for i in held), *(acting[k] for k in given)],
             )
-            factors += holding
-            pushed = np.hstack([pushed, self._pushed_by_tangents[:, held]])
             for i, force in zip(held, holding, strict=True):
-                forces[i] = force
-        accelerations = matrix_rows(np.hstack([np.eye(len(self.q)), pushed]), [*self._free, *factors])
+                forces[i] = acting[count + i] = force
         known = zip(held, holding, strict=True)
-        return accelerations, forces, {i: [HoldingForce(force)] for i, force in known}
+        return self._accelerations(acting), forces, {i: [HoldingForce(force)] for i, force in known}
+
+    def _accelerations(self, acting: Sequence[Any]) -> list[Any]:
+        """Those of all normal and friction forces; modes share the terms unless most forces are zero."""
+        moving = [k for k, force in enumerate(acting) if force != 0]
+        if 2 * len(moving) >= len(acting):
+            return self._by_forces.with_own(acting).rows()
+        return matrix_rows(
+            np.hstack([np.eye(len(self.q)), self._pushed[:, moving]]),
+            [*self._free, *(acting[k] for k in moving)],
+        )
+
+    @cached_property
+    def _by_forces(self) -> MatrixProduct:
+        """The accelerations by those without contacts, and by all normal and friction forces."""
+        factors = (*self._free, *[sympy.S.Zero] * self._pushed.shape[1])
+        return MatrixProduct(np.hstack([np.eye(len(self.q)), self._pushed]), factors)
+
+    @cached_property
+    def _pushed(self) -> Array:
+        """[-M^-1 G^T, M^-1 T^T] (n, 2 contacts)."""
+        return np.hstack([self._pushed_by_normals, self._pushed_by_tangents])
 
     def direction(self, contact: AnyContact) -> Array:
         """W (n,): the direction of the friction force of a contact."""

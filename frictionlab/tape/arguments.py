@@ -20,6 +20,7 @@ from frictionlab.automaton import Event, HybridAutomaton, Mode
 from frictionlab.automaton.mode import Symbol
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.presentation import shorten
+from frictionlab.tape.tape import is_matrix_row
 from frictionlab.validation import MAX_CHARACTERS, abbreviate, check_number, did_you_mean_or_known
 
 NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
@@ -139,7 +140,8 @@ def check_mode(
             )
         _check_resets(event, mode, states)
     for what, expr in _expressions(mode):
-        if id(expr) in sound:
+        whole = expr.product if is_matrix_row(expr) else expr  # all rows have the symbols of their product
+        if id(whole) in sound:
             continue
         if isinstance(expr, str):  # which sympy would run as Python
             raise TypeError(
@@ -151,7 +153,7 @@ def check_mode(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 f"nor a parameter: {_cure_of_unknown(strange)}"
             )
-        sound[id(expr)] = expr
+        sound[id(whole)] = whole
 
 
 def _cure_of_unknown(strange: set[Any]) -> str:
@@ -189,7 +191,7 @@ def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
 
 def _as_function(mode: Mode, what: str, expr: Any) -> Any:
     """The expression, if it is one: a plain number or a text cannot be followed to its zero."""
-    if not hasattr(expr, "free_symbols"):
+    if not hasattr(type(expr), "free_symbols"):
         kind = "the text " if isinstance(expr, str) else ""
         raise TypeError(
             f"{what} of mode {mode.name!r} must be an expression, got {kind}{abbreviate(expr)}: "

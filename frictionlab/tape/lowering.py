@@ -10,9 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import chain
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -189,44 +187,28 @@ def slot_array(rows: Sequence[Any], columns: int | None = None) -> np.ndarray:
     return int_array(rows, columns, np.uint32)
 
 
-def undefined_number(
-    parameters: tuple[Any, ...], every: Sequence[LoweredTape], values: Sequence[float]
-) -> str:
+def undefined_number(parameters: tuple[Any, ...], every: Sequence[Tape], values: Sequence[float]) -> str:
     """A text that says which number is the first without a value; empty where none is found."""
     at = dict(zip(parameters, values, strict=True))
     exprs = _numbers_of(every)
     return next(filter(None, (undefined_part(expr, at) for expr in exprs)), "")
 
 
-def _numbers_of(every: Sequence[LoweredTape]) -> list[Any]:
+def _numbers_of(every: Sequence[Tape]) -> list[Any]:
     """All constants, then the coefficients of all terms."""
-    return [c for one in every for c in one.tape.constants] + [c for one in every for _, c in one.tape.terms]
+    return [c for one in every for c in one.constants] + [c for one in every for _, c in one.terms]
 
 
-class NumberFormulas:
-    """The numbers in tapes as formulas of the parameters.
-
-    What is known of them is shared by all programs of the same parameters: modes that are derived one by one
-    are packed again and again.
-    """
+class NumberSlots:
+    """The numbers in tapes as slots on one tape of formulas, which programs of the same parameters share."""
 
     def __init__(self, parameters: tuple[Any, ...]) -> None:
         self._builder = FormulaBuilder(parameters)
-        self._slots: WeakKeyDictionary[LoweredTape, tuple[list[int], list[int]]] = WeakKeyDictionary()
+        self.tape = self._builder.tape
         self._of_expressions: dict[Any, int] = {}
 
-    def of(self, every: Sequence[LoweredTape]) -> Formulas:
-        """All constants, then the coefficients of all terms."""
-        constants, terms = zip(*map(self._slots_of, every))
-        return Formulas(self._builder.tape, (*chain.from_iterable(constants), *chain.from_iterable(terms)))
-
-    def _slots_of(self, lowered: LoweredTape) -> tuple[list[int], list[int]]:
-        if lowered not in self._slots:
-            tape, slot = lowered.tape, self._slot
-            self._slots[lowered] = [*map(slot, tape.constants)], [slot(c) for _, c in tape.terms]
-        return self._slots[lowered]
-
-    def _slot(self, number: Any) -> int:
+    def of(self, number: Any) -> int:
+        """The slot of a number."""
         if type(number) is float:  # of a matrix, of which there are many
             return self._builder.materialised({CONSTANT_TERM: number})
         if number not in self._of_expressions:
@@ -234,7 +216,28 @@ class NumberFormulas:
         return self._of_expressions[number]
 
 
-@lru_cache(maxsize=64)
-def number_formulas(parameters: tuple[Any, ...]) -> NumberFormulas:
-    """Those of these parameters."""
-    return NumberFormulas(parameters)
+number_slots = lru_cache(maxsize=64)(NumberSlots)
+
+
+class NumberPlaces:
+    """The numbers in the tapes of a program as places among formulas of the parameters, each there once."""
+
+    def __init__(self, parameters: tuple[Any, ...]) -> None:
+        self._slots, self._places = number_slots(parameters), dict[int, int]()
+        self._formulas = Formulas(self._slots.tape, ())
+
+    def of(self, lowered: LoweredTape) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the constants, and of the coefficients of the terms."""
+        tape, place, slot = lowered.tape, self._place, self._slots.of
+        return int_array([place(slot(c)) for c in tape.constants]), int_array(
+            [place(slot(c)) for _, c in tape.terms]
+        )
+
+    def _place(self, slot: int) -> int:
+        return self._places.setdefault(slot, len(self._places))
+
+    def formulas(self) -> Formulas:
+        """The formulas so far."""
+        if len(self._formulas.outputs) < len(self._places):
+            self._formulas = Formulas(self._slots.tape, tuple(self._places))
+        return self._formulas

@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 from itertools import accumulate
 from threading import Lock
 from typing import Any
-from weakref import WeakKeyDictionary, ref
+from weakref import ref
 
 import numpy as np
 
@@ -26,12 +26,11 @@ from frictionlab.tape.arguments import check_mode, check_structure
 from frictionlab.tape.functions import AFFINE, POWER, QUOTIENT
 from frictionlab.tape.lowering import (
     LoweredMode,
-    LoweredReset,
     LoweredTape,
+    NumberPlaces,
     int_array,
     lower_mode,
     lower_reset,
-    number_formulas,
     slot_array,
     undefined_number,
 )
@@ -46,7 +45,7 @@ from frictionlab.tape.program import (
     numbers_at,
 )
 from frictionlab.tape.structural_zeros import sign_normal_form, structural_zeros
-from frictionlab.tape.tape import FIRST_SHARED, ProductTerms
+from frictionlab.tape.tape import FIRST_SHARED, Tape
 
 NO_MODE = -1  # "no mode" in the arrays
 _ONE_AT_A_TIME = Lock()
@@ -58,11 +57,13 @@ def program_of(
     quadratures: Mapping[str, Any] | None = None,
     *,
     complete: bool = True,
+    combinations: Sequence[Combination] = (),
 ) -> tuple[Program, Numbers]:
     """Program and numbers of an automaton; the program is remembered per structure.
 
     Of modes on demand, a `complete` program has all, in the automaton's order.  Otherwise it has those
-    derived so far, in the order in which they were, or all where such a program is kept.
+    derived so far, in the order in which they were, or all where such a program is kept.  One with sections
+    or quadratures then has those of `combinations`, and those for which it was asked before.
 
     Raises
     ------
@@ -83,7 +84,8 @@ def program_of(
     about = parameters, automaton.coordinates, *asked
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
         if grows:
-            program = _growing_program(automaton.states, modes, *about).with_known_modes()
+            growing = _growing_program(automaton.states, modes, *about)
+            program = growing.with_modes(combinations) if any(asked) else growing.with_known_modes()
         else:
             program = pack_program(automaton.states, tuple(modes), *about)
     return program, numbers_at(program, automaton.parameters.values())
@@ -107,10 +109,10 @@ def pack_program(
 ) -> Program:
     """Lower every mode and reset to its tape and pack them."""
     check_structure(states, modes, parameters, coordinates)
-    packer = Packer(states, sections, quadratures)
+    packer = Packer(states, parameters, sections, quadratures)
     for mode in modes:
         packer.add(mode)
-    return packer.pack(parameters, coordinates)
+    return packer.pack(coordinates)
 
 
 def program_of_modes(automaton: HybridAutomaton, names: tuple[str, ...]) -> tuple[Program, Numbers]:
@@ -130,11 +132,11 @@ def _pack_modes(
     parameters: tuple[Symbol, ...],
     coordinates: int,
 ) -> Program:
-    packer, sound = Packer(states, (), (), modes), dict[int, Any]()
+    packer, sound = Packer(states, parameters, demand=modes), dict[int, Any]()
     for mode in known.modes:
         check_mode(mode, modes.names, states, frozenset((*states, *parameters)), sound)
         packer.add(mode)
-    return packer.pack(parameters, coordinates, known)
+    return packer.pack(coordinates, known)
 
 
 @lru_cache(maxsize=64)
@@ -154,48 +156,112 @@ class _GrowingProgram:
         sections: tuple[Section, ...],
         quadratures: tuple[tuple[str, Any], ...],
     ) -> None:
-        self._modes, self._parameters, self._coordinates = modes, parameters, coordinates
-        self._states, self._packer = states, Packer(states, sections, quadratures, modes)
+        self._modes, self._coordinates, self._states = modes, coordinates, states
+        self._packer = Packer(states, parameters, sections, quadratures, modes)
         self._known, self._sound = frozenset((*states, *parameters)), dict[int, Any]()
+        self._asked: dict[Combination, Mode] = {}
         self._packed: tuple[tuple[int, int], Program | None] = (0, 0), None
 
     def with_known_modes(self) -> Program:
         """The program of all modes that are derived by now."""
-        known = self._modes.known()
+        return self._grown(self._modes.known())
+
+    def with_modes(self, combinations: Sequence[Combination]) -> Program:
+        """The program of these modes, and of those for which it was asked before."""
+        for one in combinations:
+            if one not in self._asked and (mode := self._modes.mode(one)) is not None:
+                self._asked[one] = mode
+        known = KnownModes(tuple(self._asked.values()), tuple(self._asked), self._modes.known().refused)
+        return self._grown(known)
+
+    def _grown(self, known: KnownModes) -> Program:
         counts = len(known.modes), len(known.refused)
         before, program = self._packed
         if program is None or counts != before:
             for mode in known.modes[len(self._packer.modes) :]:
                 check_mode(mode, self._modes.names, self._states, self._known, self._sound)
                 self._packer.add(mode)
-            program = self._packer.pack(self._parameters, self._coordinates, known)
+            program = self._packer.pack(self._coordinates, known)
             program = replace(program, grown_from=None if self._packed[1] is None else ref(self._packed[1]))
             self._packed = counts, program
         return program
 
 
 class GrowingArray:
-    """An array of integers to which others are appended; arrays that it has given stay as they are.
+    """An array to which others are appended; arrays that it has given stay as they are.
 
     Programs that grow by one mode at a time share it, as a copy for each would fragment the memory.
     """
 
-    def __init__(self, first: Sequence[int] = ()) -> None:
-        self._room, self.length = np.zeros(1024, dtype=np.int64), 0
-        self.extend(first)
+    def __init__(self, kind: Any = np.int64, columns: tuple[int, ...] = ()) -> None:
+        self._room, self.length = np.zeros((64, *columns), dtype=kind), 0
 
-    def extend(self, values: Sequence[int]) -> None:
-        """Append integers."""
+    def extend(self, values: Sequence[Any] | np.ndarray) -> None:
+        """Append what has the same columns."""
         end = self.length + len(values)
         if end > len(self._room):
-            self._room = np.concatenate([self._room, np.zeros(max(end, len(self._room)), dtype=np.int64)])
-        self._room[self.length : end] = values
+            more = np.zeros((max(end, len(self._room)), *self._room.shape[1:]), dtype=self._room.dtype)
+            self._room = np.concatenate([self._room, more])
+        if len(values):
+            self._room[self.length : end] = values
         self.length = end
 
     @property
     def array(self) -> np.ndarray:
-        """The integers so far."""
+        """What is there so far."""
         return self._room[: self.length]
+
+
+class TapeArrays:
+    """Operations, terms and numbers of tapes, one tape after another.
+
+    Numbers are places among the formulas of the parameters.
+    """
+
+    def __init__(self) -> None:
+        self.ops = GrowingArray(np.uint32, (3,))
+        self.slots, self.constants, self.terms = GrowingArray(np.uint32), GrowingArray(), GrowingArray()
+        self.tapes: list[Tape] = []
+
+    def add(self, lowered: LoweredTape, ops: np.ndarray, numbers: tuple[np.ndarray, np.ndarray]) -> None:
+        """Append a tape, whose ranges of own terms `ops` has from 0, and of terms of products elsewhere."""
+        own = lowered.affine & ~shared_ranges(ops)
+        self.ops.extend(_shifted(ops, own, self.slots.length))
+        self.slots.extend(lowered.term_slots)
+        for array, places in zip((self.constants, self.terms), numbers, strict=True):
+            array.extend(places)
+        self.tapes.append(lowered.tape)
+
+    def ops_behind(self, terms: int) -> np.ndarray:
+        """The operations, where there are as many own terms before these."""
+        ops = self.ops.array
+        return _shifted(ops, (ops[:, 0] == AFFINE) & ~shared_ranges(ops), terms) if terms else ops
+
+
+def _shifted(ops: np.ndarray, which: np.ndarray, by: int) -> np.ndarray:
+    ops = ops.copy()
+    ops[which, 1:] += np.uint32(by)
+    return ops
+
+
+def _arrays_of_mode(one: LoweredMode, sections: int) -> dict[str, np.ndarray]:
+    """What `Code` has of a mode beside its operations and numbers."""
+    inputs = one.tape.inputs
+    return {
+        "flow": one.flow_slots[None],
+        "guards": one.guard_slots,
+        "constraints": one.constraint_slots,
+        "lengths": int_array([[len(one.guards), len(one.constraints)]]),
+        "sections": slot_array([one.sections or [0] * sections], columns=sections),
+        "powers": int_array([one.has(POWER)]),
+        "quotients": int_array([one.has(QUOTIENT)]),
+        "degrees": int_array([one.degree]),
+        "ranges": one.ranges[inputs:],
+        "state_ranges": one.ranges[None, :inputs],
+        "polynomial": one.polynomial[inputs:],
+        "polynomial_degrees": int_array([one.polynomial_degree]),
+        "guard_degrees": one.guard_degrees,
+    }
 
 
 def shared_ranges(ops: np.ndarray) -> np.ndarray:
@@ -207,36 +273,30 @@ class SharedTerms:
     """Terms of products of matrices, once for all tapes on which their factors have the same slots."""
 
     def __init__(self) -> None:
-        self.slots, self.coefficients = np.zeros(0, dtype=np.uint32), np.zeros(0)
+        self.slots, self.coefficients = GrowingArray(np.uint32), GrowingArray(np.float64)
         self._places: dict[tuple[int, bytes], int] = {}
-        self._placed: WeakKeyDictionary[LoweredTape, np.ndarray] = WeakKeyDictionary()
 
     def ops_of(self, lowered: LoweredTape) -> np.ndarray:
         """The operations of a tape, with ranges of the terms of its products as these are numbered here."""
         if not lowered.tape.products:
             return lowered.ops
-        if lowered not in self._placed:
-            ops = lowered.ops.copy()
-            self._place_ranges(ops, shared_ranges(ops), lowered.tape.products)
-            self._placed[lowered] = ops
-        return self._placed[lowered]
-
-    def _place_ranges(self, ops: np.ndarray, shared: np.ndarray, products: Sequence[ProductTerms]) -> None:
-        before = FIRST_SHARED
+        ops = lowered.ops.copy()
+        shared, before = shared_ranges(ops), FIRST_SHARED
         ranges = ops[shared, 1:].copy()
-        for one in products:
+        for one in lowered.tape.products:
             product, slots = one.product, one.slots
             inside = (ranges[:, 0] >= before) & (ranges[:, 0] < before + len(slots))
             moved = ranges[inside] - np.uint32(before - FIRST_SHARED) + np.uint32(self._place(product, slots))
             ops[np.flatnonzero(shared)[inside], 1:] = moved
             before += len(slots)
+        return ops
 
     def _place(self, product: Any, slots: np.ndarray) -> int:
-        key = product.number, slots.tobytes()
+        key = (product.like or product).number, slots.tobytes()
         if key not in self._places:
-            self._places[key] = len(self.slots)
-            self.slots = np.concatenate([self.slots, slots])
-            self.coefficients = np.concatenate([self.coefficients, product.entries])
+            self._places[key] = self.slots.length
+            self.slots.extend(slots)
+            self.coefficients.extend(product.entries)
         return self._places[key]
 
 
@@ -246,40 +306,54 @@ class Packer:
     def __init__(
         self,
         states: tuple[Symbol, ...],
-        sections: tuple[Section, ...],
-        quadratures: tuple[tuple[str, Any], ...],
+        parameters: tuple[Symbol, ...],
+        sections: tuple[Section, ...] = (),
+        quadratures: tuple[tuple[str, Any], ...] = (),
         demand: ModesOnDemand | None = None,
     ) -> None:
-        self.sections, self.demand = sections, demand
+        self.parameters, self.sections, self.demand = parameters, sections, demand
         self.integrands = tuple(expr for _, expr in quadratures)
         self.physical = states
         self.states = (*states, *(sp.Symbol(f"integral of {name}") for name, _ in quadratures))
         self.modes: list[Mode] = []
-        self.lowered: list[LoweredMode] = []
-        self.resets: list[LoweredReset] = []
-        self.event_resets: list[list[int]] = []
+        self.of_modes, self.of_resets = TapeArrays(), TapeArrays()
+        self.arrays: dict[str, GrowingArray] = {}
+        self.reset_out = GrowingArray(np.uint32, (len(self.states),))
+        self.event_resets = GrowingArray(columns=(2,))
+        self.guards: list[str] = []
+        self.guard_modes = GrowingArray()
         self.classes: dict[Any, int] = {}  # numbers of classes of functions, by `sign_normal_form`
-        self.guard_classes: list[int] = []
-        self.constraint_classes: list[int] = []
-        self.zeros = GrowingArray([0])  # for both resets of each event, where its part of these ends:
+        self.guard_classes, self.constraint_classes = GrowingArray(), GrowingArray()
+        self.zeros = GrowingArray()  # for both resets of each event, where its part of these ends:
+        self.zeros.extend([0])
         self.zero_classes = GrowingArray()  # classes of functions that are zero after the reset,
         self.zero_counts = GrowingArray()  # and how many leading coefficients of each are zero
-        self.listed: list[Combination] = []  # the targets of all events, where modes are on demand,
-        self.listed_lengths: list[int] = []  # and how many each event has
-        self.products = SharedTerms()
+        parts = 0 if demand is None else len(demand.parts)
+        self.listed = GrowingArray(columns=(parts,))  # the targets of all events, where modes are on demand,
+        self.listed_lengths = GrowingArray()  # and how many each event has
+        self.products, self.numbers = SharedTerms(), NumberPlaces(parameters)
         self._reset_numbers: dict[int, int] = {}  # by the identity of the jumps
-        self._conditions: Mode | None = None
+        self._conditions: tuple[LoweredMode, TapeArrays, np.ndarray] | None = None
 
     def add(self, mode: Mode) -> None:
         """Append a mode."""
+        number = len(self.modes)
         self.modes.append(mode)
-        self.lowered.append(
-            lower_mode(mode, self.states, self.sections, self.integrands, self._common_products)
-        )
-        self.guard_classes += [self._class(event.function) for event in mode.events]
-        self.constraint_classes += map(self._class, mode.constraints)
+        lowered = lower_mode(mode, self.states, self.sections, self.integrands, self._common_products)
+        self._add_tape(lowered, self.of_modes)
+        for name, values in _arrays_of_mode(lowered, len(self.sections)).items():
+            if name not in self.arrays:
+                self.arrays[name] = GrowingArray(values.dtype, values.shape[1:])
+            self.arrays[name].extend(values)
+        self.guards += [event.name for event in mode.events]
+        self.guard_modes.extend([number] * len(mode.events))
+        self.guard_classes.extend([self._class(event.function) for event in mode.events])
+        self.constraint_classes.extend([*map(self._class, mode.constraints)])
         for event in mode.events:
             self._add_event(mode, event)
+
+    def _add_tape(self, lowered: LoweredTape, arrays: TapeArrays) -> None:
+        arrays.add(lowered, self.products.ops_of(lowered), self.numbers.of(lowered))
 
     @property
     def _common_products(self) -> tuple[Any, ...]:
@@ -288,15 +362,15 @@ class Packer:
     def _add_event(self, mode: Mode, event: Event) -> None:
         plain = self._reset(event.reset)
         closing = event.accumulation or event.reset
-        self.event_resets.append([plain, plain if event.accumulation is None else self._reset(closing)])
+        self.event_resets.extend([[plain, plain if event.accumulation is None else self._reset(closing)]])
         for reset in (event.reset, closing):
             zeros = structural_zeros(mode, event, reset)
             self.zero_classes.extend([self._number_of_class(function) for function in zeros])
             self.zero_counts.extend(list(zeros.values()))
             self.zeros.extend([self.zero_counts.length])
         if self.demand is not None:
-            self.listed += filter(None, map(self.demand.names.combination_of, event.targets))
-            self.listed_lengths.append(len(event.targets))
+            self.listed.extend([*filter(None, map(self.demand.names.combination_of, event.targets))])
+            self.listed_lengths.extend([len(event.targets)])
 
     def _class(self, function: Any) -> int:
         return self._number_of_class(sign_normal_form(function))
@@ -310,104 +384,103 @@ class Packer:
         # Modes on demand have many resets in common; elsewhere each event has its own.
         number = self._reset_numbers.get(id(reset.jump)) if self.demand is not None else None
         if number is None:
-            number = self._reset_numbers[id(reset.jump)] = len(self.resets)
-            self.resets.append(lower_reset(reset, self.states))
+            number = self._reset_numbers[id(reset.jump)] = self.reset_out.length
+            lowered = lower_reset(reset, self.states)
+            self._add_tape(lowered, self.of_resets)
+            self.reset_out.extend(lowered.out_slots[None])
         return number
 
-    def _conditions_mode(self, modes: ModesOnDemand) -> Mode:
+    def _conditions_of(self, modes: ModesOnDemand) -> tuple[LoweredMode, TapeArrays, np.ndarray]:
         """A mode that stands for those not derived; its constraints are the conditions of all regimes."""
         if self._conditions is None:
             every = (condition for part in modes.parts for regime in part for condition in regime.conditions)
-            self._conditions = Mode("", (sp.S.Zero,) * len(self.states), constraints=tuple(every))
+            mode = Mode("", (sp.S.Zero,) * len(self.states), constraints=tuple(every))
+            lowered, arrays = lower_mode(mode, self.states, (), (), self._common_products), TapeArrays()
+            self._add_tape(lowered, arrays)
+            self._conditions = lowered, arrays, int_array([*map(self._class, mode.constraints)])
         return self._conditions
 
-    def pack(
-        self, parameters: tuple[Symbol, ...], coordinates: int, known: KnownModes | None = None
-    ) -> Program:
+    def pack(self, coordinates: int, known: KnownModes | None = None) -> Program:
         """The program of the modes so far; where modes are on demand, with what is `known` of the others."""
-        lowered, constraint_classes, demand = self.lowered, self.constraint_classes, None
+        others, classes, demand = (
+            list[tuple[LoweredMode, TapeArrays]](),
+            [self.constraint_classes.array],
+            None,
+        )
         if self.demand is not None and known is not None:
-            conditions = self._conditions_mode(self.demand)
-            lowered = [*lowered, lower_mode(conditions, self.states, (), (), self._common_products)]
-            constraint_classes = [*constraint_classes, *map(self._class, conditions.constraints)]
-            targets = int_array(self.listed, columns=len(self.demand.parts))
-            demand = _demand_arrays(self.demand, known, _ranges(self.listed_lengths), targets)
-        names = tuple(mode.name for mode in self.modes)
+            lowered, arrays, of_conditions = self._conditions_of(self.demand)
+            others, classes = [(lowered, arrays)], [*classes, of_conditions]
+            demand = _demand_arrays(self.demand, known, _ranges(self.listed_lengths.array), self.listed.array)
         initial = [i for i, mode in enumerate(self.modes) if not mode.limit] if known is None else []
-        classes = int_array([*self.guard_classes, *constraint_classes])
-        code = self._code(lowered, coordinates, initial)._replace(function_classes=classes)
-        every: list[LoweredTape] = [*lowered, *self.resets]
-        guards = tuple(event.name for mode in self.modes for event in mode.events)
-        guard_modes = int_array([i for i, mode in enumerate(self.modes) for _ in mode.events])
+        tapes = [self.of_modes, *(arrays for _, arrays in others), self.of_resets]
+        code = self._code([lowered for lowered, _ in others], tapes, coordinates, initial)
+        code = code._replace(function_classes=np.concatenate([self.guard_classes.array, *classes]))
         return Program(
             code,
-            tuple(one.tape for one in lowered),
-            tuple(one.tape for one in self.resets),
-            max(one.tape.slots for one in every),
-            names,
-            guards,
-            guard_modes,
+            (*self.of_modes.tapes, *(one.tape for one, _ in others)),
+            tuple(self.of_resets.tapes),
+            max(tape.slots for one in tapes for tape in one.tapes),
+            tuple(mode.name for mode in self.modes),
+            tuple(self.guards),
+            self.guard_modes.array,
             int_array(initial),
-            number_formulas(parameters).of(every),
-            partial(undefined_number, parameters, tuple(every)),
+            self.numbers.formulas(),
+            np.concatenate([*(one.constants.array for one in tapes), *(one.terms.array for one in tapes)]),
+            partial(undefined_number, self.parameters, [tape for one in tapes for tape in one.tapes]),
             demand,
-            self.products.coefficients,
+            self.products.coefficients.array,
         )
 
-    def _code(self, lowered: Sequence[LoweredMode], coordinates: int, initial: Sequence[int]) -> Code:
-        every: list[LoweredTape] = [*lowered, *self.resets]
-        inputs, count = len(self.states), len(lowered)
-        guards, mode_ops = sum(len(one.guards) for one in lowered), sum(len(one.tape.ops) for one in lowered)
-        sections = [one.sections or [0] * len(self.sections) for one in lowered]
+    def _code(
+        self,
+        others: Sequence[LoweredMode],
+        tapes: Sequence[TapeArrays],
+        coordinates: int,
+        initial: Sequence[int],
+    ) -> Code:
+        """The arrays, of the modes and of `others` that stand for those not derived."""
+        modes, count, inputs = len(self.modes), len(self.modes) + len(others), len(self.states)
+        parts = [{name: array.array for name, array in self.arrays.items()}] if modes else []
+        parts += [_arrays_of_mode(one, len(self.sections)) for one in others]
+        of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        lengths = of["lengths"]
+        mode_ops = _ranges([len(tape.ops) for one in tapes[:-1] for tape in one.tapes])
+        before = [0, *accumulate(one.slots.length for one in tapes)]
+        ops = np.concatenate([one.ops_behind(first) for one, first in zip(tapes, before[:-1], strict=True)])
+        ops[shared_ranges(ops), 1:] -= np.uint32(FIRST_SHARED - before[-1])
         return Code(
             inputs=inputs,
-            ops=self._ops(every),
-            term_slots=_joined([*(one.term_slots for one in every), self.products.slots], np.uint32),
-            mode_ops=_ranges([len(one.tape.ops) for one in lowered]),
-            flow=np.array([one.flow_slots for one in lowered]),
-            mode_guards=_ranges([len(one.guards) for one in lowered]),
-            mode_constraints=_ranges([len(one.constraints) for one in lowered], start=guards),
-            function_slots=_joined(
-                [*(one.guard_slots for one in lowered), *(one.constraint_slots for one in lowered)], np.uint32
-            ),
+            ops=ops,
+            term_slots=np.concatenate([*(one.slots.array for one in tapes), self.products.slots.array]),
+            mode_ops=mode_ops,
+            flow=of["flow"],
+            mode_guards=_ranges(lengths[:, 0]),
+            mode_constraints=_ranges(lengths[:, 1], start=len(of["guards"])),
+            function_slots=np.concatenate([of["guards"], of["constraints"]]),
             targets=self._targets(initial),
             limits=int_array([i for i, mode in enumerate(self.modes) if mode.limit]),
-            resets=int_array(self.event_resets, columns=2),
+            resets=self.event_resets.array,
             function_classes=int_array([]),
             zeros=self.zeros.array,
             zero_classes=self.zero_classes.array,
             zero_counts=self.zero_counts.array,
-            reset_ops=_ranges([len(one.tape.ops) for one in self.resets], start=mode_ops),
-            reset_out=np.array([one.out_slots for one in self.resets], np.uint32).reshape(-1, inputs),
-            sections=slot_array(sections, columns=len(self.sections)),
+            reset_ops=_ranges([len(tape.ops) for tape in self.of_resets.tapes], start=mode_ops[-1]),
+            reset_out=self.reset_out.array,
+            sections=of["sections"],
             directions=int_array([section.direction for section in self.sections]),
             native=np.zeros(count, dtype=np.int64),
             lanes=np.zeros(count, dtype=np.int64),
-            built=int_array([i < len(self.modes) for i in range(count)]),
-            powers=int_array([one.has(POWER) for one in lowered]),
-            quotients=int_array([one.has(QUOTIENT) for one in lowered]),
-            degrees=int_array([one.degree for one in lowered]),
-            ranges=_joined([one.ranges[inputs:] for one in lowered], np.int64),
-            state_ranges=np.array([one.ranges[:inputs] for one in lowered]),
-            polynomial=_joined([one.polynomial[inputs:] for one in lowered], np.int64),
-            polynomial_degrees=int_array([one.polynomial_degree for one in lowered]),
-            guard_degrees=_joined([one.guard_degrees for one in lowered], np.int64),
+            built=int_array([i < modes for i in range(count)]),
+            powers=of["powers"],
+            quotients=of["quotients"],
+            degrees=of["degrees"],
+            ranges=of["ranges"],
+            state_ranges=of["state_ranges"],
+            polynomial=of["polynomial"],
+            polynomial_degrees=of["polynomial_degrees"],
+            guard_degrees=of["guard_degrees"],
             groups=int_array([0, coordinates, 2 * coordinates, len(self.physical)]),
         )
-
-    def _ops(self, every: Sequence[LoweredTape]) -> np.ndarray:
-        """All operations in one array; ranges of terms are shifted to their places among all terms."""
-        every_ops = (self.products.ops_of(one) for one in every)
-        ops = np.concatenate([np.zeros((0, 3), dtype=np.uint32), *every_ops])
-        lengths = [len(one.tape.ops) for one in every]
-        counts = [len(one.tape.terms) for one in every]
-        first = [0, *accumulate(counts)][:-1]
-        shift = np.repeat(np.array(first, dtype=np.uint32), lengths)
-        shared = shared_ranges(ops)
-        own = (ops[:, 0] == AFFINE) & ~shared
-        ops[own, 1:] += shift[own, None]
-        ops[shared, 1:] -= np.uint32(FIRST_SHARED - sum(counts))
-        return ops
 
     def _targets(self, initial: Sequence[int]) -> np.ndarray:
         """For each event its targets, then all others but limit modes; empty where modes are on demand.
@@ -415,7 +488,7 @@ class Packer:
         Only events of limit modes may lead to one.  Rows are filled up by their first mode, tried already.
         """
         if not initial:
-            return np.zeros((len(self.event_resets), 0), dtype=np.int64)
+            return np.zeros((self.event_resets.length, 0), dtype=np.int64)
         places, tried = {mode.name: i for i, mode in enumerate(self.modes)}, {*initial}
         rows = []
         for mode in self.modes:
@@ -443,9 +516,5 @@ def _demand_arrays(
     )
 
 
-def _joined(arrays: Sequence[np.ndarray], kind: type) -> np.ndarray:
-    return np.concatenate([np.zeros(0, dtype=kind), *arrays])
-
-
-def _ranges(lengths: Sequence[int], start: int = 0) -> np.ndarray:
+def _ranges(lengths: Sequence[int] | np.ndarray, start: int = 0) -> np.ndarray:
     return start + np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]).astype(np.int64)

@@ -127,13 +127,20 @@ class Program:
     guards: tuple[str, ...]
     guard_modes: np.ndarray
     initial: np.ndarray  # modes in the order in which they are tried at the start
-    formulas: Formulas  # of the parameters: all constants, then the coefficients of all terms
+    distinct: Formulas  # of the parameters: the numbers, each once
+    number_places: NDArray[np.int64]  # among these: all constants, then the coefficients of all terms
     _undefined: Callable[[Sequence[float]], str]  # says which number has no value at given parameters
     demand: Demand | None = None  # what is known of all modes where only some are derived
     shared_terms: NDArray[np.float64] = field(
         default_factory=lambda: np.zeros(0)
     )  # coefficients of products, after those of all terms
     grown_from: Any = None  # a weak reference to the program whose modes are the first of these, if any
+
+    @property
+    def formulas(self) -> Formulas:
+        """All constants, then the coefficients of all terms, as formulas of the parameters."""
+        outputs = self.distinct.outputs
+        return Formulas(self.distinct.tape, tuple(outputs[place] for place in self.number_places.tolist()))
 
     @cached_property
     def has_powers(self) -> bool:
@@ -153,7 +160,7 @@ class Program:
         ValueError
             Where a coefficient has no real value there, such as the root of a negative number.
         """
-        filled = self.formulas.numbers(*values)
+        filled = self.distinct.numbers(*values)[self.number_places]
         if not np.isfinite(filled).all():
             raise ValueError(
                 f"the equations have {self._undefined(values) or 'a number that is not finite'}: give the "
@@ -216,6 +223,7 @@ def program_to_data(program: Program) -> dict[str, Any]:
 
 def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[float]], str]) -> Program:
     """The program from what :func:`program_to_data` gave; `undefined` says which number has no value."""
+    numbers = formulas_from_data(data["numbers"])
     return Program(
         Code(**{name: _array_from_data(value) for name, value in data["code"].items()}),
         tuple(map(_tape_from_data, data["tapes"])),
@@ -225,7 +233,8 @@ def program_from_data(data: Mapping[str, Any], undefined: Callable[[Sequence[flo
         tuple(data["guards"]),
         _array_from_data(data["guard_modes"]),
         _array_from_data(data["initial"]),
-        formulas_from_data(data["numbers"]),
+        numbers,
+        np.arange(len(numbers.outputs)),
         undefined,
         None if data["demand"] is None else Demand(*map(_array_from_data, data["demand"])),
     )

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
+from functools import cached_property
 from typing import Any
 
 from frictionlab.automaton.expressions import integer_exponent, unsorted_product, within_floats
@@ -36,6 +37,7 @@ from frictionlab.tape.functions import (
 AffineTerms = dict[int, Expr]
 # Of a product of a matrix: the terms of larger ones, and all of a tape with such a one, are shared by tapes.
 MOST_OWN_TERMS = 200
+ALIGNMENT = 32  # slots; more make copies of a mode's own factors come later than they must
 FIRST_SHARED = 2**31  # terms from this number on are those of products
 # What to write in place of functions with corners, whose borders are no events.
 IN_PIECES = {"Abs": "absolute", "sign": "sign", "Min": "minimum", "Max": "maximum"}
@@ -66,6 +68,11 @@ class ProductTerms:
 
     product: Any  # a MatrixProduct, whose module needs sympy
     slots: Any  # array (terms,)
+
+    @cached_property
+    def distinct(self) -> frozenset[int]:
+        """These slots, each once."""
+        return frozenset(self.slots.tolist())
 
 
 @dataclass(eq=False)
@@ -119,8 +126,7 @@ class Tape:
             if kind == AFFINE and a >= FIRST_SHARED:
                 number, _ = self._product_of(a)
                 if number not in of_products:
-                    slots = set(self.products[number].slots.tolist())
-                    of_products[number] = max(degrees[slot] for slot in slots)
+                    of_products[number] = max(degrees[slot] for slot in self.products[number].distinct)
                 degrees.append(of_products[number])
             elif kind == AFFINE:
                 degrees.append(max([0.0, *(degrees[slot] for slot in self.slots_of(a, b))]))
@@ -163,13 +169,14 @@ class Tape:
                     needed.update(operands)
                 if not affine:
                     factors.update(operands)
+        by_series, by_both, by_operands = needed & linear, needed & factors, needed | curved
         return [
             Range.SERIES
-            if slot in needed & linear
+            if slot in by_series
             else Range.BOTH
-            if slot in needed & factors and self._is_affine(slot)
+            if slot in by_both and self._is_affine(slot)
             else Range.OPERATION
-            if slot in needed | curved
+            if slot in by_operands
             else Range.WHEN_BLIND
             if slot in all_needed
             else Range.UNUSED
@@ -300,7 +307,11 @@ class TapeBuilder:
 
     def _add_product(self, product: Any) -> int:
         """Add the terms of a product to the tape; the number of the first."""
-        slots = product.slots_of_terms([self.slot(within_floats(factor)) for factor in product.factors])
+        slots = [self.slot(within_floats(factor)) for factor in product.factors]
+        if product.own and len(product.columns) > MOST_OWN_TERMS:
+            first = len(slots) - product.own
+            slots = [*slots[:first], *self._aligned(slots[first:])]
+        slots = product.slots_of_terms(slots)
         if len(slots) <= MOST_OWN_TERMS and not self.tape.products:
             first = len(self.tape.terms)
             self.tape.terms.extend(zip(slots.tolist(), product.entries.tolist(), strict=True))
@@ -308,6 +319,16 @@ class TapeBuilder:
         first, self._shared_terms = FIRST_SHARED + self._shared_terms, self._shared_terms + len(slots)
         self.tape.products.append(ProductTerms(product, slots))
         return first
+
+    def _aligned(self, slots: Sequence[int]) -> list[int]:
+        """Copies of slots from a multiple of ALIGNMENT on: mostly there on the tapes of other modes too, so
+        that a product has the same terms."""
+        tape = self.tape
+        while tape.slots % ALIGNMENT:
+            tape.emit(AFFINE, 0, 0, self.number(0))
+        first = len(tape.terms)
+        tape.terms.extend((slot, 1.0) for slot in slots)
+        return [tape.emit(AFFINE, first + k, first + k + 1, self.number(0)) for k in range(len(slots))]
 
     def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
         """|a|^p as the power p/2 of the square of a, which is not negative."""
@@ -342,7 +363,7 @@ class TapeBuilder:
 
     def number(self, expr: Expr) -> Any:
         """A number as the tape holds it: an expression of the parameters."""
-        return sp.sympify(expr, strict=True)
+        return sp.S.Zero if type(expr) is int and expr == 0 else sp.sympify(expr, strict=True)
 
     def _after_rate(self, kind: int, a: int, constant: Expr = 0) -> int:
         self.tape.emit(RATE, a, a, self.number(0))

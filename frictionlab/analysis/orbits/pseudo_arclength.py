@@ -96,7 +96,7 @@ def _modes_with_constant(modes: tuple[Mode, ...] | ModesOnDemand) -> tuple[Mode,
         assert mode is not None  # it is allowed
         return _with_constant(mode)
 
-    return ModesOnDemand(modes.parts, derive, modes.allows, products=modes.products)
+    return ModesOnDemand(modes.parts, derive, modes.names, products=modes.products)
 
 
 def _with_constant(mode: Mode) -> Mode:

@@ -60,7 +60,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
         modes: Any = ModesOnDemand(
             tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes),
             lambda combination: mode_of(system, combination),
-            system.allows,
+            system.names,
             *_again(key),
         )
     else:
@@ -355,7 +355,7 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
 
 def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
     changed = (one for name in end.targets for one in _entered(system, combination, i, end, name))
-    targets = tuple(dict.fromkeys(system.names.name_of(one) for one in changed if system.allows(one)))
+    targets = tuple(dict.fromkeys(system.names.name_of(one) for one in changed if system.names.allows(one)))
     contact, label = system.mechanics.contacts[i], end.name + contact_suffix(system, i)
     if end.jump == "impact":
         return Event(label, end.function, targets, *system.impact_resets(contact))
@@ -384,13 +384,19 @@ def _projection(system: LagrangeSystem, combination: Combination, contact: AnyCo
 
     It removes rounding errors only.  So it may leave such errors in what the others hold, and none is more.
     """
-    alone = system.stick_reset(contact)
-    zero: dict[Any, int] = {}
-    for other, regime in zip(system.mechanics.contacts, system.chosen(combination), strict=True):
-        zero |= dict.fromkeys(regime.constraints, 1)
-        if isinstance(other, Stop) and regime.constraints:
-            zero |= zeros_in_contact(system, other)
+    alone, zero = system.stick_reset(contact), _zeros_of_mode(system, combination)
     return Reset(alone.jump, {**zero, **alone.vanishing}) if zero else alone
+
+
+@lru_cache(maxsize=8)  # all events of a mode ask for it
+def _zeros_of_mode(system: LagrangeSystem, combination: Combination) -> dict[Any, int]:
+    """What contacts hold at zero, with the number of leading coefficients."""
+    zero: dict[Any, int] = {}
+    for contact, regime in zip(system.mechanics.contacts, system.chosen(combination), strict=True):
+        zero |= dict.fromkeys(regime.constraints, 1)
+        if isinstance(contact, Stop) and regime.constraints:
+            zero |= zeros_in_contact(system, contact)
+    return zero
 
 
 def _entered(

@@ -77,7 +77,7 @@ def _frozen_modes(modes: Any, place: int) -> Any:
         assert mode is not None  # it is allowed
         return _without_rate(mode, place)
 
-    return ModesOnDemand(modes.parts, derive, modes.allows)
+    return ModesOnDemand(modes.parts, derive, modes.names)
 
 
 def _without_rate(mode: Mode, place: int) -> Mode:

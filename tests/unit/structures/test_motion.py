@@ -13,6 +13,7 @@ from scipy.optimize import linprog
 
 import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
+from frictionlab.tape import packing
 from tests.reference.moreau import RubbingSystem, rubbing_steps
 
 
@@ -313,6 +314,20 @@ def test_a_saved_run_of_a_structure_is_loaded_with_it(tmp_path):
     again = fl.load(tmp_path / "run.npz")
     np.testing.assert_array_equal(again.final_state, run.final_state)
     assert again.source.to_dict() == structure.to_dict()
+
+
+def test_a_run_with_an_integral_lowers_only_the_modes_to_which_it_comes(monkeypatch):
+    structure, lowered, lower = chain(), set(), packing.lower_mode
+    x0 = fl.simulate(structure, 5.0, x0=[0.5, -0.3, 0.4, 0.2, 0.3, 0.0, -0.2, 0.1], progress=False)
+    plain = fl.simulate(structure, 3.0, x0=x0.final_state, progress=False)
+    monkeypatch.setattr(packing, "lower_mode", lambda mode, *a: (lowered.add(mode.name), lower(mode, *a))[1])
+    square = {"square": "q1**2"}
+    run = fl.solve(structure.automaton(), 3.0, x0=x0.final_state, quadratures=square, progress=False)
+    modes: Any = structure.automaton().modes
+    assert lowered - {""} == {*plain.mode, *plain.events.target} < {*modes.derived}
+    np.testing.assert_array_equal(run.final_state, plain.final_state)
+    for name in ("source", "target", "guard", "state"):
+        np.testing.assert_array_equal(getattr(run.events, name), getattr(plain.events, name))
 
 
 def test_near_begins_along_the_least_stable_mode():

@@ -200,3 +200,49 @@ def test_a_stack_comes_to_rest():
         run = fl.simulate(Stack(), 8.0, x0=np.array(start), progress=False)
         assert run.mode[-1] == "contact | contact"
         assert np.abs(run.final_state).max() < 1e-12
+
+
+@pytest.mark.slow(reason="ten balls: some dozens of modes are derived")
+def test_a_column_of_beads_moves_from_impact_to_impact():
+    """The tutorial of Siconos: ten beads 1 m apart, the lowest 10.4 m above the floor, e = 0.9.
+
+    Between impacts distances of beads are linear in time, and that from the floor is a parabola.
+    """
+    names, e, g, t_end = tuple(f"z{i}" for i in range(10)), 0.9, 9.81, 4.0
+
+    @fl.model
+    class Column(fl.MechanicalModel):
+        """Beads above each other."""
+
+        impact: fl.ImpactLaw = fl.RestitutionImpact(e=e)
+        coordinates = names
+
+        def mechanics(self, q, v):
+            z, rates = ([getattr(at, name) for name in names] for at in (q, v))
+            distances = [z[0], *(b - a for a, b in pairwise(z))]
+            return Mechanics(
+                kinetic=sum(u**2 for u in rates) / 2,
+                potential=g * sum(z),
+                contacts=tuple(Stop(one, self.impact) for one in distances),
+            )
+
+    z, v, t, impacts = 10.4 + np.arange(10.0), np.zeros(10), 0.0, []
+    run = fl.simulate(Column(), t_end, x0=np.concatenate([z, v]), progress=False)
+    while True:
+        gaps, closing = np.diff(z), -np.diff(v)
+        waits = np.where(closing > 1e-12, np.maximum(gaps, 0.0) / np.maximum(closing, 1e-12), np.inf)
+        floor = (v[0] + np.sqrt(v[0] ** 2 + 2 * g * max(z[0], 0.0))) / g if z[0] > 1e-12 or v[0] > 0 else 0.0
+        i = int(np.argmin([floor, *waits]))
+        wait = min([floor, *waits][i], t_end - t)
+        z, v, t = z + wait * v - g * wait**2 / 2, v - g * wait, t + wait
+        if t >= t_end:
+            break
+        impacts.append(t)
+        if i == 0:
+            z[0], v[0] = 0.0, -e * v[0]
+        else:
+            mean, half = (v[i - 1] + v[i]) / 2, (v[i - 1] - v[i]) / 2
+            v[i - 1], v[i] = mean - e * half, mean + e * half
+    assert len(impacts) > 50
+    np.testing.assert_allclose(run.events.t, impacts, atol=1e-9)
+    np.testing.assert_allclose(run.final_state, [*z, *v], atol=1e-8)
