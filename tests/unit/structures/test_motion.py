@@ -282,6 +282,47 @@ def test_contacts_that_change_together_change_at_the_first_trial(seed):
     np.testing.assert_allclose(by_steps, run.final_state, atol=2e-6)
 
 
+def struck_at_once(seed: int) -> tuple[fl.Structure, np.ndarray]:
+    """A structure on two to four contacts, more or fewer than its freedoms, which all close at 0.5 s."""
+    rng = np.random.default_rng(seed)
+    n, contacts, e = int(rng.integers(2, 6)), int(rng.integers(2, 5)), float(rng.uniform())
+    v, shape = rng.standard_normal(n), rng.standard_normal((n, n))
+    normal, tangent = rng.standard_normal((2, contacts, n))
+    laws = fl.PlasticImpact("full"), fl.RestitutionImpact(e=e), fl.FrictionalImpact(e=e, mu_i=0.4)
+    normal *= np.sign(normal @ v)[:, None]
+    pads = fl.SlidingContacts(
+        tangent,
+        normal,
+        contact=fl.LinearContact(k2=1e3),
+        friction=fl.Coulomb(mu_k=0.3, mu_s=0.5),
+        impact=laws[seed % len(laws)],
+        v=0.0,
+    )
+    M = np.eye(n) + 0.3 * shape @ shape.T
+    return fl.Structure((M + M.T) / 2, np.zeros((n, n)), contacts=pads), np.concatenate([-0.5 * v, v])
+
+
+@pytest.mark.slow(reason="200 structures are derived")
+def test_energy_never_grows_at_contacts_that_close_together():
+    together = 0
+    for seed in range(200):
+        structure, x0 = struck_at_once(seed)
+        n, M = structure.size, structure.M.at(structure.parameters).toarray()
+        normal = structure.contacts[0].normal.toarray()
+
+        def energies(x: np.ndarray, n: int = n, M: np.ndarray = M, normal: np.ndarray = normal) -> Any:
+            depth = np.maximum(x[:, :n] @ normal.T, 0.0)
+            return np.einsum("ij,jk,ik->i", x[:, n:], M, x[:, n:]) / 2 + 5e2 * (depth**2).sum(axis=1)
+
+        run = fl.simulate(structure, 0.6, x0=x0, progress=False)
+        (start,), (end,) = energies(x0[None]), energies(run.final_state[None])
+        assert run.status.ok
+        assert (energies(run.events.state) - energies(run.events.before) <= 1e-12 * start).all()
+        assert end <= start * (1 + 1e-10)
+        together += int((np.abs(run.events.t - 0.5) < 1e-12).sum() > 1)
+    assert together > 20  # of the others the first impact opens what else closes
+
+
 def test_values_of_parameters_derive_nothing():
     structure = chain()
     modes = structure.automaton().modes
