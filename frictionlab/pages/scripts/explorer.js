@@ -241,10 +241,11 @@ class Explorer {
     if (dragging) this.settled = setTimeout(() => { this.showState(); this.ask(false); }, 250);
     this.dragging = dragging;
     if (!dragging && this.took > BUSY_AFTER) this.busy.hidden = false; // a page stands still while it computes
-    this.request ??= requestAnimationFrame(() => setTimeout(() => { // when that has been painted
+    const go = () => {
       this.request = null;
       this.compute(this.dragging);
-    }));
+    };
+    this.request ??= requestAnimationFrame(() => (this.busy.hidden ? go() : setTimeout(go))); // once that is painted
   }
 
   compute(dragging) {
