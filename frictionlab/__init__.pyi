@@ -203,11 +203,11 @@ from .structures.disc_brake import AnnularPlate as AnnularPlate
 from .structures.disc_brake import DiscBrake as DiscBrake
 from .structures.matrix_files import read_freedoms as read_freedoms
 from .structures.matrix_files import read_matrix as read_matrix
-from .structures.reduction import ReducedStructure as ReducedStructure
 from .structures.reduction import reduce as reduce
 from .structures.sliding_contacts import SlidingContacts as SlidingContacts
 from .structures.sliding_contacts import relative_rows as relative_rows
 from .structures.sliding_equilibrium import SlidingEquilibrium as SlidingEquilibrium
+from .structures.structure import ReducedStructure as ReducedStructure
 from .structures.structure import Structure as Structure
 from .structures.window_eigenvalues import WindowEigenvalues as WindowEigenvalues
 from .widgets.explorer import Explorer as Explorer

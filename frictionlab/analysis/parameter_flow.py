@@ -345,5 +345,6 @@ def _with_rates(
 @lru_cache(maxsize=64)
 def _in_exponents(modes: tuple[Mode, ...], chosen: tuple[Any, ...]) -> bool:
     """Whether an exponent in a flow depends on one of the parameters."""
-    powers = (power for mode in modes for rate in mode.flow for power in sympy.sympify(rate).atoms(sympy.Pow))
+    rates = (sympy.sympify(rate, strict=True) for mode in modes for rate in mode.flow)
+    powers = (power for rate in rates for power in rate.atoms(sympy.Pow))
     return any(not power.exp.free_symbols.isdisjoint(chosen) for power in powers)

@@ -13,7 +13,7 @@ import re
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -86,10 +86,7 @@ def read_run_file(path: str | Path) -> StoredRun:
     path = check_path("path", path)
     content = io.BytesIO(read_file(path, "give a file that run.save(path) wrote"))
     try:
-        with zipfile.ZipFile(content) as file:
-            # each is read whole, so that its checksum is compared before numpy reads its content
-            arrays = {name.removesuffix(".npy"): _array(file.read(name)) for name in file.namelist()}
-        about = json.loads(str(arrays.pop("about")))
+        about = json.loads(str(_arrays(content, ["about.npy"])["about"]))
         form, version = about.get("format"), about.get("version")
     except DAMAGED as error:
         raise ValueError(f"{path} is no saved run: write one with run.save(path)") from error
@@ -99,14 +96,23 @@ def read_run_file(path: str | Path) -> StoredRun:
             f"with frictionlab {str(version)[:20]}"
         )
     try:
+        arrays = _arrays(content)
+        del arrays["about"]
         check_arrays(about, arrays)
-    except (ValueError, TypeError, LookupError) as error:
+    except (*DAMAGED, LookupError) as error:
         raise ValueError(f"{path} is damaged, {error!r}: {CURE}") from error
     return StoredRun(path, about, arrays)
 
 
-def _array(content: bytes) -> np.ndarray:
-    return np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
+def _arrays(content: io.BytesIO, names: Sequence[str] | None = None) -> dict[str, np.ndarray]:
+    """Some arrays of a file, by default all."""
+    with zipfile.ZipFile(content) as file:
+        # Each is read whole, so that its checksum is compared before numpy reads its content.
+        parts = {name: io.BytesIO(file.read(name)) for name in names or file.namelist()}
+    return {
+        name.removesuffix(".npy"): np.lib.format.read_array(part, allow_pickle=False)
+        for name, part in parts.items()
+    }
 
 
 def rates_by_mode(problem: Problem, raw: RunData) -> dict[str, list[float]]:

@@ -12,19 +12,21 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from itertools import islice, product
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 
-from frictionlab.structures.parametric_matrix import ParametricMatrix
+from frictionlab.stability.large_system import LargeSystem
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
-from frictionlab.structures.structure import Structure
 from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum
 from frictionlab.validation import abbreviate, check_limits, check_mapping, check_number, explains_keywords
+
+if TYPE_CHECKING:
+    from frictionlab.structures.structure import ReducedStructure, Structure
 
 Array = NDArray[np.float64]
 Point = Mapping[str, float]  # values of some parameters
@@ -89,81 +91,6 @@ def _is_slow(structure: Structure, values: Any) -> Any:
     )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ReducedStructure(Structure):
-    """A structure of r freedoms, whose displacements are those of a large one in the span of a basis.
-
-    It is made by :func:`reduce`.  Parameters, contacts and load are those of the large structure.
-
-    Parameters
-    ----------
-    full : Structure
-        The large one, with n freedoms.
-    basis : array (n, r)
-        Orthonormal: ``basis @ q`` are the displacements of the large structure.
-    error : float
-        Largest error of its eigenvalues, as a share, at and between samples of the large structure's; NaN
-        where it was not measured.
-    """
-
-    full: Structure = field(kw_only=True)
-    basis: Array = field(kw_only=True)
-    error: float = field(kw_only=True, default=np.nan)
-
-    @classmethod
-    def of(cls, full: Structure, basis: Array, error: float = np.nan) -> Self:
-        """The projection on a basis (n, r), real and orthonormal."""
-        small = object.__new__(cls)  # what is right of the large structure is right of its projection
-        for each in fields(Structure):
-            part = getattr(full, each.name)
-            if isinstance(part, ParametricMatrix):
-                part = part.projected(basis)
-            elif each.name == "contacts":
-                part = tuple(one.projected(basis) for one in part)
-            object.__setattr__(small, each.name, part)
-        for name, value in (("full", full), ("basis", basis), ("error", error)):
-            object.__setattr__(small, name, value)
-        return small
-
-    def replace(self, /, **changes: Any) -> Self:
-        """The structure with other values of parameters, or another window."""
-        for name in changes:
-            if name not in self.parameters and name not in ("parameters", "window"):
-                raise ValueError(
-                    f"only parameters and window of a reduced structure can be replaced, got {name!r}: "
-                    "change the large structure, and reduce it again"
-                )
-        return super().replace(**changes)
-
-    def error_estimates(self) -> Array:
-        """Estimated distances (m,) of ``eigenvalues(self).values`` from those of the large structure, 1/s.
-
-        By so much they move where responses of the large structure to what the modes leave in its equations
-        join the basis.
-        """
-        found = self.find_eigenvalues()
-        pencil = self._full_pencil()
-        upper = found.values.imag >= 0.0
-        left_over = pencil.products(found.values[upper], self.basis @ found.vectors[: self.size, upper])
-        solve = factorised(pencil.at(RESPONSE_SHARE * np.abs(found.values).max()).real.tocsc())
-        if solve is None:
-            return np.full(len(found.values), np.nan)
-        responses = solve(np.hstack([left_over.real, left_over.imag]))
-        responses /= np.maximum(np.linalg.norm(responses, axis=0), np.finfo(float).tiny)
-        wider = extended(self.basis, responses, EXACT)
-        parts = (sparse.csc_array(wider.T @ (part @ wider)) for part in pencil.parts)
-        moved = dense_spectrum(QuadraticPencil(*parts)).values
-        return np.abs(found.values[:, None] - moved).min(axis=1)
-
-    def _full_pencil(self) -> QuadraticPencil:
-        """That of the large structure, with contact forces as here."""
-        there = self.full.at_values(self.parameters)
-        return there.with_contacts(there.structural_pencil, self.contact_forces)
-
-    def __repr__(self) -> str:
-        return super().__repr__().replace("(", f"({self.full.size} freedoms to ", 1)
-
-
 @explains_keywords
 def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> ReducedStructure:
     """A structure of few freedoms that has the modes of a large one in its window of frequencies.
@@ -211,7 +138,7 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
     >>> bool(np.allclose(fl.eigenvalues(small).values, fl.eigenvalues(chain).values))
     True
     """
-    if not isinstance(structure, Structure):
+    if not isinstance(structure, LargeSystem):
         raise TypeError(f"structure must be a fl.Structure, got {abbreviate(structure)}: give one")
     tol = check_number("tol", tol, least=LEAST_TOL, most=MOST_TOL)
     if structure.window is None:
@@ -235,6 +162,27 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
     between = list(islice(_points(box), len(samples), 2 * len(samples))) if box else []
     samples = _with_samples_between(structure, samples, between, tol)
     return _smallest(structure, samples, between, max(tol, error))
+
+
+def estimated_errors(small: ReducedStructure) -> Array:
+    """Estimated distances (m,) of eigenvalues from those of the large structure, 1/s.
+
+    By so much they move where responses of the large structure to what the modes leave in its equations
+    join the basis.
+    """
+    known, full = small.find_eigenvalues(), small.full.at_values(small.parameters)
+    pencil = full.with_contacts(full.structural_pencil, small.contact_forces)
+    upper = known.values.imag >= 0.0
+    left_over = pencil.products(known.values[upper], small.basis @ known.vectors[: small.size, upper])
+    solve = factorised(pencil.at(RESPONSE_SHARE * np.abs(known.values).max()).real.tocsc())
+    if solve is None:
+        return np.full(len(known.values), np.nan)
+    responses = solve(np.hstack([left_over.real, left_over.imag]))
+    responses /= np.maximum(np.linalg.norm(responses, axis=0), np.finfo(float).tiny)
+    wider = extended(small.basis, responses, EXACT)
+    parts = (sparse.csc_array(wider.T @ (part @ wider)) for part in pencil.parts)
+    moved = dense_spectrum(QuadraticPencil(*parts)).values
+    return np.abs(known.values[:, None] - moved).min(axis=1)
 
 
 def _with_samples_between(
@@ -266,10 +214,10 @@ def _smallest(
     """
     vectors, sizes = proper_orthogonal(structure, samples)
     fixed = contact_responses(structure)
-    full = ReducedStructure.of(structure, extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
+    full = structure.projected(extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
     known = [*samples, *(Sample.of(full, point) for point in between)]
     for share in LEFT_OUT:
-        small = ReducedStructure.of(structure, extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
+        small = structure.projected(extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
         error = 0.0
         for one in known:
             error = max(error, error_at(small, one))
@@ -277,13 +225,13 @@ def _smallest(
                 break
         else:
             break
-    return ReducedStructure.of(structure, small.basis, error)
+    return structure.projected(small.basis, error)
 
 
 def reduced(structure: Structure, samples: Sequence[Sample], left_out: float = CLOSE) -> ReducedStructure:
     """The structure in the span of the modes at samples, but for what they have little of."""
     vectors, sizes = proper_orthogonal(structure, samples)
-    return ReducedStructure.of(structure, vectors[:, sizes > left_out * sizes.max(initial=0.0)])
+    return structure.projected(vectors[:, sizes > left_out * sizes.max(initial=0.0)])
 
 
 def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
 from types import MappingProxyType
@@ -362,6 +362,20 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         """The structure with another window, which is right."""
         return self._copied(window=window)
 
+    def projected(self, basis: Array, error: float = np.nan) -> ReducedStructure:
+        """The projection on a basis (n, r), real and orthonormal."""
+        small = object.__new__(ReducedStructure)  # what is right of this one is right of its projection
+        for each in fields(Structure):
+            part = getattr(self, each.name)
+            if isinstance(part, ParametricMatrix):
+                part = part.projected(basis)
+            elif each.name == "contacts":
+                part = tuple(one.projected(basis) for one in part)
+            object.__setattr__(small, each.name, part)
+        for name, value in (("full", self), ("basis", basis), ("error", error)):
+            object.__setattr__(small, name, value)
+        return small
+
     def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
         """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
         count = max(np.size(values) for values in changes.values())
@@ -591,3 +605,48 @@ def _least_eigenvalue(mass: Matrix, scales: Array) -> tuple[float, int]:
         lanczos: Any = sparse_linalg.eigsh  # its stub takes an integer for the tolerance
         values, vectors = lanczos(scaled, k=1, which="SA", tol=LANCZOS_TOL, v0=start)
     return float(values[0]), int(np.abs(vectors[:, 0]).argmax())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ReducedStructure(Structure):
+    """A structure of r freedoms, whose displacements are those of a large one in the span of a basis.
+
+    It is made by :func:`reduce`.  Parameters, contacts and load are those of the large structure.
+
+    Parameters
+    ----------
+    full : Structure
+        The large one, with n freedoms.
+    basis : array (n, r)
+        Orthonormal: ``basis @ q`` are the displacements of the large structure.
+    error : float
+        Largest error of its eigenvalues, as a share, at and between samples of the large structure's; NaN
+        where it was not measured.
+    """
+
+    full: Structure = field(kw_only=True)
+    basis: Array = field(kw_only=True)
+    error: float = field(kw_only=True, default=np.nan)
+
+    def replace(self, /, **changes: Any) -> Self:
+        """The structure with other values of parameters, or another window."""
+        for name in changes:
+            if name not in self.parameters and name not in ("parameters", "window"):
+                raise ValueError(
+                    f"only parameters and window of a reduced structure can be replaced, got {name!r}: "
+                    "change the large structure, and reduce it again"
+                )
+        return super().replace(**changes)
+
+    def error_estimates(self) -> Array:
+        """Estimated distances (m,) of ``eigenvalues(self).values`` from those of the large structure, 1/s.
+
+        By so much they move where responses of the large structure to what the modes leave in its equations
+        join the basis.
+        """
+        from frictionlab.structures.reduction import estimated_errors
+
+        return estimated_errors(self)
+
+    def __repr__(self) -> str:
+        return super().__repr__().replace("(", f"({self.full.size} freedoms to ", 1)

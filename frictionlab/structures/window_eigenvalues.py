@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,10 +56,7 @@ class WindowEigenvalues(Eigenvalues):
     @property
     def structure(self) -> Structure:
         """The structure whose eigenvalues they are."""
-        from frictionlab.structures.structure import Structure
-
-        assert isinstance(self.equilibrium.model, Structure)
-        return self.equilibrium.model
+        return cast("Structure", self.equilibrium.model)
 
     @cached_property
     def left_vectors(self) -> ComplexArray:

@@ -66,7 +66,9 @@ def _jumps(function: Expr, reset: Reset, surface: Mapping[Any, Expr]) -> bool:
     This is exact, and quicker than multiplying out.  Each symbol is a different integer there.
     """
     given = [function, *reset.jump.values(), *surface.values()]
-    symbols = sorted(set().union(*(sp.sympify(one).free_symbols for one in given), reset.jump), key=str)
+    symbols = sorted(
+        set().union(*(sp.sympify(one, strict=True).free_symbols for one in given), reset.jump), key=str
+    )
     try:
         place = dict(zip(symbols, map(interval, map(float, range(3, 3 + len(symbols))))))
         for known in (surface, reset.jump):

@@ -159,7 +159,7 @@ def test_a_small_file_that_takes_a_large_memory_is_refused_before(tmp_path):
     )
     tracemalloc.start()
     try:
-        with pytest.raises(ValueError, match=r"bomb.npz would take 0.16 GB of memory"):
+        with pytest.raises(ValueError, match=r"bomb.npz has format None, this version reads"):
             fl.load(tmp_path / "bomb.npz")
         assert tracemalloc.get_traced_memory()[1] < 20e6
     finally:

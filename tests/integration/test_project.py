@@ -166,9 +166,9 @@ def test_no_text_is_run_as_python():
     assert len(parsers) > 10
     assert [(name, text) for name, text in parsers if not text.endswith(", strict=True)")] == []
     runs = {(name, function) for name, function, _ in named if function in ("eval", "exec")}
-    # A law's own repr in its check; the call of a kernel with the names of its own arguments, where kernels
-    # are compiled ahead of time.
-    assert runs == {("testing.py", "eval"), ("flat_functions.py", "exec")}
+    # A law's own repr in its check; the annotations of a model's class, which are its author's code; the call
+    # of a kernel with the names of its own arguments, where kernels are compiled ahead of time.
+    assert runs == {("testing.py", "eval"), ("composition.py", "eval"), ("flat_functions.py", "exec")}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.name)

@@ -20,12 +20,12 @@ from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
+from .massless_motions import SEED, motion_without_energy
+
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 Array = NDArray[np.float64]
-LEAST_SHARE = 1e-13  # of the masses of its coordinates; the energy of a motion below it is a rounding error
-SEED = 37  # of the places at which masses that depend on place are looked at
 # Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
 PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
 SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
@@ -152,18 +152,3 @@ def _signs(known: Mapping[str, Parameter]) -> dict[Any, Any]:
         elif about.minimum == 0:
             signs[symbol(name)] = sympy.Dummy(name, nonnegative=True)
     return signs
-
-
-def motion_without_energy(mass: NDArray[np.float64], least: float = -np.inf) -> list[int]:
-    """The coordinates of a motion whose energy, as a share of that of its parts, is zero to rounding.
-
-    From `least` on; so a motion of negative energy counts by default.
-    """
-    size = np.sqrt(np.abs(np.diag(mass)))
-    if not size.all():
-        return [int(i) for i in np.flatnonzero(size == 0.0)]
-    shares, motions = np.linalg.eigh(mass / size[:, None] / size)
-    if not least <= shares[0] <= LEAST_SHARE * len(mass):
-        return []
-    part = np.abs(motions[:, 0])
-    return [int(i) for i in np.flatnonzero(part > part.max() * 1e-6)]

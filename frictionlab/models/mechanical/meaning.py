@@ -21,7 +21,7 @@ from frictionlab.validation import abbreviate, did_you_mean_or_known
 from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .friction_in_plane import check_directions, check_plane
-from .masses import LEAST_SHARE, SEED, motion_without_energy
+from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ class _Check:
             (law.kinetic(force, speed), law.kinetic(sympy.S.One, speed)),
             (law.static_limit(force), law.static_limit(sympy.S.One)),
         ):
-            if expand_products(sympy.sympify(given - force * one)) != 0:
+            if expand_products(given - force * one) != 0:
                 raise ValueError(
                     f"friction of a Stop of {self.of} must be proportional to F_N, got {given}: {cure}"
                 )
