@@ -169,6 +169,13 @@ def names_of_parts(parts: Parts, allows: Callable[[Combination], bool]) -> ModeN
     return ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
 
 
+def has_regime(names: Sequence[str], regime: str) -> bool:
+    """Whether a contact has a regime in some mode; many modes are not gone through one by one."""
+    if isinstance(names, ModeNames):
+        return names.has_regime(regime)
+    return any(regime in name.split(JOINT) for name in names)
+
+
 class KnownModes(NamedTuple):
     """Modes derived so far, the combination of each, and combinations found not to be modes."""
 

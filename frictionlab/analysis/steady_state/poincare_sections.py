@@ -12,7 +12,7 @@ import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.modes_on_demand import JOINT, ModeNames
+from frictionlab.automaton.modes_on_demand import JOINT, has_regime
 from frictionlab.hybrid.run_events import SectionPoints
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.tape.arguments import read_expression
@@ -122,19 +122,12 @@ def section_function(automaton: HybridAutomaton, section: Section) -> dict[str, 
         no contact has that mode.
     """
     if isinstance(section, str) and section == STICK:
-        if not _can_stick(automaton.names):
+        if not has_regime(automaton.names, STICK):
             modes = ", ".join(automaton.names)
             raise ValueError(f"section 'stick' needs a mode of that name, got {modes}: leave it out")
         return {}
     text, direction = check_section_form(section)
     return {"section": (read_expression(automaton, text, "section"), direction)}
-
-
-def _can_stick(names: Any) -> bool:
-    """Whether a contact sticks in some mode; of many contacts, modes are not gone through one by one."""
-    return (
-        names.has_regime(STICK) if isinstance(names, ModeNames) else any(STICK in _regimes(n) for n in names)
-    )
 
 
 def check_section_form(section: Any) -> tuple[str, int]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import has_regime
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
@@ -147,7 +148,9 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     search = first_mode_equilibria(automaton, sliding)
     got = "none was found" if search.why else "got none"
     unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
-    left = [] if automaton.on_demand else [name for name in automaton.names if name not in modes]
+    left = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
+    if automaton.on_demand and has_regime(automaton.names, "stick"):
+        left = ["stick of any contact"]
     left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
@@ -263,28 +266,32 @@ class Equilibria(tuple[Equilibrium, ...]):
     members : iterable of Equilibrium
     why : str
         Why others cannot be excluded; empty where it is known that there are none.
+    left_out : str
+        What was not searched, such as "stick"; empty if nothing.
     """
 
     why: str
+    left_out: str
 
-    def __new__(cls, members: Iterable[Equilibrium], why: str = "") -> Equilibria:
+    def __new__(cls, members: Iterable[Equilibrium], why: str = "", left_out: str = "") -> Equilibria:
         self = super().__new__(cls, members)
-        self.why = why
+        self.why, self.left_out = why, left_out
         return self
 
     @property
     def complete(self) -> bool:
-        """Whether it is known that there are no others."""
+        """Whether it is known that there are no others, but for what was left out."""
         return not self.why
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Equilibria, (tuple(self), self.why)
+        return Equilibria, (tuple(self), self.why, self.left_out)
 
     def __repr__(self) -> str:
         listed = shorten(map(repr, self))
+        where = f" without {self.left_out}" if self.left_out else ""
         if self.complete:
-            return f"Equilibria({listed or 'none exists'})"
-        return f"Equilibria({listed or 'none was found'}, others are not excluded: {self.why})"
+            return f"Equilibria({listed or f'none exists{where}'})"
+        return f"Equilibria({listed or f'none was found{where}'}, others are not excluded: {self.why})"
 
 
 def equilibria(model: ModelOrAutomaton) -> Equilibria:
@@ -314,7 +321,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     -------
     Equilibria
         A tuple of Equilibrium, with `complete`: whether it is known that there are no others, from 1e-30 to
-        1e30 in size; and `why` it is not.  An empty one says "none exists" or "none was found".
+        1e30 in size; and `why` it is not.  An empty one says "none exists" or "none was found",
+        and "without stick" where modes with stick are left out.
 
     Raises
     ------
@@ -395,7 +403,8 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
     )
     last = searched[-1]
     unsearched = f"modes after {last.mode.name} are not searched" if has_many_modes(automaton) else ""
-    return Equilibria(members, last.why or (unsearched if last.points.size else ""))
+    left_out = "stick" if is_sliding(model) and has_regime(automaton.names, "stick") else ""
+    return Equilibria(members, last.why or (unsearched if last.points.size else ""), left_out)
 
 
 def _newton_residual(flow: Flow, x: Array, values: Sequence[float]) -> float:

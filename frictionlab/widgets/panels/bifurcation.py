@@ -63,9 +63,10 @@ class SteadyStatePoints(NamedTuple):
 
 
 class UnsettledMotion(NamedTuple):
-    """A motion that has not settled: the state (2n,) from which it goes on, and how often it was extended."""
+    """A motion that has not settled: the state (2n,) and mode from which it goes on, and its extensions."""
 
     final: list[float]
+    mode: str
     times: int
 
 
@@ -150,7 +151,7 @@ class ProgressiveSweep:
         longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options.window
         options = replace(self.options, transient=0.0, t_max=longest)
         models = [self.model.replace(**{self.parameter: value}) for value in values]
-        starts = [np.array(self.unsettled[value].final) for value in values]
+        ends = [self.unsettled[value] for value in values]
         names = [f"{self.parameter} = {value:g}" for value in values]
 
         def keep(i: int, result: Any) -> None:
@@ -158,7 +159,7 @@ class ProgressiveSweep:
 
         run_tasks(
             steady_state_task,
-            [(m, start, options) for m, start in zip(models, starts)],
+            [(m, np.array(end.final), options, end.mode) for m, end in zip(models, ends)],
             keep=keep,
             name=names.__getitem__,
         )
@@ -167,7 +168,7 @@ class ProgressiveSweep:
         self.steady_states[value] = _points(result)
         self.unsettled.pop(value, None)
         if result["kind"] == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
-            self.unsettled[value] = UnsettledMotion(result["final"], times)
+            self.unsettled[value] = UnsettledMotion(result["final"], result["mode"], times)
 
 
 def _points(result: Mapping[str, Any]) -> SteadyStatePoints:

@@ -10,6 +10,7 @@ from scipy.special import ellipk
 
 import frictionlab as fl
 from frictionlab.analysis.orbits.pseudo_arclength import with_parameter_as_state
+from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
 from tests.helpers.cases import slow_but
 from tests.helpers.known_motions import FLAT, TILTED, W, bistable
@@ -340,6 +341,7 @@ def test_gears_that_sines_couple_close_after_a_turn_of_one_and_a_part_of_one_of_
 def test_continuation_of_many_contacts_derives_no_mode_in_advance():
     automaton = fl.BeamOnBelt(3, nodes=(1, 2, 3), angle=0.0).automaton()
     modes = with_parameter_as_state(automaton, "mu_k").modes
+    assert isinstance(modes, ModesOnDemand)
     assert modes.derived == ()
     assert len(modes.named("slip+ | slip+ | stick").flow) == len(automaton.states) + 1
     assert modes.derived == ("slip+ | slip+ | stick",)

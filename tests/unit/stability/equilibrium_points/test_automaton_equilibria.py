@@ -320,3 +320,9 @@ def test_symbols_of_states_need_not_be_declared_real():
     """x'' = 1 - |x| - x' rests at 1 and -1."""
     found = fl.equilibria(automaton((V, 1 - abs(X) - V)))
     assert sorted(one.state[0] for one in found) == [-1.0, 1.0]
+
+
+def test_where_none_exists_it_is_said_that_stick_is_left_out():
+    assert repr(fl.equilibria(fl.MassOnBelt(v=0.0))) == "Equilibria(none exists without stick)"
+    with pytest.raises(ValueError, match=r"none in .*stick has none that is a single point"):
+        fl.equilibrium(fl.MassOnBelt(v=0.0))
