@@ -41,6 +41,16 @@ Row = tuple[Any, ...]
 # How numpy, math and sympy begin their errors where a number is wanted of a symbol.
 NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
 
+# Cofactors of more rows have too many terms: 24 in a determinant of 4.
+MOST_ROWS_BY_COFACTORS = 3
+
+
+def _inverse_by_cofactors(mass: Any) -> Any:
+    """M^-1 = adj(M) / det(M), where no entry is simplified: sympy takes seconds over sines and cosines."""
+    symbols = {entry: sympy.Symbol(f"M_{i}") for i, entry in enumerate(mass) if entry}
+    bare = mass.applyfunc(lambda entry: symbols.get(entry, entry))
+    return (bare.adjugate() / bare.det()).xreplace({one: entry for entry, one in symbols.items()})
+
 
 def _remembered(method: Any) -> Any:
     """Cache the results of a method of one contact in its system."""
@@ -86,7 +96,10 @@ class LagrangeSystem:
         """M^-1."""
         if self.coupled is not None:
             return sympy.Matrix(self.coupled.inverse) / self.coupled.scale
-        return sympy.diag(*(1 / m for m in self.masses)) if self.masses else self.mass.inv()
+        if self.masses:
+            return sympy.diag(*(1 / m for m in self.masses))
+        turns = bool(self.mass.free_symbols & set(self.q)) and self.mass.rows <= MOST_ROWS_BY_COFACTORS
+        return _inverse_by_cofactors(self.mass) if turns else self.mass.inv()
 
     @cached_property
     def coupled(self) -> CoupledMasses | None:

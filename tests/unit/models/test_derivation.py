@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy
 
+import frictionlab as fl
 from frictionlab.components import (
     FixedLoad,
     PlasticImpact,
@@ -239,3 +240,40 @@ def test_restitution_reverses_the_gap_rate(state):
     x1, _, x2, _, phi, dx1, dy1, dx2, dy2, dphi = state
     before = dy2 - (x1 - x2) * dphi - dy1 - (dx1 - dx2) * phi
     assert rates_after(model, recontact(model).reset, state)[1] == pytest.approx(-0.4 * before)
+
+
+@fl.model
+class TwoArms(fl.MechanicalModel):
+    """A double pendulum by its angles from the vertical."""
+
+    m1: float = 1.2
+    m2: float = 0.7
+    l1: float = 0.9
+    l2: float = 0.6
+    g: float = 9.81
+    coordinates = ("a", "b")
+
+    def mechanics(self, q, v):
+        cos, sin = fl.functions.cos, fl.functions.sin
+        x = self.l1 * cos(q.a) * v.a + self.l2 * cos(q.b) * v.b
+        y = self.l1 * sin(q.a) * v.a + self.l2 * sin(q.b) * v.b
+        height = -(self.m1 + self.m2) * self.l1 * cos(q.a) - self.m2 * self.l2 * cos(q.b)
+        return Mechanics(
+            kinetic=self.m1 * (self.l1 * v.a) ** 2 / 2 + self.m2 * (x**2 + y**2) / 2,
+            potential=self.g * height,
+        )
+
+
+def test_masses_that_turn_are_inverted_as_numbers_are():
+    """Accelerations of a double pendulum by its textbook equations, solved by numpy."""
+    p, (a, b, va, vb) = TwoArms(), (0.7, -1.1, 2.0, -3.0)
+    automaton = p.automaton()
+    c, s = p.m2 * p.l1 * p.l2 * np.cos(a - b), p.m2 * p.l1 * p.l2 * np.sin(a - b)
+    mass = [[(p.m1 + p.m2) * p.l1**2, c], [c, p.m2 * p.l2**2]]
+    loads = [
+        -s * vb**2 - (p.m1 + p.m2) * p.g * p.l1 * np.sin(a),
+        s * va**2 - p.m2 * p.g * p.l2 * np.sin(b),
+    ]
+    state = [a, b, va, vb, *[0.0] * (len(automaton.states) - 4)]
+    accelerations = numbers(automaton, automaton.modes[0].flow[2:4], state)
+    np.testing.assert_allclose(accelerations, np.linalg.solve(mass, loads), rtol=1e-13)
