@@ -135,7 +135,7 @@ def friction_data(result: Result) -> Data | None:
     """The friction curve: speeds and coefficients; None without a law that is a curve.
 
     ``at`` holds the speed of steady sliding, the coefficient and its slope (s/m) there, and the damper
-    (N s/m) that has the same force; None where several contacts slide, each at its own speed.
+    (N s/m) that has the same force; None where several contacts have the law, each with a speed of its own.
     """
     model, automaton = result.model, result.model.automaton()
     if not has_friction_curve(model):
@@ -144,7 +144,7 @@ def friction_data(result: Result) -> Data | None:
     values, known = tuple(automaton.values.values()), result.eigenvalues
     point = None if known is None else known.equilibrium
     last = max((model.parameters[speed] for speed, _ in friction_points(model) if speed), default=0.0)
-    if point is None or "relative_velocity" not in automaton.modes[0].outputs:
+    if point is None or "relative_velocity" not in automaton.outputs:  # one curve, but several contacts
         speeds = np.linspace(0.0, FRICTION_REACH * (last or 1.0), FRICTION_SAMPLES)
         return {"speeds": packed(speeds), "mu": packed(formulas.arrays(speeds, 1.0, *values)[0]), "at": None}
     names, normal = [mode.name for mode in automaton.modes], point.normal_force

@@ -106,8 +106,9 @@ class BrowserEngine {
     const speeds = structure.points.filter(([speed]) => speed).map(([speed]) =>
       values[structure.parameters.indexOf(speed)]);
     const { names, functions } = structure.outputs, outputs = known && functions[known.sliding.mode](known.z, values);
-    const sliding = known && { speed: Math.abs(outputs[names.indexOf("relative_velocity")]),
-      normalForce: outputs[names.indexOf("normal_force")] };
+    const one = known && names.includes("relative_velocity"); // several contacts of one law have speeds of their own
+    const sliding = one ? { speed: Math.abs(outputs[names.indexOf("relative_velocity")]),
+      normalForce: outputs[names.indexOf("normal_force")] } : null;
     return frictionCurve(structure.friction, Math.max(0, ...speeds), sliding, values);
   }
 

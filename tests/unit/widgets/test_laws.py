@@ -23,6 +23,13 @@ def test_parameters_follow_the_law_and_shared_values_stay():
     assert explorer.model == fl.MassOnBelt(c=0.1, mu_k=0.4)
 
 
+def test_a_law_of_several_contacts_has_a_curve_without_a_speed_of_sliding():
+    explorer = fl.explore(fl.TwoBlocks(), panels=["friction"])
+    assert explorer.widget.error == ""
+    assert explorer.result.eigenvalues is not None
+    assert explorer.widget.picture["friction"]["at"] is None
+
+
 def test_a_law_of_ones_own_is_in_the_menu():
     model = fl.SliderOnBelt(contact=fl.LinearContact(), impact=fl.PlasticImpact("full"))
     menus = law_menus(model)
