@@ -148,6 +148,7 @@ class Explorer:
             self.scheduler.request_later()
 
     def _update(self) -> None:
+        asked = self.widget.state
         try:
             model = chosen_model(self.start_model, self.controls)
             settings = chosen_settings(model, self.controls)
@@ -173,7 +174,9 @@ class Explorer:
         self.updates += 1
         self.widget.run = result.run if picture.get("samples") else None
         with self.widget.hold_sync():
-            self.widget.error, self.widget.picture, self.widget.state = "", picture, self.values()
+            self.widget.error, self.widget.picture = "", picture
+            if self.widget.state == asked:  # else the browser has moved on, and an update follows
+                self.widget.state = self.values()
         if self.progress and (self.widget.shown or not has_event_loop()):
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
