@@ -46,8 +46,7 @@ pytestmark = pytest.mark.browser
 ROOT = ".fl-explorer"
 SIZES = {390: 844, 1280: 800, 1920: 1080}
 LIBRARY = {each.name: each for each in library_scenes()}
-AT_ONCE = "two fates", "MassOnBelt()", "BouncingBall()"
-PLACES = [pytest.param("page"), pytest.param("app"), pytest.param("notebook", marks=pytest.mark.slow)]
+AT_ONCE = "two fates", "BouncingBall()"
 READS = "([name, text]) => document.querySelector(`.fl-control.fl-${name} .fl-field`)?.value === text"
 SAYS = "([of, text]) => document.querySelector(of)?.innerText.includes(text)"
 
@@ -169,7 +168,13 @@ def slider(place):
     return place
 
 
-everywhere = pytest.mark.parametrize("place", PLACES, indirect=True, scope="module")
+def places(*at_once):
+    """Of page, app and notebook some at once; all others are slow, and show the same front end."""
+    cases = slow_but(at_once, {name: name for name in ("page", "app", "notebook")})
+    return pytest.mark.parametrize("place", cases, indirect=True, scope="module")
+
+
+everywhere = places("page")
 
 
 def open_all(page):
@@ -195,7 +200,7 @@ ROUND_TRIP = """async (root) => {
 }"""
 
 
-@everywhere
+@places("page", "app")
 @pytest.mark.parametrize("name", slow_but(AT_ONCE, LIBRARY))
 def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipped(
     place, name, axe, tmp_path
