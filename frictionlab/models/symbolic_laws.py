@@ -11,20 +11,17 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache, wraps
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, StructureKey, parameters_of, structure_of
 from frictionlab.lazy_names import sympy
+from frictionlab.models.symbols import parameter_symbols, symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
 from frictionlab.validation import abbreviate
 
 from .kept_structures import derivations_of
-
-if TYPE_CHECKING:
-    pass
-from frictionlab.models.symbols import parameter_symbols, symbol
 
 LAW_METHODS = (
     "force",
