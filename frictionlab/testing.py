@@ -6,27 +6,24 @@
 
 `check_law` checks a law by itself: its forces have the right signs; it gives the same values for numbers,
 arrays and symbols; its parameters have a meaning and a range; its repr and its dictionary make it again.
-`check_model` checks a model's parameters, its equations, and a motion, which must keep the rules of friction
-and unilateral contact, and Lagrange's equations by differences of the energies in numbers.
+`check_model` checks a model's parameters, its equations, and a motion, by the rules of `fl.verify`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.motion_scales import motion_size
+from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import simulate
-from frictionlab.analysis.stated_conditions import Places, broken_statement, places_within_steps
-from frictionlab.analysis.stated_mechanics import StatedMechanics
+from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
@@ -48,11 +45,6 @@ LAW_RTOL = 1e-12
 COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
 PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
-LAGRANGE_RTOL = 1e-6
-SAMPLE_COUNT = 400
-SLIP_SIGNS = {"slip+": 1.0, "slip-": -1.0}
-MAX_VIOLATION = 1e-9
-CONTACT_OUTPUTS = ("penetration", "normal_force", "friction_force", "relative_velocity")
 
 
 def fail(subject: Any, rule: str, got: Any) -> None:
@@ -234,10 +226,11 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     """Check a model together with its laws.
 
     Its parameters are described; its repr makes it again; every mode's equations print; another value of a
-    parameter changes no structure, so that a slider compiles nothing; a motion from rest keeps the rules of
-    contact and friction, agrees with that of another integrator, and keeps Lagrange's equations with the
-    energies that the model states, whose derivatives are then differences of numbers; its contacts do not
-    pull, hold no more than they can and no less, and their impacts keep momentum, energy and law.
+    parameter changes no structure, so that a slider compiles nothing; a motion from rest keeps the event
+    functions and constraints of its modes, agrees with that of another integrator, and is one of what a
+    :class:`MechanicalModel` states, as :func:`frictionlab.verify` judges it: with at most 12 coordinates it
+    keeps Lagrange's equations, whose derivatives are then differences of numbers; its contacts do not pull,
+    hold no more than they can and no less, and their impacts keep momentum, energy and law.
 
     Parameters
     ----------
@@ -262,22 +255,16 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     _check_equations(model)
     _check_structure(model)
     run = simulate(model, t_end, progress=False)
-    check_run(model, run)
+    _check_motion(model, run)
     _check_agreement(model, min(t_end, COMPARISON_TIME))
-    if isinstance(model, MechanicalModel):
-        check_lagrange(model, run)
-        if broken := broken_statement(run):
-            fail(model, "a motion must be one of the energies and contacts that the model states", broken)
     return run
 
 
-def check_run(model: Model, run: Trajectory) -> None:
-    """Raise AssertionError unless a run came to its end and kept the rules of contact and friction."""
-
+def _check_motion(model: Model, run: Trajectory) -> None:
     if not run.status.ok:
         fail(model, f"a motion of {run.t[-1]:g} s must come to its end", run.status)
-    if broken := rule_violations(run):
-        fail(model, "a motion must keep the rules of contact and friction", broken)
+    if broken := broken_condition(run) or broken_statement(run):
+        fail(model, "a motion must be one of its modes, and of what the model states", broken)
 
 
 def _check_equations(model: Model) -> None:
@@ -317,103 +304,3 @@ def _check_agreement(model: Model, t_end: float) -> None:
             f"its motion must be that of {COMPARISON_METHOD} but for a share of {COMPARISON_RTOL:g}",
             error,
         )
-
-
-def check_lagrange(model: MechanicalModel, run: Trajectory) -> None:
-    """Raise AssertionError unless a run keeps Lagrange's equations with the energies that the model states.
-
-    In steps of each mode d/dt (dT/dv) - dT/dq + dV/dq + dD/dv is compared with the loads and the forces of
-    the contacts, which are the outputs of the run.  All derivatives are differences of numbers, that by time
-    along the run, so that nothing of the derivation by symbols is used.
-    """
-    stated = StatedMechanics(model, motion_size(run))
-    places, accelerations, errors = places_within_steps(run, stated)
-    values, rooms, sizes = stated.imbalance(places.states, accelerations)
-    rooms += np.abs(stated.imbalance(places.states, accelerations + errors)[0] - values)
-    for force, direction in _contact_forces(stated, run, places):
-        values = values - force[:, None] * direction
-        sizes = sizes + np.abs(force[:, None] * direction)
-    misses = np.maximum(np.abs(values) - rooms, 0.0)
-    largest = sizes.max(axis=0, initial=0.0)
-    shares = misses / np.where(largest > 0, largest, 1.0)
-    if not shares.max(initial=0.0) <= LAGRANGE_RTOL:
-        worst = int(np.unravel_index(shares.argmax(), shares.shape)[1])
-        rule = (
-            f"its motion must keep Lagrange's equation of {model.coordinates[worst]!r} but for a share of "
-            f"{LAGRANGE_RTOL:g} of the forces in it"
-        )
-        fail(model, rule, shares.max())
-
-
-def _contact_forces(stated: StatedMechanics, run: Trajectory, places: Places) -> Iterator[tuple[Any, Any]]:
-    """The forces of the contacts by a run's outputs, each with its direction (N, n)."""
-    for k, contact in enumerate(stated.contacts, start=1):
-        suffix = "" if len(stated.contacts) == 1 else f"_{k}"
-        normal = stated.normal_direction(contact, places.states)
-        if contact.rigid:
-            yield run.output(f"reaction{suffix}", places.t), normal
-        if contact.speed is not None:
-            along = stated.rubbing_direction(contact, places.states)
-            yield run.output(f"friction_force{'_a' * (contact.across is not None)}{suffix}", places.t), along
-        if contact.across is not None:
-            across = stated.direction_across(contact, places.states)
-            yield run.output(f"friction_force_b{suffix}", places.t), across
-        if not contact.rigid and (contact.gap is not None or contact.normal is not None):
-            yield run.output(f"normal_force{suffix}", places.t), normal
-
-
-def rule_violations(run: Trajectory) -> dict[str, float]:
-    """Worst violation of each rule as a share of its scale, for those that are violated.
-
-    Checked on a grid, at the steps and just after every event.  Which rules there are depends on the
-    outputs and the names of the modes: v_r = 0 in stick, v_r of the mode's sign in slip, friction along it,
-    F_N >= 0 and penetration >= 0 in contact, penetration <= 0 and no force in flight (where there is a
-    flight).
-    """
-    t = np.unique(np.concatenate([np.linspace(0.0, run.t[-1], SAMPLE_COUNT), run.t, run.events.t]))
-    modes = run.modes_at(t)
-    if not np.isfinite(run(t)).all():
-        return {"every state is a number": np.inf}
-    some = [run.automaton.mode(name) for name in run.mode_names]
-    known = [name for name in CONTACT_OUTPUTS if all(name in mode.outputs for mode in some)]
-    values = {name: run.output(name, t) for name in known}
-    return {
-        rule: worst for rule, worst in _violation_of_rules(run, modes, values) if not worst <= MAX_VIOLATION
-    }
-
-
-def _violation_of_rules(run: Trajectory, modes: Any, values: dict[str, Any]) -> Any:
-    if any(name == "stick" and not run.automaton.mode(name).holds for name in run.mode_names):
-        modes = np.where(modes == "stick", "elastic", modes)  # a spring that gives, whose v_r is not zero
-    unilateral, flight = "separation" in run.mode_names, modes == "separation"
-    for name, value in values.items():
-        yield f"{name} is a number", 0.0 if np.isfinite(value).all() else np.inf
-    if "relative_velocity" in values:
-        # Where contact is bilateral, friction reverses with F_N.
-        friction = values.get("friction_force") if unilateral else None
-        yield from _friction_violations(modes, values["relative_velocity"], friction)
-    if unilateral and "penetration" in values:
-        penetration, scale = values["penetration"], _scale(values["penetration"])
-        yield "penetration <= 0 in flight", (penetration[flight] / scale).max(initial=0.0)
-        yield "penetration >= 0 in contact", (-penetration[~flight] / scale).max(initial=0.0)
-    if unilateral and "normal_force" in values:
-        force, scale = values["normal_force"], _scale(values["normal_force"])
-        yield "no normal force in flight", np.abs(force[flight]).max(initial=0.0)
-        yield "F_N >= 0 in contact", (-force[~flight] / scale).max(initial=0.0)
-
-
-def _friction_violations(modes: Any, v_r: Any, friction: Any) -> Any:
-    scale, stick = _scale(v_r), modes == "stick"
-    yield "v_r = 0 in stick", np.abs(v_r[stick] / scale).max(initial=0.0)
-    for name, sign in SLIP_SIGNS.items():
-        slip = modes == name
-        yield f"v_r has the sign of {name}", (-sign * v_r[slip] / scale).max(initial=0.0)
-        if friction is not None:
-            yield (
-                f"friction has the sign of {name}",
-                (-sign * friction[slip] / _scale(friction)).max(initial=0.0),
-            )
-
-
-def _scale(values: Any) -> float:
-    return float(np.abs(values).max(initial=0.0)) or 1.0

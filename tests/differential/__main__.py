@@ -1,9 +1,9 @@
 """Compare the solver with the reference on many random cases.
 
-    python -m tests.differential --count 2000 --seed 1 [--model MassOnBelt] [--exact] [--shrink] [--keep]
+    python -m tests.differential --count 2000 --seed 1 [--model MassOnBelt] [--exact] [--keep]
 
-Prints every failure as a line of code, then a table of what came out by model and kind.  --shrink makes
-failures simple first; --keep writes them to kept.txt, whose cases the suite runs from then on.
+Prints every failure as a line of code, then a table of what came out by model and kind.  --keep writes
+failures to kept.txt, whose cases the suite runs from then on.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from tqdm import tqdm
 
 from tests.differential.generate import MAKERS, generate
 from tests.differential.judge import judge
-from tests.differential.shrink import shrink
 
 KEPT = Path(__file__).parent / "kept.txt"
 
@@ -34,8 +33,6 @@ def main() -> None:
             failed=sum(n for (_, kind), n in count.items() if kind not in ("agrees", "undecided"))
         )
         if verdict.failed:
-            if options.shrink or options.keep:
-                case, verdict = shrink(case)
             line = f"{case!r}  # seed {options.seed}, case {number}: {verdict.kind}, {verdict.words}"
             bar.write(line)
             if options.keep:
@@ -64,8 +61,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--model", choices=list(MAKERS), help="this model only")
     parser.add_argument("--exact", action="store_true", help="all at the default tolerance")
-    parser.add_argument("--shrink", action="store_true", help="make failures simple (a minute or two each)")
-    parser.add_argument("--keep", action="store_true", help="the same, and add them to kept.txt")
+    parser.add_argument("--keep", action="store_true", help="add failures to kept.txt")
     return parser.parse_args()
 
 

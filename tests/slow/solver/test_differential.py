@@ -11,9 +11,8 @@ import pytest
 import frictionlab as fl
 from tests.differential.case import Case, read
 from tests.differential.generate import KINDS, MAKERS, generate
-from tests.differential.judge import AGREES, Verdict, judge
+from tests.differential.judge import judge
 from tests.differential.predict import predict
-from tests.differential.shrink import shrink
 from tests.differential.twin import weight
 from tests.reference.friction import CURVES, law
 
@@ -95,23 +94,6 @@ def test_slip_that_ends_at_the_static_limit_by_symmetry_is_not_compared():
     """mu_k = 0: from the limit to the limit, where rounding decides."""
     case = Case(fl.MassOnBelt(mu_k=0.0, mu_s=0.5), (0.482, 0.2), 20.0)
     assert predict(case).horizon < 5.0
-
-
-def test_the_shrinker_keeps_what_makes_a_case_fail():
-    """As if everything failed that has N above 2: all else goes back to its default."""
-
-    def judged(case):
-        return Verdict("events" if case.model.N > 2 else AGREES)
-
-    start = generate(5, 1, "MassOnBelt")
-    start = Case(start.model.replace(N=2.345), start.x0, start.t_end, 1e-7, 9)
-    case, verdict = shrink(start, judged, trials=400)
-    assert verdict.kind == "events"
-    assert case.model.N == 2.345 or len(str(case.model.N)) < 5
-    assert type(case.model.friction) is fl.Coulomb
-    assert all(case.model.parameters[name] in (0.0, 1.0) for name in "mck")
-    assert (case.tol, case.order, set(case.x0)) == (1e-15, None, {0.0})
-    assert case.t_end < start.t_end / 4
 
 
 def test_weights_are_the_same_in_every_process():

@@ -9,12 +9,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
+from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, SlidingOnly, StickSlip
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
-from frictionlab.testing import rule_violations
 
 ROLES: Mapping[str, type] = MappingProxyType({"friction": FrictionLaw})
 
@@ -65,7 +65,7 @@ def test_a_normal_force_that_would_pull_is_none():
 
     speed = T * (5.0 - begin) - braked(begin, lost) - braked(back, 5.0)
     assert run.final_state[1] == pytest.approx(speed, rel=1e-12)
-    assert not rule_violations(run)
+    assert not broken_statement(run)
 
 
 def test_a_given_normal_force_below_zero_is_refused():
@@ -103,7 +103,7 @@ def test_a_damped_contact_lets_go_where_its_force_is_zero():
     # all of the impulse is rubbed
     assert run.final_state[2] == pytest.approx(0.1 * 2.0 * (1 + restitution), rel=1e-12)
     assert run.events.target.tolist() == ["relaxation", "separation"]
-    assert not rule_violations(run)
+    assert not broken_statement(run)
     assert fl.energy_audit(run, progress=False).error < 1e-13
 
 
