@@ -120,7 +120,7 @@ def ensemble(
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:
     """A batch of runs of one automaton from states (N, n), to be advanced; the arguments are not checked."""
     problem = problem_for_batch(automaton, states[0], 0.0, method)
-    return new_batch([replace(problem, x0=state) for state in states], method)
+    return new_batch([problem._replace(x0=state) for state in states], method)
 
 
 def advance_group(group: Batch, t_end: float) -> None:
@@ -151,7 +151,7 @@ def _problems(models: Sequence[ModelOrAutomaton], x0: Any, t_end: float, method:
     problems = {
         key: problem_for_batch(one, starts[first[key]], t_end, method) for key, one in automata.items()
     }
-    return [replace(problems[id(model)], x0=start) for model, start in zip(models, starts)]
+    return [problems[id(model)]._replace(x0=start) for model, start in zip(models, starts)]
 
 
 def problem_for_batch(automaton: HybridAutomaton, x0: np.ndarray, t_end: float, method: Taylor) -> Problem:

@@ -78,7 +78,7 @@ def simulate(
     >>> run.events.target.tolist()
     ['stick']
     """
-    if not isinstance(model, MovingSystem):
+    if not isinstance(model, (Model, MovingSystem)):
         model = require_model(
             model, "a model such as SliderOnBelt or a Structure", "write simulate(model, t_end)"
         )

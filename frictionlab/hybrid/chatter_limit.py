@@ -94,7 +94,7 @@ def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str 
     """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
     as in a model whose unit of time is a week; else None."""
     average = raw.t / (len(raw.event_times) + 1)
-    if not len(limit_modes) or limit <= SHORT_SHARE * average:
+    if limit <= SHORT_SHARE * average:
         return None
     longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
     if limit <= SHORT_SHARE * longest or not np.isin(raw.event_codes[:, 1], limit_modes).any():

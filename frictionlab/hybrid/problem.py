@@ -9,7 +9,6 @@ capacity.  `RecordList` joins these into `RunData`, the arrays that a
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any, NamedTuple
 
@@ -23,8 +22,7 @@ BYTES_BETWEEN_LOOKS = 2**26  # largest growth of a run between two checks of the
 BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
 
 
-@dataclass(frozen=True)
-class Problem:
+class Problem(NamedTuple):
     """A program with its numbers, an initial state, an end time, and a mode to start in (None: choose one).
 
     Two flights in a row shorter than `chatter` (s) are replaced by the limit mode, if there is one.
@@ -45,14 +43,14 @@ class Problem:
         """The problem with the mode of one more combination."""
         assert self.derive is not None
         program, numbers = self.derive([tuple(combination.tolist())])
-        return replace(self, program=program, numbers=numbers)
+        return self._replace(program=program, numbers=numbers)
 
     def with_derived_modes(self) -> Problem:
         """The problem with all modes that runs have had derived meanwhile."""
         if self.derive is None:
             return self
         program, numbers = self.derive([])
-        return replace(self, program=program, numbers=numbers)
+        return self._replace(program=program, numbers=numbers)
 
 
 class Sampling(NamedTuple):
@@ -160,13 +158,16 @@ class RecordList:
         except MemoryError:
             parts, copied = [array[:n] for array, n in zip(record, lengths)], False
         self._parts.append(parts)
-        self._bytes += sum([part.nbytes for part in parts])
         self.steps += steps
         self.events += events
         return copied
 
     def fills_memory(self) -> bool:
-        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
+        """Whether memory would soon run out; asked after each record.
+
+        To work with the run takes as much memory again as it holds.
+        """
+        self._bytes += sum(array.nbytes for array in self._parts[-1])
         if self._bytes < self._next_look:
             return False
         growth = min(self._bytes, BYTES_BETWEEN_LOOKS)

@@ -374,10 +374,10 @@ class Trajectory(Drawable):
             if words:
                 return f"it ended at {self.raw.t:g} s with {words}"
         limit = self.automaton.values.get("chatter", 0.0)
-        if (words := chatter_warning(code.limits, self.raw, limit)) is not None:
+        if len(code.limits) and (words := chatter_warning(code.limits, self.raw, limit)) is not None:
             return words
-        order, tol = self.samples.order, self._tolerance
-        if tol is None or program.highest_degree < order:
+        order = self.samples.order
+        if program.highest_degree < order or (tol := self._tolerance) is None:
             return None
         steps = sampled_steps(self.problem, self.raw, order)
         return defect_warning(self.problem, self.raw, order, tol, steps)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -130,7 +130,7 @@ def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
     """A run from its present state on."""
     state = group.runs.states[i]
     if group.alone:
-        return replace(group.alone[i], x0=state, t_end=duration)
+        return group.alone[i]._replace(x0=state, t_end=duration)
     return Problem(group.program, Numbers(group.runs.constants[i], group.runs.terms[i]), state, duration)
 
 

@@ -83,41 +83,6 @@ class SpareArrays:
         self._kept.setdefault(key, []).append(arrays)
 
 
-class Workspace(NamedTuple):
-    """The arrays of a run."""
-
-    cursor: run_state.RunState
-    scratch: run_state.Scratch
-    record: run_state.Record  # to be filled again and again
-
-
-SPARE_WORKSPACES = SpareArrays()  # by program and order of the series
-
-
-def new_workspace(program: Program, order: int, before: Workspace | None = None) -> Workspace:
-    """Empty arrays for a run; those of the run `before` it had more modes, as far as they still fit.
-
-    New records would fragment the memory in a run that stops for every new mode.
-    """
-    code, sections = program.code, program.code.sections.shape[1]
-    scratch = prepare_arrays(new_scratch(program.slots, code, order))
-    # Impacts that act together are recorded at once.
-    events = RECORD_CAPACITY + len(scratch.impacts.guards) - 1
-    if before is not None and len(before.record.event_times) == events:
-        return before._replace(scratch=scratch)
-    points = (order + 2) * sections + RECORD_CAPACITY if sections else 0
-    record = prepare_arrays(new_record(code, RECORD_CAPACITY, events, points))
-    cursor = prepare_arrays(new_run_state(code.inputs, sections)) if before is None else before.cursor
-    return Workspace(cursor, scratch, record)
-
-
-def clear_scratch(scratch: run_state.Scratch) -> None:
-    """Forget what an earlier run has left; jets, bounds and roots are written before they are read."""
-    scratch.structural_zeros.fill(0)
-    scratch.leading_zeros.fill(0)
-    scratch.ended[0], scratch.ended[1] = NO_MODE, 0
-
-
 _COUNTED = slice(run_state.STEPS, run_state.POINTS + 1)  # steps, events, points
 
 
@@ -134,7 +99,7 @@ class ActiveRun(NamedTuple):
     order: int  # of the series
     cursor: run_state.RunState
     scratch: run_state.Scratch
-    record: run_state.Record
+    record: run_state.Record  # to be filled again and again
     queue: CombinationQueue | None
     event: GuardZero | None = None
 
@@ -146,6 +111,19 @@ class ActiveRun(NamedTuple):
     def without_native_code(self) -> ActiveRun:
         """The same run with all modes interpreted."""
         return self._replace(system=self.interpreted_system)
+
+    def for_problem(self, problem: Problem) -> ActiveRun:
+        """A run of another problem of this program, with the arrays of this one, which is over.
+
+        Jets, bounds and roots need not be cleared: they are written before they are read.
+        """
+        scratch = self.scratch
+        scratch.structural_zeros.fill(0)
+        scratch.leading_zeros.fill(0)
+        scratch.ended[0], scratch.ended[1] = NO_MODE, 0
+        numbers, queue = problem.numbers, self.queue and new_queue(problem.program.demand)
+        system = self.system if self.system.numbers is numbers else self.native.system(numbers)
+        return self._replace(problem=problem, system=system, queue=queue)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -166,6 +144,30 @@ class ActiveRun(NamedTuple):
         counts = self.cursor.counts
         guard, multiplicity = counts[run_state.EVENT_GUARD], counts[run_state.EVENT_MULTIPLICITY]
         return GuardZero(0.0, int(guard), int(multiplicity))
+
+
+def new_run(problem: Problem, order: int, before: ActiveRun | None = None) -> ActiveRun:
+    """A run with empty arrays; those of the run `before` it had more modes, as far as they still fit.
+
+    New records would fragment the memory in a run that stops for every new mode.
+    """
+    program = problem.program
+    code, sections = program.code, program.code.sections.shape[1]
+    scratch = prepare_arrays(new_scratch(program.slots, code, order))
+    # Impacts that act together are recorded at once.
+    events = RECORD_CAPACITY + len(scratch.impacts.guards) - 1
+    if before is not None and len(before.record.event_times) == events:
+        cursor, record = before.cursor, before.record
+    else:
+        points = (order + 2) * sections + RECORD_CAPACITY if sections else 0
+        record = prepare_arrays(new_record(code, RECORD_CAPACITY, events, points))
+        cursor = prepare_arrays(new_run_state(code.inputs, sections)) if before is None else before.cursor
+    native = native_code(program)
+    system, queue = native.system(problem.numbers), new_queue(program.demand)
+    return ActiveRun(problem, native, system, order, cursor, scratch, record, queue)
+
+
+SPARE_RUNS = SpareArrays()  # runs that are over, by program and order of the series
 
 
 def initial_mode(run: ActiveRun) -> Selection:
@@ -272,8 +274,7 @@ class Method(ABC):
                 elif end == run_state.MODE_NOT_DERIVED:
                     run = self._with_missing_mode(run, run.event_left())
             else:
-                arrays = Workspace(run.cursor, run.scratch, run.record)
-                SPARE_WORKSPACES.give((run.problem.program, run.order), arrays)
+                SPARE_RUNS.give((run.problem.program, run.order), run)
             state, mode = run.cursor.state.copy(), int(counts[run_state.MODE])
             return pieces.raw(run.problem.program.code, float(times[run_state.NOW]), state, mode, status)
 
@@ -288,9 +289,9 @@ class Method(ABC):
 
     def _begin(self, problem: Problem) -> ActiveRun:
         program, order = problem.program, self.order_of(problem.program)
-        arrays = SPARE_WORKSPACES.take((program, order), lambda: new_workspace(program, order))
-        begin_run(arrays.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
-        run = self._prepare(problem, arrays)
+        spare = SPARE_RUNS.take((program, order), lambda: new_run(problem, order))
+        run = spare if spare.problem is problem else spare.for_problem(problem)
+        begin_run(run.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         mode, missing = initial_mode(run)
         while missing != NO_MODE:
             run = self._with_missing_mode(run)
@@ -301,17 +302,9 @@ class Method(ABC):
     def _with_missing_mode(self, run: ActiveRun, event: GuardZero | None = None) -> ActiveRun:
         """The run with the mode that was to be tried next; goes on with the event at which it was missing."""
         problem, known = run.with_missing_mode(), run.scratch.structural_zeros.copy()
-        before = Workspace(run.cursor, run.scratch, run.record)
-        after = self._prepare(problem, new_workspace(problem.program, self.order_of(problem.program), before))
+        after = new_run(problem, self.order_of(problem.program), run)
         after.scratch.structural_zeros[: len(known)] = known
         return after._replace(event=event)
-
-    def _prepare(self, problem: Problem, arrays: Workspace) -> ActiveRun:
-        program = problem.program
-        native, queue = native_code(program), new_queue(program.demand)
-        clear_scratch(arrays.scratch)
-        system = native.system(problem.numbers)
-        return ActiveRun(problem, native, system, self.order_of(program), *arrays, queue)
 
     def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:
         """The record to fill, cut to the steps and events that the caps leave."""

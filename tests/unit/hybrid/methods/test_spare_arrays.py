@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.hybrid.methods.base import SPARE_WORKSPACES
+from frictionlab.hybrid.methods.base import SPARE_RUNS
 from tests.helpers.explorers import MODELS
 
 SLOW = pytest.mark.slow
@@ -25,7 +25,7 @@ def same(first, second):
 
 def spoil(run, order):
     """Fill what the run gave back with NaN; tables and columns above the order are never written."""
-    arrays = SPARE_WORKSPACES.take((run.problem.program, order), lambda: None)
+    arrays = SPARE_RUNS.take((run.problem.program, order), lambda: None)
     assert arrays is not None
     scratch = arrays.scratch
     for each in (scratch.jets, scratch.bounds):
@@ -40,7 +40,7 @@ def spoil(run, order):
         each[...] = np.nan
     for each in (scratch.structural_zeros, scratch.leading_zeros, scratch.ended, scratch.roots.multiplicity):
         each[...] = 77
-    SPARE_WORKSPACES.give((run.problem.program, order), arrays)
+    SPARE_RUNS.give((run.problem.program, order), arrays)
 
 
 @pytest.mark.parametrize("method", METHODS, ids=repr)
@@ -68,7 +68,7 @@ def test_a_run_keeps_its_steps_when_another_follows():
 
 
 def test_few_are_kept():
-    kept = type(SPARE_WORKSPACES)()
+    kept = type(SPARE_RUNS)()
     for i in range(20):
         kept.give(i, [i])
     assert kept.take(19, lambda: None) == [19]
