@@ -65,6 +65,26 @@ def _newton_step(matrices: Array, rest: Array) -> Array:
 def solve_matrices(matrices: Array, right: Array) -> Any:
     """Solutions (N, m, k); those of least length where a matrix is singular, as at a fold.
 
+    Rows of a single entry, as those of x' = v, give their unknown at once.  So a velocity of zero is exactly
+    zero.  An elimination of all rows leaves rounding in it, another on each processor.
+    """
+    filled = (matrices != 0.0).any(axis=0)
+    rows = np.flatnonzero((filled.sum(axis=1) == 1) & (matrices.any(axis=2).all(axis=0)))
+    columns = filled[rows].argmax(axis=1)
+    if not rows.size or len(np.unique(columns)) < rows.size:
+        return _eliminate(matrices, right)
+    solutions = np.empty_like(right)
+    solutions[:, columns] = right[:, rows] / matrices[:, rows, columns, None]
+    other_rows, others = (np.delete(np.arange(len(filled)), some) for some in (rows, columns))
+    rest = right[:, other_rows] - matrices[:, other_rows[:, None], columns] @ solutions[:, columns]
+    if others.size:
+        solutions[:, others] = solve_matrices(matrices[:, other_rows[:, None], others], rest)
+    return solutions
+
+
+def _eliminate(matrices: Array, right: Array) -> Any:
+    """Solutions of matrices without rows of a single entry.
+
     numpy does not tell which matrix of a stack is singular.  The sign of its determinant is zero then, by the
     same factors.  A LAPACK whose factors depend on the stack gets the matrices one by one.
     """
@@ -81,7 +101,7 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
         solutions[~singular] = np.linalg.solve(matrices[~singular], right[~singular])
     except np.linalg.LinAlgError:
         for i in np.flatnonzero(~singular):
-            solutions[i : i + 1] = solve_matrices(matrices[i : i + 1], right[i : i + 1])
+            solutions[i : i + 1] = _eliminate(matrices[i : i + 1], right[i : i + 1])
     return solutions
 
 
