@@ -23,10 +23,13 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
 NEUTRAL_RTOL = 1e-10  # growth rates below this share of the largest eigenvalue count as zero
 SLOW_RTOL = 1e-5  # share of the largest eigenvalue: rounding may be NEUTRAL_RTOL of one that is slower
-EQUAL_RTOL = 1e-10  # share of the largest eigenvalue by which rounding may separate equal ones
+EQUAL_RTOL = (
+    1e-10  # share of the largest eigenvalue, or of a frequency, by which rounding may separate equal ones
+)
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
 BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
+EQUILIBRATION_ROUNDS = 8  # each halves the decades by which norms differ from 1
 SINGULAR_RTOL = 1e-13  # of the largest singular value, of a matrix scaled by its rows and columns
 
 
@@ -73,19 +76,44 @@ def _stiffness(matrices: Array) -> Array:
 def _refine_slow(matrices: Array, values: ComplexArray, vectors: ComplexArray | None = None) -> None:
     """Put the reciprocals of the inverse's eigenvalues in place of slow ones (N, m), and its vectors.
 
-    If a matrix has no inverse, what may be its zero eigenvalue becomes zero.
+    If a matrix has no inverse, its zero eigenvalue is taken out first.
     """
     slow = is_slow(values)
     for i in np.flatnonzero(slow.any(axis=1)):
         inverse = inverse_of(matrices[i])
         if inverse is None:
-            values[i, np.abs(values[i]) <= NEUTRAL_RTOL * np.abs(values[i]).max()] = 0.0
+            values[i], singular_vectors = _singular_eigenpairs(matrices[i])
+            if vectors is not None:
+                vectors[i] = singular_vectors
             continue
         pairs: Any = np.linalg.eig(inverse)
         largest = np.argsort(-np.abs(pairs.eigenvalues), kind="stable")[: slow[i].sum()]
         values[i, slow[i]] = 1.0 / pairs.eigenvalues[largest]
         if vectors is not None:
             vectors[i][:, slow[i]] = pairs.eigenvectors[:, largest]
+
+
+def _singular_eigenpairs(matrix: Array) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues (m,) and vectors (m, m) of a singular matrix, one of them exactly zero.
+
+    With n the null vector, coordinates y relative to it, x = y + n x_p/n_p with y_p = 0, have a matrix of one
+    row less.  For a body that nothing holds they are distances from it.
+    """
+    rows, columns, scaled = _equilibrated(matrix)
+    scaled_null = np.linalg.svd(scaled)[2][-1]
+    p = int(np.abs(scaled_null).argmax())
+    others = np.delete(np.arange(len(matrix)), p)
+    null = columns * scaled_null
+    null = null / null[p]
+    relative = matrix[np.ix_(others, others)] - np.outer(null[others], matrix[p, others])
+    (values,), (vectors,) = eigenpairs_of_matrices(relative[None])
+    along = matrix[p, others] @ vectors
+    shift = np.divide(along, values, out=np.zeros_like(along), where=values != 0.0)
+    whole = null[:, None] * shift
+    whole[others] += vectors
+    whole[:, values == 0.0] = null[:, None]
+    whole = np.column_stack([null, whole])
+    return np.append(0.0, values), whole / np.linalg.norm(whole, axis=0)
 
 
 def is_slow(spectra: ComplexArray) -> NDArray[np.bool_]:
@@ -134,6 +162,20 @@ def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
     """Which eigenvalues (N, m, m) of N spectra (N, m) are equal but for rounding; none equals itself."""
     equal = eigenvalue_distances(spectra, spectra) <= EQUAL_RTOL * growth_scales(spectra)[:, :, None]
     return equal & ~np.eye(spectra.shape[1], dtype=bool)
+
+
+def eigenvalue_order(values: ComplexArray) -> NDArray[np.intp]:
+    """Places of eigenvalues (m,) by frequency, then growth rate; frequencies that differ by rounding are equal.
+
+    The two of a conjugate pair agree exactly in |Im| and Re, and are neighbours.
+    """
+    frequencies = np.abs(values.imag)
+    ascending = np.argsort(frequencies, kind="stable")
+    rank = np.empty(len(values), dtype=int)
+    rank[ascending] = np.cumsum(
+        np.diff(frequencies[ascending], prepend=0.0) > EQUAL_RTOL * frequencies[ascending]
+    )
+    return np.lexsort((values.imag, values.real, rank))
 
 
 def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:
@@ -219,10 +261,7 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     ValueError
         Where the matrix is singular, to rounding.
     """
-    # Rows and columns are scaled by their size, as state matrices have stiffnesses beside ones.
-    rows = 1.0 / np.maximum(np.abs(matrix).max(axis=1), np.finfo(float).tiny)
-    columns = 1.0 / np.maximum(np.abs(rows[:, None] * matrix).max(axis=0), np.finfo(float).tiny)
-    scaled = rows[:, None] * matrix * columns
+    rows, columns, scaled = _equilibrated(matrix)
     sizes = np.linalg.svd(scaled, compute_uv=False)
     if sizes[-1] < SINGULAR_RTOL * sizes[0]:
         raise ValueError(
@@ -232,6 +271,20 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
         scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
     )
+
+
+def _equilibrated(matrix: Any) -> tuple[Array, Array, Array]:
+    """Factors of rows and columns, and a matrix times both, whose rows and columns have entries up to 1.
+
+    State matrices have stiffnesses beside ones.  D. Ruiz, "A scaling algorithm to equilibrate both rows and
+    columns norms in matrices", RAL-TR-2001-034 (2001).
+    """
+    rows, columns, scaled = np.ones(len(matrix)), np.ones(len(matrix)), np.array(matrix, dtype=float)
+    for _ in range(EQUILIBRATION_ROUNDS):
+        by_row, by_column = (np.sqrt(np.abs(scaled).max(axis=axis)) for axis in (1, 0))
+        rows, columns = rows / np.where(by_row, by_row, 1.0), columns / np.where(by_column, by_column, 1.0)
+        scaled = rows[:, None] * matrix * columns
+    return rows, columns, scaled
 
 
 def inverse_of(matrix: Array) -> Array | None:

@@ -15,7 +15,12 @@ from scipy.optimize import linear_sum_assignment
 from frictionlab.presentation import count, dataframe, shorten
 from frictionlab.stability.eigenproblems.eigenvalues import UNITS, Eigenvalues, participation_factors
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
-from frictionlab.stability.state_matrices import SINGULAR_RTOL, eigenpairs_of_matrices, inverse_of
+from frictionlab.stability.state_matrices import (
+    SINGULAR_RTOL,
+    eigenpairs_of_matrices,
+    eigenvalue_order,
+    inverse_of,
+)
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 
 if TYPE_CHECKING:
@@ -131,7 +136,7 @@ def window_eigenvalues(structure: Structure, equilibrium: Equilibrium) -> Window
     pencil = structure.pencil
     spectrum = _in_window(_spectrum(pencil, structure.window), structure)
     values, x = spectrum
-    order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
+    order = eigenvalue_order(values)
     values, x = values[order], x[:, order] / np.linalg.norm(x[:, order], axis=0)
     values[pencil.at_rest(values, x)] = 0.0
     residuals, backward = pencil.residuals(values, x), pencil.backward_errors(values, x)

@@ -15,7 +15,7 @@ from frictionlab.stability.equilibrium_points.borders import borders_at
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.large_system import LargeSystem
-from frictionlab.stability.state_matrices import eigenpairs_of_matrices, is_neutral
+from frictionlab.stability.state_matrices import eigenpairs_of_matrices, eigenvalue_order, is_neutral
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
@@ -174,8 +174,7 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     matrix = problem.without_following(whole)
     values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
     values.real[is_neutral(matrix, values)] = 0.0
-    # The two of a conjugate pair agree exactly in |Im| and Re.
-    order = np.lexsort((values.imag, values.real, np.abs(values.imag)))
+    order = eigenvalue_order(values)
     return Eigenvalues(values[order], problem.with_following(vectors[:, order], whole), point)
 
 

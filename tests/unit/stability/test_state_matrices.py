@@ -78,3 +78,18 @@ def test_rounding_of_a_free_body_is_no_slow_mode():
     matrix[2:, 2:] -= 1e-3 * np.eye(2)
     values = eigenvalues_of_matrices(matrix[None])
     assert not (growth_rates(values) > 0).any()
+    (pairs,), (vectors,) = eigenpairs_of_matrices(matrix[None])
+    np.testing.assert_allclose(np.sort(values[0].real)[2:], [-1e-3, 0.0], rtol=1e-5)
+    scale = (np.abs(matrix) @ np.abs(vectors)).max(axis=0)
+    assert (np.abs(matrix @ vectors - vectors * pairs) <= 1e-14 * scale).all()
+
+
+def test_bodies_that_nothing_holds_have_eigenvalues_of_zero():
+    """Two pairs of masses, each held by nothing: one is damped, the other has a defective eigenvalue of zero."""
+    stiffness = 1e12 * np.kron(np.eye(2), [[-1.0, 1.0], [1.0, -1.0]])
+    damping = np.diag([0.0, 0.0, -1e-2, -1e-2])
+    matrix = np.block([[np.zeros((4, 4)), np.eye(4)], [stiffness, 1e-7 * stiffness + damping]])
+    values = eigenvalues_of_matrices(matrix[None])[0]
+    assert np.count_nonzero(values == 0.0) == 3
+    np.testing.assert_allclose(np.sort(values.real)[4:5], -1e-2, rtol=1e-5)
+    assert np.abs(np.sort(values.real)[5:]).max() == 0.0
