@@ -231,13 +231,19 @@ def _cosines(right: ComplexArray) -> Array:
 
 
 def balanced(matrix: Array) -> Array:
-    """D^-1 A D with powers of two in the diagonal D that make norms of rows and columns alike.
+    """D^-1 A D with the units of :func:`balancing_units` in the diagonal D; it rounds nothing."""
+    units = balancing_units(matrix)
+    return matrix * (units / units[:, None])
 
-    It changes no eigenvalue and rounds nothing.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
+
+def balancing_units(matrix: Array) -> Array:
+    """Powers of two (m,), units of the states that make norms of rows and columns alike.
+
+    They change no eigenvalue.  R. James, J. Langou, B. R. Lowery, "On matrix balancing and
     eigenvector computation", arXiv:1401.5766 (2014), algorithm 3, which LAPACK's gebal is.  scipy has it, and
     takes a third of a second to load.
     """
-    similar = np.array(matrix, dtype=float)
+    similar, units = np.array(matrix, dtype=float), np.ones(len(matrix))
     unchanged = False
     while not unchanged:
         unchanged = True
@@ -248,9 +254,10 @@ def balanced(matrix: Array) -> Array:
             power = 2.0 ** np.round(0.5 * np.log2(row / column))
             if np.hypot(column * power, row / power) < BALANCING_GAIN * np.hypot(column, row):
                 unchanged = False
+                units[i] *= power
                 similar[:, i] *= power
                 similar[i] /= power
-    return similar
+    return units
 
 
 def solve_regular(matrix: Any, right: Any) -> Any:
@@ -313,16 +320,15 @@ class Eigenpair(NamedTuple):
 def eigenpair(matrix: Array, value: complex) -> Eigenpair:
     """The vectors of the eigenvalue nearest to a value, also where two coalesce.
 
-    They are the last singular vectors of A - lambda 1, of length 1 in units that give velocities the size of
-    coordinates.
+    They are the last singular vectors of A - lambda 1, of length 1 in units of the states that balance A.
     """
-    n, odd = divmod(len(matrix), 2)
-    largest = float(np.linalg.norm(matrix, 2))
+    units = balancing_units(matrix)
+    largest = float(np.linalg.norm(matrix * (units / units[:, None]), 2))
     inverse = inverse_of(matrix) if 0.0 < abs(value) < SLOW_RTOL * largest else None
-    size = abs(value) if inverse is not None else np.sqrt(largest) or 1.0
-    of, at = (matrix, value) if inverse is None else (inverse, 1.0 / value)
-    units = np.ones(len(matrix)) if odd else np.repeat([1.0, size], n)
-    shifted = of * units / units[:, None] - at * np.eye(len(matrix))
+    of, at = matrix, value
+    if inverse is not None:
+        of, at, units = inverse, 1.0 / value, balancing_units(inverse)
+    shifted = of * (units / units[:, None]) - at * np.eye(len(matrix))
     u, _, vh = np.linalg.svd(shifted)
     left, right = u[:, -1].conj(), vh[-1].conj()
     return Eigenpair(value, left / units, right * units, complex(left @ right))

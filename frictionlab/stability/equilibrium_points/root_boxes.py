@@ -46,6 +46,7 @@ EDGE = 0.1  # share of a box by which it is enlarged to show that it holds one z
 POLE_PARTS = 64  # parts of a box without bounds: next to a pole some ten floats are
 TOUCHING = 64  # clusters that a box is compared with
 PIVOT_RTOL = 1e-10  # share of a row or a column: what is smaller is rounding
+SCALINGS = 20  # rounds of geometric means: they converge by a factor of two or more each
 
 
 class Elimination(NamedTuple):
@@ -272,10 +273,11 @@ def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
     """All solutions x = origin + basis u of linear equations, by elimination with pivots; None if there is
     none."""
     m = matrix.shape[1]
-    scale = np.abs(matrix).max(axis=1, initial=0.0)
-    if (right[scale == 0] != 0).any():
+    used = matrix.any(axis=1)
+    if right[~used].any():
         return None
-    a = np.hstack([matrix, right[:, None]])[scale > 0] / scale[scale > 0, None]
+    rows, units = _scales(matrix[used])
+    a = np.hstack([matrix[used] / rows[:, None] / units, (right[used] / rows)[:, None]])
     size = np.abs(a[:, m])  # what the right sides are sums of, to tell rounding
     pivots: list[int] = []
     row = 0
@@ -301,7 +303,25 @@ def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
     basis[pivots] = -a[:row][:, free]
     basis[free, range(len(free))] = 1.0
     basis[np.abs(basis) <= PIVOT_RTOL] = 0.0
-    return origin + 0.0, basis
+    return origin / units + 0.0, basis * (units[free] / units[:, None])
+
+
+def _scales(matrix: Array) -> tuple[Array, Array]:
+    """Powers of two of rows (r,) and columns (m,) by which to divide: entries are near 1, whatever the units.
+
+    Geometric means of rows and columns in turns, then the largest entry of each row.  So a stiffness per mass
+    of 1e-24/s^2 is not lost beside a damping of 1e-14/s.
+    """
+    there = matrix != 0.0
+    sizes = np.log2(np.abs(matrix), where=there, out=np.zeros(matrix.shape))
+    rows, columns = np.zeros(len(matrix)), np.zeros(matrix.shape[1])
+    counts = [np.maximum(there.sum(axis=axis), 1) for axis in (0, 1)]
+    for _ in range(SCALINGS):
+        rows = (there * (sizes - columns)).sum(axis=1) / counts[1]
+        columns = (there * (sizes - rows[:, None])).sum(axis=0) / counts[0]
+    columns = np.round(columns)
+    rows = np.where(there, sizes - columns, -np.inf).max(axis=1, initial=-np.inf)
+    return np.exp2(rows), np.exp2(columns)
 
 
 def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -326,3 +326,29 @@ def test_where_none_exists_it_is_said_that_stick_is_left_out():
     assert repr(fl.equilibria(fl.MassOnBelt(v=0.0))) == "Equilibria(none exists without stick)"
     with pytest.raises(ValueError, match=r"none in .*stick has none that is a single point"):
         fl.equilibrium(fl.MassOnBelt(v=0.0))
+
+
+@pytest.mark.parametrize("T", [1.0, 1e-9, 1e12])
+def test_damped_states_rest_in_any_unit_of_time(T):
+    """x'' = f - k x - c x' - h s, s' = (x - s)/tau: in some units k is 1e-11 of c."""
+    flow = ("v", "f - k*x - c*v - h*w", "(x - w)/tau")
+    values = {"f": 2.4 / T**2, "k": 1.0 / T**2, "c": 0.1 / T, "h": 0.2 / T**2, "tau": 0.5 * T}
+    model = automaton(flow, states=(X, V, W), **values)
+    assert fl.equilibrium(model).state.tolist() == pytest.approx([2.0, 0.0, 2.0], rel=1e-14)
+    growth = fl.sensitivity(model, fl.GrowthRate())
+    by_name = dict(zip(growth.parameters, growth.normalised, strict=True))
+    rates = np.roots([0.5, 1.05, 0.6, 1.2])  # of (s^2 + 0.1 s + 1)(s/2 + 1) + 0.2, over c of its derivative
+    s = rates[rates.real.argmax()]
+    by_c = -s * (0.5 * s + 1) / (1.5 * s**2 + 2.1 * s + 0.6)
+    assert by_name["c"] == pytest.approx(0.1 * by_c.real / s.real, rel=1e-9)
+
+
+def test_a_velocity_at_rest_is_zero_and_no_rounding():
+    """x'' = g w^2 - x - a x', w' = T - w^3 - w - b x': of velocities rounding errors were left."""
+    flow, rng = ("v", "g*w**2 - x - a*v", "T - w**3 - w - b*v"), np.random.default_rng(0)
+    for a, b, g, T in rng.uniform([0.5, -40, 0.1, 0.1], [60, 40, 3, 9], (40, 4)):
+        model = automaton(flow, states=(X, V, W), a=a, b=b, g=g, T=T)
+        (w,) = [w.real for w in np.roots([1, 0, 1, -T]) if abs(w.imag) < 1e-9]
+        assert fl.equilibrium(model).state.tolist() == pytest.approx([g * w**2, 0.0, w], rel=1e-12, abs=0.0)
+        place = fl.sensitivity(model, fl.EquilibriumCoordinate("x"))
+        assert place.derivatives[place.parameters.index("g")] == pytest.approx(w**2, rel=1e-9)
