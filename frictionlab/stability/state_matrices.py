@@ -99,7 +99,7 @@ def _singular_eigenpairs(matrix: Array) -> tuple[ComplexArray, ComplexArray]:
     With n the null vector, coordinates y relative to it, x = y + n x_p/n_p with y_p = 0, have a matrix of one
     row less.  For a body that nothing holds they are distances from it.
     """
-    rows, columns, scaled = _equilibrated(matrix)
+    _, columns, scaled = _equilibrated(matrix)
     scaled_null = np.linalg.svd(scaled)[2][-1]
     p = int(np.abs(scaled_null).argmax())
     others = np.delete(np.arange(len(matrix)), p)
@@ -165,7 +165,7 @@ def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
 
 
 def eigenvalue_order(values: ComplexArray) -> NDArray[np.intp]:
-    """Places of eigenvalues (m,) by frequency, then growth rate; frequencies that differ by rounding are equal.
+    """Places of eigenvalues (m,) by frequency, then growth rate; those that differ by rounding are equal.
 
     The two of a conjugate pair agree exactly in |Im| and Re, and are neighbours.
     """

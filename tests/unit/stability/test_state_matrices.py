@@ -85,7 +85,7 @@ def test_rounding_of_a_free_body_is_no_slow_mode():
 
 
 def test_bodies_that_nothing_holds_have_eigenvalues_of_zero():
-    """Two pairs of masses, each held by nothing: one is damped, the other has a defective eigenvalue of zero."""
+    """Two pairs of masses that nothing holds: one is damped, the other has a defective eigenvalue of zero."""
     stiffness = 1e12 * np.kron(np.eye(2), [[-1.0, 1.0], [1.0, -1.0]])
     damping = np.diag([0.0, 0.0, -1e-2, -1e-2])
     matrix = np.block([[np.zeros((4, 4)), np.eye(4)], [stiffness, 1e-7 * stiffness + damping]])
