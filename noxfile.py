@@ -28,7 +28,12 @@ EXECUTED = {"FRICTIONLAB_EXECUTED": str(Path("build/tutorials").absolute())}
 WITHOUT_NUMBA = {"FRICTIONLAB_DISABLE_NUMBA": "1"}
 # OpenBLAS has kernels for each kind of processor, which round differently: by AVX-512, by AVX2, by SSE.  What
 # holds on the processor that this happens to run on has to hold on others.  Kind and what it needs:
-BLAS_KERNELS = {"Nehalem": "sse4_2", "Haswell": "avx2", "SkylakeX": "avx512f", "SapphireRapids": "avx512_bf16"}
+BLAS_KERNELS = {
+    "Nehalem": "sse4_2",
+    "Haswell": "avx2",
+    "SkylakeX": "avx512f",
+    "SapphireRapids": "avx512_bf16",
+}
 NOT_PYTHON = (  # in the wheel
     *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
     *("tutorials/00-index.ipynb", "tutorials/diagrams.py", "tutorials/diagrams/stiff.jsonl"),

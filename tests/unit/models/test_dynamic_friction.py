@@ -10,6 +10,8 @@ from scipy.integrate import solve_ivp
 
 import frictionlab as fl
 
+pytestmark = pytest.mark.blas
+
 BRISTLES = fl.LuGre(mu_k=0.3, mu_s=0.6, v_s=0.1, sigma_0=200.0, sigma_1=0.5, sigma_2=0.02)
 
 

@@ -13,6 +13,8 @@ from frictionlab.stability.state_matrices import (
     is_neutral,
 )
 
+pytestmark = pytest.mark.blas
+
 MANTISSA_OF_POWERS_OF_TWO = 0.5  # the mantissa that frexp gives
 
 

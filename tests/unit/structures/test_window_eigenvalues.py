@@ -9,6 +9,8 @@ from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum, f
 from tests.helpers.cases import slow_but
 from tests.helpers.finite_elements import beam, beam_frequencies, unsymmetric_chain
 
+pytestmark = pytest.mark.blas
+
 
 def dense_eigenvalues(M, C, K):
     """Of the first companion form, by scipy's QZ: it shares no code with the package."""

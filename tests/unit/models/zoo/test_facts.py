@@ -11,6 +11,8 @@ from scipy.special import ellipk
 import frictionlab as fl
 from tests.helpers.cases import slow_but
 
+pytestmark = pytest.mark.blas
+
 
 def sorted_values(values):
     return sorted(values, key=lambda one: (round(one.real, 9), one.imag))
