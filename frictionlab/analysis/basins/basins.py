@@ -19,7 +19,7 @@ from frictionlab.analysis.basins.tasks import run_basin_tasks
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
-from frictionlab.analysis.sweeps.journal import making_result, read_journal, write_journal
+from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
@@ -135,10 +135,9 @@ def load_basins(path: str | Path) -> Basins | BasinStability:
     specification, results = read_journal(path)
     if not {"coordinates", "probes", "group"} <= specification.keys():
         raise ValueError(f"{path} must be a file of basins, and is one of another sweep: give another path")
-    with making_result(path):
-        if "x" in specification:
-            return basins_from_results(specification, results)
-        return basin_stability_from_results(specification, results)
+    if "x" in specification:
+        return basins_from_results(specification, results)
+    return basin_stability_from_results(specification, results)
 
 
 def basins_from_results(specification: dict[str, Any], results: dict[int, Any]) -> Basins:

@@ -15,7 +15,7 @@ from frictionlab.analysis.initial_states import carried_state_of, initial_state_
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
-from frictionlab.analysis.sweeps.journal import Journal, making_result, read_journal, write_journal
+from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
 from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
@@ -175,8 +175,7 @@ def load_bifurcation(path: str | Path) -> Bifurcation:
         raise ValueError(
             f"{path} must be a file of a bifurcation, and is one of another sweep: give another path"
         )
-    with making_result(path):
-        return bifurcation_from_results(specification, results)
+    return bifurcation_from_results(specification, results)
 
 
 def bifurcation_from_results(specification: dict[str, Any], results: dict[int, Any]) -> Bifurcation:

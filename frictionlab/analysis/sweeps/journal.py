@@ -15,8 +15,8 @@ import os
 import re
 import warnings
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
@@ -32,9 +32,6 @@ from frictionlab.interruption import interruption, keep_partial_result
 from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
-DELETE = "delete it to begin anew, or give another path"
-# What data of other names, types and shapes raise where arrays are made of them.
-NOT_AS_WRITTEN = ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError
 HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
@@ -253,15 +250,6 @@ def write_journal(path: str | Path, specification: dict[str, Any], results: dict
     with replace_file(path) as beside, open(beside, "wb") as file:
         file.writelines(map(_json_line, (head, *rows)))
     return path
-
-
-@contextmanager
-def making_result(path: str | Path) -> Iterator[None]:
-    """Context in which a result is made of a file's data: what they do not give is an error that names it."""
-    try:
-        yield
-    except NOT_AS_WRITTEN as error:
-        raise ValueError(f"{path} is damaged ({type(error).__name__}: {error}): {DELETE}") from error
 
 
 def read_journal(path: str | Path) -> tuple[dict[str, Any], dict[int, Any]]:
