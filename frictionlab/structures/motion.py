@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, Reset
 from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_rows
-from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand
+from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 MOST_FREEDOMS = 1000  # of a structure that moves: matrices are full
 DEPENDENT = 1e-10  # share of the largest compliance below which contacts hold the same velocities
+SAME_SPEED = 1e-9  # share of the speeds of contacts whose sum is zero but for rounding
 PARALLEL = 1e-12  # sine of the angle between two rows that are one direction
 
 
@@ -100,7 +101,11 @@ def _identity_of(structure: Structure) -> Hashable:
     contacts = tuple(_identity_of_contacts(one) for one in structure.contacts)
     content = tuple((one.coefficients, tuple(map(_bytes, one.matrices))) for one in matrices)
     kinds = tuple(len(terms) for terms in structure.terms)
-    return tuple(structure.parameters), kinds, content, mass, contacts
+    return tuple(structure.parameters), kinds, content, mass, contacts, _counterparts_move(structure)
+
+
+def _counterparts_move(structure: Structure) -> bool:
+    return bool(structure.parameters.get("v", 0.0))
 
 
 def _identity_of_contacts(one: SlidingContacts) -> Hashable:
@@ -156,7 +161,33 @@ def structure_system(structure: Structure) -> StructureSystem:
         normals=rows["normal"],
         tangents=rows["tangential"],
         masses_inverse=inverse,
+        counterparts_move=_counterparts_move(structure),
     )
+
+
+def contacts_with_undetermined_friction(structure: Structure, mode: str) -> tuple[int, ...]:
+    """Numbers, from 1 on, of the contacts of a mode whose friction forces the equations do not determine.
+
+    Their v_r are zero and depend on each other.
+    """
+    names = structure.automaton().names
+    check_mode_name(mode, names)
+    zero = np.zeros((0, structure.size))
+    rows = np.vstack([zero, *(_full(one.tangential, one) for one in structure.contacts)])
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    unit = rows / np.where(size > 0.0, size, 1.0)
+    speeds = np.hstack([unit, _counterparts_move(structure) / np.where(size > 0.0, size, np.inf)])
+    regimes = mode.split(JOINT)
+    stuck = [i for i, name in enumerate(regimes) if name == "stick"]
+    rubbing = [i for i, name in enumerate(regimes) if name.startswith("slip")]
+    stuck += [i for i in rubbing if stuck and _distance(speeds[i], speeds[stuck]) < SAME_SPEED]
+    others = {i: [j for j in stuck if j != i] for i in sorted(stuck)}
+    return tuple(i + 1 for i, some in others.items() if some and _distance(unit[i], unit[some]) < SAME_SPEED)
+
+
+def _distance(row: Array, rows: Array) -> float:
+    """Of a row (n,) from the span of rows (k, n)."""
+    return float(np.linalg.norm(row - rows.T @ np.linalg.lstsq(rows.T, row)[0]))
 
 
 def _full(rows: Any, one: SlidingContacts) -> Array:
@@ -270,12 +301,15 @@ class StructureSystem(LagrangeSystem):
         Rows g and t; zero where a contact has none.
     masses_inverse : array (n, n)
         M^-1.
+    counterparts_move : bool
+        Whether the speed v of the contacts' counterparts is not zero.
     """
 
     free: MatrixProduct = field(default_factory=lambda: MatrixProduct(np.zeros((0, 0)), ()))
     normals: Array = field(default_factory=lambda: np.zeros((0, 0)))
     tangents: Array = field(default_factory=lambda: np.zeros((0, 0)))
     masses_inverse: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    counterparts_move: bool = True
 
     @cached_property
     def _pushed_by_normals(self) -> Array:
@@ -448,13 +482,24 @@ class StructureSystem(LagrangeSystem):
         return {}
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        """The regimes; a contact whose v_r follows from those that stick is at its limit of stick."""
+        """The regimes; a contact whose v_r is zero where others stick is at its limit of stick."""
         chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
-        held = [i for i, one in enumerate(chosen) if one.held]
+        names = tuple(one.name for one in chosen)
+        held = [i for i, one in enumerate(chosen) if one.held and self.leader(i, names) == i]
         for i, one in enumerate(chosen) if held else ():
-            if one.resting is not None and not self._are_independent((*held, i)):
+            if one.resting is not None and self._rests(i, held):
                 chosen[i] = one.resting
         return tuple(chosen)
+
+    def _rests(self, i: int, held: list[int]) -> bool:
+        """Whether v_r of contact `i` is zero where those of the contacts `held` are, which are independent.
+
+        Where t_i = sum of c_j t_j over these, it is (1 - sum of c_j) v.
+        """
+        if self._are_independent((*held, i)):
+            return False
+        shares = np.linalg.lstsq(self.tangents[held].T, self.tangents[i])[0]
+        return not self.counterparts_move or abs(1.0 - shares.sum()) <= SAME_SPEED * (1 + abs(shares).sum())
 
 
 def _independent(compliance: Array) -> bool:

@@ -280,6 +280,36 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
 
         return automaton_of_structure(self)
 
+    def undetermined_friction(self, mode: str) -> tuple[int, ...]:
+        """Contacts whose friction forces in a mode of its motion are not unique, numbered from 1.
+
+        More contacts stick than there are velocities, so that the equations give sums of these forces alone.
+        The motion does not depend on how they are shared.  A run has one solution: that of contacts along one
+        direction, by shares of their limits; else as many hold as needed, and others are at their limits.
+
+        Parameters
+        ----------
+        mode : str
+            As in ``run.mode``.
+
+        Raises
+        ------
+        ValueError
+            For no mode of the structure.
+
+        Examples
+        --------
+        Two pads rub on one body, one of which travels twice as far:
+
+        >>> import frictionlab as fl
+        >>> pads = fl.SlidingContacts([[1.0], [2.0]], N=1.0, v=0.0)
+        >>> fl.Structure([[1.0]], [[1.0]], contacts=pads).undetermined_friction("stick | stick")
+        (1, 2)
+        """
+        from frictionlab.structures.motion import contacts_with_undetermined_friction
+
+        return contacts_with_undetermined_friction(self, mode)
+
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
         """Energies and powers along a run with these modes."""
         return StructureBalance(self, automaton, mode_names)

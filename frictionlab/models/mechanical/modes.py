@@ -385,7 +385,21 @@ def _projection(system: LagrangeSystem, combination: Combination, contact: AnyCo
     It removes rounding errors only.  So it may leave such errors in what the others hold, and none is more.
     """
     alone, zero = system.stick_reset(contact), _zeros_of_mode(system, combination)
+    zero = {**zero, **_zeros_that_follow(system, combination, system.mechanics.contacts.index(contact))}
     return Reset(alone.jump, {**zero, **alone.vanishing}) if zero else alone
+
+
+def _zeros_that_follow(system: LagrangeSystem, combination: Combination, i: int) -> dict[Any, int]:
+    """v_r of contacts that slip, which is zero where contact `i` sticks besides those that do."""
+    direction = system.direction_of(i)
+    some = () if direction is None else direction.contacts
+    together = [i, *(j for j in some if direction is not None and direction.at_one_speed(j, i))]
+    stuck = _changed(system, combination, dict.fromkeys(together, "stick"))
+    if not system.names.allows(stuck):
+        return {}
+    chosen = zip(system.chosen(stuck), system.regimes, stuck, strict=True)
+    rest = [one for one, regimes, k in chosen if one is regimes[k].resting]
+    return {sign * speed: 1 for one in rest for speed in one.constraints for sign in (1, -1)}
 
 
 @lru_cache(maxsize=8)  # all events of a mode ask for it

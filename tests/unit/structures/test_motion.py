@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import sympy
 from scipy.integrate import solve_ivp
-from scipy.optimize import linprog
+from scipy.optimize import linprog, lsq_linear
 
 import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
 from frictionlab.tape import packing
+from tests.helpers.random_structures import random_structure
 from tests.reference.moreau import RubbingSystem, rubbing_steps
 
 
@@ -321,6 +322,82 @@ def test_energy_never_grows_at_contacts_that_close_together():
         assert end <= start * (1 + 1e-10)
         together += int((np.abs(run.events.t - 0.5) < 1e-12).sum() > 1)
     assert together > 20  # of the others the first impact opens what else closes
+
+
+def test_a_contact_slips_at_the_speed_that_others_stuck_give_it():
+    """v_r = -v of the third, where the first two hold both freedoms: they let go as 2 N = k v t + N/2."""
+    pads = fl.SlidingContacts(
+        [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
+        N=1.0,
+        area=[4.0, 5.0, 1.0],
+        v=0.2,
+        friction=fl.Coulomb(0.5, 0.5),
+    )
+    structure = fl.Structure(np.eye(2), np.eye(2), contacts=pads)
+    run = fl.simulate(structure, 8.0, x0=[0.0, 0.0, 0.2, 0.2], progress=False)
+    assert run.mode[0] == "stick | stick | slip-"
+    assert run.events.t[0] == pytest.approx((0.5 * 4.0 - 0.5) / 0.2, rel=1e-12)
+    assert run.events.target[0] == "slip+ | stick | slip-"
+
+
+def test_friction_that_is_not_unique_is_known_by_its_contacts():
+    rows = [[1.0, 0.0], [0.0, 1.0], [0.0, 2.0], [1.0, 1.0]]
+    structure = fl.Structure(np.eye(2), np.eye(2), contacts=fl.SlidingContacts(rows, N=1.0, v=0.2))
+    # where the second sticks, the third and the fourth move at speeds of their own
+    assert structure.undetermined_friction("stick | stick | slip- | slip-") == ()
+    resting = structure.replace(v=0.0)
+    assert resting.undetermined_friction("slip+ | stick | stick | slip+") == (2, 3)
+    assert resting.undetermined_friction("stick | stick | stick | slip+") == (1, 2, 3, 4)
+    with pytest.raises(ValueError, match="mode must be one of"):
+        structure.undetermined_friction("stick")
+
+
+def acceleration_by_least_squares(structure: fl.Structure, x: np.ndarray) -> np.ndarray:
+    """q'' of a structure whose static limits are the friction in slip, as the minimum of a convex function.
+
+    Forces F within their limits for which |q''|^2 in the metric of M is least: v_r' >= 0 at the upper limit,
+    <= 0 at the lower one, and 0 between.  Contacts in other directions may have many such F, and one q''.
+    """
+    (group,), p, n = structure.contacts, structure.parameters, structure.size
+    M, K = (one.at(p).toarray() for one in (structure.M, structure.K))
+    T, G = group.tangential.toarray(), group.normal.toarray()
+    pressing = p["k2"] * np.maximum(G @ x[:n] + group.penetration, 0.0)
+    speed, limit = p["v"] - T @ x[n:], p["mu_k"] * pressing
+    zero = (np.abs(speed) < 1e-9) & (limit > 1e-9)
+    acting = structure.load_vector - K @ x[:n] - G.T @ pressing
+    acting += T[~zero].T @ (np.sign(speed) * limit)[~zero]
+    root = np.linalg.inv(np.linalg.cholesky(M))
+    if zero.any():
+        bounds = -limit[zero], limit[zero]
+        acting += T[zero].T @ lsq_linear(root @ T[zero].T, -root @ acting, bounds, tol=1e-14).x
+    return root.T @ root @ acting
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        (2, 17, 43, 205),
+        pytest.param(range(120), marks=pytest.mark.slow(reason="120 structures are derived")),
+    ],
+)
+def test_random_structures_move_as_the_least_accelerations_say(seeds):
+    stuck = 0
+    for seed in seeds:
+        structure, x0 = random_structure(seed)
+        run = fl.simulate(structure, 3.0, x0=x0, progress=False)
+        assert run.status.ok
+        audit = fl.energy_audit(run)
+        assert audit.error < 1e-9
+        if not structure.parameters["v"] and "impacts" in audit.works:
+            assert np.diff(audit.works["impacts"]).max(initial=0.0) <= 1e-12 * max(audit.energies["kinetic"])
+        known = zip(run.events.t, run.events.state, [*run.events.t[1:], 3.0], strict=True)
+        for t, x, end in known:
+            h, n = 1e-7, structure.size
+            if end - t > 2 * h:
+                found, exact = (run(t + h)[n:] - x[n:]) / h, acceleration_by_least_squares(structure, x)
+                assert np.abs(found - exact).max() < 5e-3 * (1.0 + np.abs(exact).max()), seed
+        stuck += sum("stick" in name for name in run.events.target)
+    assert stuck >= len(seeds)
 
 
 def test_values_of_parameters_derive_nothing():
