@@ -285,10 +285,13 @@ class Comparison(NamedTuple):
     ----------
     run : Trajectory
     drift : Drift or None
+    reach : float
+        The largest coordinate before the run, which may come to rest at zero.
     """
 
     run: Trajectory
     drift: Drift | None = None
+    reach: float = 0.0
 
     def columns(self, states: Array) -> Array:
         """What is compared of states (N, m)."""
@@ -352,7 +355,21 @@ def _at_rest(of: Comparison) -> bool | None:
     if not only_phase_resets(run):
         return None
     verdicts = [_part_at_rest(run, x, least) for x, least in of.resting_parts(_even_samples(run))]
+    if of.drift is None and _decays_to_zero(of):
+        return True
     return None if None in verdicts else all(verdicts)
+
+
+def _decays_to_zero(of: Comparison) -> bool:
+    """Whether a motion without events has shrunk to a thousandth of what it was, and decays evenly.
+
+    Where the equilibrium is at zero, as that of a structure without loads, coordinates are no measure.
+    """
+    run, x = of.run, _even_samples(of.run)
+    size = float(np.abs(x[:, : run.automaton.coordinates or None]).max(initial=0.0))
+    return (
+        not len(run.events) and size < REST_AMPLITUDE_RTOL * of.reach and all_parts_decay(x, state_ranges(x))
+    )
 
 
 def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
@@ -418,13 +435,16 @@ class MotionClass(NamedTuple):
     drift: Drift | None = None
 
 
-def classify_run(run: Trajectory, section: Section | None, tolerance: float) -> MotionClass:
-    """The kind of motion in a run and its period; arguments as of `steady_state`."""
+def classify_run(
+    run: Trajectory, section: Section | None, tolerance: float, reach: float = 0.0
+) -> MotionClass:
+    """The kind of motion in a run and its period; `reach` as of :class:`Comparison`, the rest as of
+    `steady_state`."""
     if not run.status.ok:
         # A motion that grows without bounds does not repeat, and may have a million crossings.
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
         return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
-    classified = _classify(Comparison(run), section, tolerance)
+    classified = _classify(Comparison(run, reach=reach), section, tolerance)
     if classified.kind != MotionKind.NOT_SETTLED:
         return classified
     drift = drift_of(run)

@@ -169,10 +169,19 @@ class SteadyState(Drawable):
 
 
 def steady_state_of_window(
-    model: ModelOrAutomaton, run: Trajectory, section: Section | None, tolerance: float, *, passed: float
+    model: ModelOrAutomaton,
+    run: Trajectory,
+    section: Section | None,
+    tolerance: float,
+    *,
+    passed: float,
+    reach: float = 0.0,
 ) -> SteadyState:
-    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`."""
-    classified = classify_run(run, section, tolerance)
+    """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`.
+
+    `reach` is the largest coordinate before.
+    """
+    classified = classify_run(run, section, tolerance, reach)
     compared = (
         classified.kind != MotionKind.ENDED_EARLY and classified.drift is None
     )  # a drift leaves any equilibrium
@@ -206,7 +215,7 @@ def steady_state(
     A motion is periodic if, over the second half of the window, the whole state at a section returns within
     `tolerance` of the motion's size, or within a thousandth and ever more closely.  It is at an equilibrium
     if there are no more events and the remaining motion decays and is less than a thousandth of the
-    coordinates, or if friction holds it through a whole period of a force.
+    coordinates, or of those at which it began, or if friction holds it through a whole period of a force.
 
     If it is neither, it is not settled yet where it approaches one of them, repeats within a thousandth but
     no better, drifts in one direction, doubles or halves its size, or has a part that decays or grows,
@@ -271,19 +280,26 @@ def find_steady_state(
 ) -> SteadyState:
     """The steady state from an initial state (n,), or from where a run has ended in a mode; other arguments
     as of :func:`steady_state`, already checked."""
-    start, passed, t_max = (x0, mode), 0.0, options.t_max
+    start, passed, reach, t_max = (x0, mode), 0.0, 0.0, options.t_max
     if options.transient > 0:
         run = _run_transient(model, start, options, progress)
         if not run.status.ok:
             return steady_state_of_window(model, run, options.section, options.tolerance, passed=0.0)
-        start, passed = end_of(run), options.transient
+        start, passed, reach = end_of(run), options.transient, _reach(run)
     while True:
         run = _run_window(model, start, options, progress)
-        steady = steady_state_of_window(model, run, options.section, options.tolerance, passed=passed)
-        passed += options.window
+        steady = steady_state_of_window(
+            model, run, options.section, options.tolerance, passed=passed, reach=reach
+        )
+        passed, reach = passed + options.window, max(reach, _reach(run))
         if steady.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
             return steady
         start = end_of(run)
+
+
+def _reach(run: Trajectory) -> float:
+    """The largest coordinate in a run."""
+    return float(np.abs(run.raw.step_states[:, : run.automaton.coordinates or None]).max(initial=0.0))
 
 
 def _run_transient(

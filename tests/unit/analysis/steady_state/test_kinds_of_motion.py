@@ -42,6 +42,17 @@ def test_a_slow_decay_goes_on_to_the_equilibrium(model, x0):
     assert found.transient == pytest.approx(2 * np.log(1e3) / model.c, rel=0.3, abs=200.0)
 
 
+def test_a_structure_without_load_comes_to_rest_at_zero():
+    """With alpha M as damping the motion shrinks with exp(-alpha t/2): to a thousandth of its start."""
+    springs = [[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 2.0]]
+    structure = fl.Structure(np.eye(3), springs, fl.RayleighDamping(alpha=0.02, beta=0.0))
+    found = settled(structure, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0], **(LONG | {"transient": 100.0}))
+    assert found.kind == "equilibrium"
+    assert found.transient == pytest.approx(2 * np.log(1e3) / 0.02, abs=200.0)
+    undamped = fl.Structure(np.eye(3), springs)
+    assert settled(undamped, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0], window=400.0).kind == "non-periodic"
+
+
 def test_two_frequencies_without_damping_are_no_decay():
     model = fl.TwoBlocks(**SLIDES)  # 1 and sqrt(3.4)
     assert settled(model, APART, transient=0.0, window=400.0).kind == "non-periodic"

@@ -21,6 +21,16 @@ def test_stick_slip_beside_a_stable_equilibrium():
     assert fl.cea_against_motion(fl.MassOnBelt(c=0.1), "v", [v], **QUIET).agreement == ("agrees",)
 
 
+def test_a_structure_without_contacts_rests_where_its_eigenvalues_say():
+    coupling = [("mu", [[0.0, 1.0], [-1.0, 0.0]])]
+    structure = fl.Structure(
+        np.eye(2), np.diag([2.0, 1.0]), 0.05 * np.eye(2), circulatory=coupling, parameters={"mu": 0.1}
+    )
+    found = fl.cea_against_motion(structure, "mu", [0.1, 0.4], **QUIET)
+    assert found.agreement == ("agrees", "agrees")
+    assert found.kinds == ("equilibrium", "equilibrium")
+
+
 @pytest.mark.slow  # it is followed for 500 periods
 def test_a_structure_flutters_where_its_eigenvalues_say():
     """Hoffmann et al. (2002): unstable above mu_k = 0.457 without damping; the motion sticks."""
