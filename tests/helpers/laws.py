@@ -25,3 +25,27 @@ class Undefined(fl.Coulomb):
 
     def kinetic(self, normal_force, speed):
         return normal_force * (fl.functions.log(self.limit - speed) if self.limit else float("nan"))
+
+
+@dataclass(frozen=True)
+class Hertz(fl.ContactLaw):
+    """A contact law that is not defined for a negative gap."""
+
+    k_h: float = 1e5
+
+    def force(self, penetration):
+        """Hertz."""
+        return self.k_h * penetration**1.5
+
+
+@dataclass(frozen=True)
+class Saturating(fl.ContactLaw):
+    """A contact law that is no polynomial."""
+
+    stiff: float = 5e3
+    top: float = 300.0
+
+    def force(self, penetration):
+        """Levels off."""
+        linear = self.stiff * penetration
+        return self.top * linear / (self.top**2 + linear**2) ** 0.5

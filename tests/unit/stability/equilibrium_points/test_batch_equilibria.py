@@ -12,34 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionlab as fl
-from frictionlab.components import ContactLaw, FrictionLaw
+from frictionlab.components import ContactLaw
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from tests.helpers.cases import slow_but
+from tests.helpers.laws import Hertz, Saturating
 
 S = fl.SliderOnBelt
-
-
-@dataclass(frozen=True)
-class Hertz(ContactLaw):
-    """Not defined for a negative gap."""
-
-    k_h: float = 1e5
-
-    def force(self, gap):
-        """Hertz."""
-        return self.k_h * gap**1.5
-
-
-@dataclass(frozen=True)
-class Saturating(ContactLaw):
-    """Levels off."""
-
-    stiff: float = 5e3
-    top: float = 300.0
-
-    def force(self, gap):
-        """A square root."""
-        return self.top * self.stiff * gap / sympy.sqrt(self.top**2 + (self.stiff * gap) ** 2)
+DECAY = fl.ExponentialDecay(mu_k=0.3, mu_s=0.9, v_s=0.5)
 
 
 @dataclass(frozen=True)
@@ -52,23 +31,6 @@ class Exponential(ContactLaw):
     def force(self, gap):
         """An exponential function."""
         return self.top * (sympy.exp(self.per * gap) - 1)
-
-
-@dataclass(frozen=True)
-class Stribeck(FrictionLaw):
-    """Falls with the speed."""
-
-    mu_k: float = 0.3
-    mu_s: float = 0.9
-    v_s: float = 0.5
-
-    def kinetic(self, normal_force, speed):
-        """Stribeck."""
-        return (self.mu_k + (self.mu_s - self.mu_k) * sympy.exp(-speed / self.v_s)) * normal_force
-
-    def static_limit(self, normal_force):
-        """At rest."""
-        return self.mu_s * normal_force
 
 
 def one_by_one(model, changes):
@@ -141,8 +103,8 @@ LAWS = [
     {"contact": Hertz(k_h=1e9)},
     {"contact": Saturating()},
     {"contact": Exponential()},
-    {"friction": Stribeck()},
-    {"contact": Hertz(), "friction": Stribeck()},
+    {"friction": DECAY},
+    {"contact": Hertz(), "friction": DECAY},
 ]
 
 
@@ -193,7 +155,7 @@ def test_ten_thousand_with_and_without_a_spring_are_quick():
     np.testing.assert_allclose(x[:5, 1], fl.equilibrium(S()).q, rtol=1e-12)
 
 
-OF_SLIP = [*product([{}, {"friction": Stribeck()}, {"contact": Hertz()}], [-0.7, 0.4])]
+OF_SLIP = [*product([{}, {"friction": DECAY}, {"contact": Hertz()}], [-0.7, 0.4])]
 
 
 @pytest.mark.parametrize(("law", "v"), slow_but([OF_SLIP[i] for i in (0, 5)], OF_SLIP, several=True))
@@ -216,12 +178,12 @@ def test_state_matrices_against_the_complex_step(law, v):
 
 def test_falling_friction_is_negative_damping():
     """d F_T/d v_r = -(mu_s - mu_k)/v_s exp(-v/v_s) F_N acts between x1 and x2 like a damper."""
-    model = S(friction=Stribeck(), v=0.2)
+    model = S(friction=DECAY, v=0.2)
     speeds = np.array([0.05, 0.2, 1.0, -0.2])
     x, matrices = equilibrium_problem(model).linearised({"v": speeds})
-    _, plain = equilibrium_problem(model.replace(friction=Stribeck(v_s=1e9, mu_k=0.3, mu_s=0.3))).linearised(
-        {"v": speeds}
-    )
+    _, plain = equilibrium_problem(
+        model.replace(friction=fl.ExponentialDecay(mu_k=0.3, mu_s=0.3, v_s=1e9))
+    ).linearised({"v": speeds})
     p = model.parameters
     gap = x[3] - (x[0] - x[2]) * x[4] - x[1]
     normal = p["k2"] * gap + p["k_nl"] * gap**3

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import mpmath
 import numpy as np
 import pytest
-import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -16,7 +15,7 @@ from frictionlab.models import SliderOnBelt
 from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import UNKNOWN, sliding_equations, statics_for_values
-from tests.helpers.laws import Locking
+from tests.helpers.laws import Hertz, Locking, Saturating
 
 pytestmark = pytest.mark.blas
 
@@ -142,18 +141,6 @@ def test_a_belt_at_rest_has_no_friction_in_equation_3():
     assert equilibrium(SliderOnBelt(v=0)).friction_force == 0
 
 
-@dataclass(frozen=True)
-class Saturating(ContactLaw):
-    """A contact law that is no polynomial."""
-
-    stiff: float = 5e3
-    top: float = 300.0
-
-    def force(self, penetration):
-        """Levels off."""
-        return self.top * self.stiff * penetration / sympy.sqrt(self.top**2 + (self.stiff * penetration) ** 2)
-
-
 def test_a_law_that_is_no_polynomial():
     point = equilibrium(SliderOnBelt(contact=Saturating()))
     assert point.residual < 1e-12
@@ -180,17 +167,6 @@ def test_all_roots_of_the_polynomial_are_those_of_mpmath(changes, count):
         real = sorted(float(z.real) for z in roots if abs(z.imag) < 1e-20 * abs(z))
     np.testing.assert_allclose(penetrations, real, rtol=1e-12)
     assert len(real) == count
-
-
-@dataclass(frozen=True)
-class Hertz(ContactLaw):
-    """A contact law that is not defined for a negative gap."""
-
-    k_h: float = 1e5
-
-    def force(self, penetration):
-        """Hertz."""
-        return self.k_h * penetration ** sympy.Rational(3, 2)
 
 
 def test_a_law_may_be_undefined_for_a_negative_gap():
