@@ -110,6 +110,23 @@ class InterruptCounter:
             raise KeyboardInterrupt
 
 
+class HeededInterrupts:
+    """Context in which ctrl-C raises KeyboardInterrupt, also where the process ignores it.
+
+    The kernel of a notebook ignores it but for when a cell runs; an explorer computes between cells.
+    """
+
+    def __enter__(self) -> None:
+        in_main_thread = threading.current_thread() is threading.main_thread()
+        self._previous = SIGNALS.getsignal(signal.SIGINT) if in_main_thread else None
+        if self._previous == SIGNALS.SIG_IGN:
+            SIGNALS.signal(signal.SIGINT, SIGNALS.default_int_handler)
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._previous == SIGNALS.SIG_IGN:
+            SIGNALS.signal(signal.SIGINT, self._previous)
+
+
 class ProgressSetting:
     """A setting of `progress`; the end of a ``with`` block restores the setting before it."""
 

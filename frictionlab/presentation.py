@@ -15,14 +15,13 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, ClassVar, Generic, TypeVar
 
+from frictionlab.letters import ANGLE_LETTERS
+
 Value = TypeVar("Value")
 MAX_LISTED = 8  # items that a summary names before it says how many more there are
 MAX_ROWS = 10  # rows of a table in text
 MAX_COLUMNS = 12  # columns of a table in a notebook
 MAX_ROW_LENGTH = 110  # characters of such a row
-# in LaTeX; all other coordinates are lengths
-ANGLE_LETTERS = {name: rf"\{name}" for name in ("theta", "psi", "alpha", "beta", "gamma")}
-ANGLE_LETTERS["phi"] = r"\varphi"
 OUTPUT_UNITS = {
     "penetration": "m",
     "gap": "m",

@@ -27,6 +27,7 @@ from uuid import UUID
 from jupyter_server.auth.identity import IdentityProvider
 from jupyter_server.base.call_context import CallContext
 from jupyter_server.base.handlers import JupyterHandler
+from jupyter_server.services.kernels.handlers import KernelActionHandler
 from jupyter_server.services.kernels.kernelmanager import AsyncMappingKernelManager
 from jupyter_server.utils import url_path_join
 from tornado import web
@@ -47,6 +48,7 @@ SOCKET_PATH = 104  # bytes of a socket's path, with the zero at its end; the lea
 SOCKET_NAME = f"voila_12345678/kernel-{UUID(int=0)}-ipc-1"  # as long as those that there will be
 LINK_NEEDED = "The explorer needs the whole link that frictionlab app printed, with its token"
 TOO_MANY = f"{MAX_KERNELS} explorers are open: close one of their pages, then reload this one"
+INTERRUPTS = r"/api/kernels/(?P<kernel_id>[\w-]+)/(?P<action>interrupt)"
 MODELS = "models"  # where the pages are that need no kernel
 # Voila's page requests an optional style sheet from another server, and stays blank until that answers
 # or fails: with that request forbidden the page appears at once, also without a network.
@@ -214,6 +216,7 @@ class ExplorerServer(Voila):
         handlers: Any = super().init_handlers()
         own = [(pattern, _page(handler), *rest) for pattern, handler, *rest in handlers]
         own.insert(0, (url_path_join(self.base_url, rf"/{MODELS}/(.*)"), ModelPage, {"pages": self.pages}))
+        own.insert(0, (url_path_join(self.base_url, INTERRUPTS), KernelActionHandler))  # the button "stop"
         self.app.add_handlers(LOCAL_HOSTS, own)
         return [(r".*", web.ErrorHandler, {"status_code": 403})]
 

@@ -17,6 +17,7 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Any, NamedTuple, Self, TypedDict, Unpack
 
+from frictionlab.letters import symbol_of
 from frictionlab.validation import (
     abbreviate,
     check_flag,
@@ -149,10 +150,12 @@ def structure_of(component: type) -> tuple[str, ...]:
 def _parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
     about = field.metadata.get(METADATA_KEY)
     if about is not None:
-        return about if about.symbol else dataclasses.replace(about, symbol=field.name)
+        return about if about.symbol else dataclasses.replace(about, symbol=symbol_of(field.name))
     if field.type not in (float, "float"):
         return None
-    return Parameter(field.name, default=None if field.default is dataclasses.MISSING else field.default)
+    return Parameter(
+        symbol_of(field.name), default=None if field.default is dataclasses.MISSING else field.default
+    )
 
 
 def is_decorated(component: type) -> bool:

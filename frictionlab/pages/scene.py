@@ -363,16 +363,17 @@ def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
         "labels": {name: state_label(name) for name in names},
         "units": {name: unit_of_state(model, name) for name in names},
         "forces": forces,
-        "slides": can_slide_steadily(automaton),
+        "slides": can_slide_steadily(model, automaton),
         "points": friction_points(model),
     }
 
 
-def can_slide_steadily(automaton: HybridAutomaton) -> bool:
-    """Whether something slides while all coordinates are at rest: on a belt, say."""
+def can_slide_steadily(model: Model, automaton: HybridAutomaton) -> bool:
+    """Whether something slides while all coordinates but cyclic ones are at rest: on a belt, say."""
+    resting = {f"{name}'" for name in model.coordinates if name not in getattr(model, "cyclic", ())}
     mode = next(iter(automaton.modes))
     velocities = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
-    return any(e.subs({s: 0 for s in e.free_symbols if s.name.endswith("'")}) != 0 for e in velocities)
+    return any(e.subs({s: 0 for s in e.free_symbols if s.name in resting}) != 0 for e in velocities)
 
 
 def mechanism_data(model: Model) -> Data | None:

@@ -11,9 +11,10 @@ from textwrap import fill
 from typing import Any
 
 from frictionlab.components.component import Parameter
+from frictionlab.letters import ANGLE_LETTERS
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton
-from frictionlab.presentation import ANGLE_LETTERS, TIME, is_angle, unit_of_state
+from frictionlab.presentation import TIME, is_angle, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import FrozenAutomaton
 
 LEGEND_WIDTH = 36  # characters of a line in a legend

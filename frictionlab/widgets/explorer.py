@@ -78,6 +78,7 @@ class Explorer:
         self._answers = {name: in_this_thread(answer) for name, answer in answers.items()}
         for name, answer in self._answers.items():
             self.widget.observe(answer, names=name)
+        self.widget.stops = in_this_thread(self._stop)
         self.scheduler.request()
 
     @property
@@ -146,6 +147,12 @@ class Explorer:
     def _go_on(self, _: Any) -> None:
         if self.progress:  # the rest has waited until a browser shows it
             self.scheduler.request_later()
+
+    def _stop(self) -> None:
+        """End what is computed in parts; ctrl-C has ended what is computed at once."""
+        if self.progress:
+            self.scheduler.cancel()
+            self._fail(KeyboardInterrupt())
 
     def _update(self) -> None:
         asked = self.widget.state

@@ -64,11 +64,15 @@ class FrontEnd(anywidget.AnyWidget):
     def __init__(self) -> None:
         super().__init__()
         self.run: Any = None
+        self.stops: Callable[[], None] = _nothing
         self.opens: Callable[[str, Mapping[str, Any]], None] = _opens_nothing
         self.on_msg(self._heard)
 
     def _heard(self, _: Any, content: Any, __: Any) -> None:
-        """Send what the run sounds like, or why it makes no sound; or open a scene."""
+        """Send what the run sounds like, or why it makes no sound; open a scene; or stop."""
+        if "stop" in content:
+            self.stops()
+            return
         if "open" in content:
             self.opens(content["open"], content.get("changed", {}))
             return
@@ -82,6 +86,10 @@ class FrontEnd(anywidget.AnyWidget):
         text = "it makes no sound" if silent else f"{signal}, {sound.pitch:.3g} times as high as it is"
         samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
         self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
+
+
+def _nothing() -> None:
+    """Stop nothing: a run that is watched is there as a whole."""
 
 
 def _opens_nothing(name: str, changed: Mapping[str, Any]) -> None:
@@ -113,7 +121,7 @@ def result_data(
         "reason": result.no_equilibrium_reason,
         "equilibrium": point
         and {
-            "q": [float(x) for x in point.q],
+            "state": point.state.tolist(),
             "penetration": _finite(point.penetration),
             "normal_force": _finite(point.normal_force),
             "friction_force": _finite(point.friction_force),

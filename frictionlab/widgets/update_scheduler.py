@@ -15,6 +15,8 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
+from frictionlab.interruption import HeededInterrupts
+
 EVENT_LOOP_PAUSE = 0.01  # seconds in which the event loop handles messages from the browser
 PAUSE_AFTER_CHANGE = 0.15  # seconds: a slider that moves on should not wait for a long update
 
@@ -65,8 +67,9 @@ class UpdateScheduler:
 
     def _update_all(self) -> None:
         try:
-            while self._next():
-                self._update()
+            with HeededInterrupts():
+                while self._next():
+                    self._update()
         except BaseException:
             self._busy = False
             raise

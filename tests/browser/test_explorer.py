@@ -221,11 +221,13 @@ def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipp
 
     def end_of_data():
         text = place.file_of("data csv", tmp_path / "data.csv")
-        names, *_, last = csv.reader(text.splitlines())  # a model may have time among its states, too
-        assert names[1 : 1 + len(run.names)] == list(run.names)
-        return [float(value) for value in last[: 1 + len(run.names)]]
+        names, *_, last = csv.reader(text.splitlines())
+        assert names[: len(columns)] == list(columns)
+        return [float(value) for value in last[: len(columns)]]
 
-    ends = [run.raw.t, *run.final_state.tolist()]
+    # a model may have time among its states, too
+    columns = {"t": run.raw.t} | dict(zip(run.names, run.final_state.tolist(), strict=True))
+    ends = list(columns.values())
     assert come_to(page, ends, end_of_data) == ends
     texts = re.sub("<[^>]*>", "", place.file_of("figure svg", tmp_path / "figure.svg"))
     shown = model.automaton().shown_state

@@ -375,6 +375,45 @@ def test_a_law_of_ones_own_is_exported(browser, tmp_path):
     page.context.close()
 
 
+@fl.model
+class HeatedMass(fl.MechanicalModel):
+    """A further state, names of several words, and a number without a range."""
+
+    m: float = 1.0
+    k_spring: float = 100.0
+    F_pre_load: float = 10.0
+    heat_capacity: float = 5.0
+    mu_gap: float = 0.0
+    friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.3, mu_s=0.6, v_s=0.1)
+
+    coordinates = ("x",)
+    states = ("T_hot",)
+
+    def mechanics(self, q, v, others):
+        pressed = self.F_pre_load * (1 - others.T_hot / 100)
+        warmed = {"T_hot": (0.2 * self.F_pre_load - others.T_hot) / self.heat_capacity}
+        contact = fl.Friction(0.2 - v.x, pressed, self.friction)
+        energies = self.m * v.x**2 / 2, self.k_spring * (q.x - self.mu_gap) ** 2 / 2
+        return fl.Mechanics(*energies, contacts=(contact,), rates=warmed)
+
+
+def test_a_further_state_and_names_of_several_words(browser, tmp_path):
+    page = opened(browser, exported(HeatedMass(), tmp_path / "page.html", t_end=5.0))
+    names = {"F_pre_load": "Fpre load", "heat_capacity": "heat capacity", "mu_gap": "μgap"}
+    for name, text in names.items():
+        assert page.locator(f".fl-{name} .fl-label").text_content() == text
+    assert "Thot = 2" in page.inner_text(".fl-numbers").replace("\n", "")
+    page.select_option(".fl-start select", "own")
+    wait_until(page, "explorer.result.from === 'own' && explorer.request === null")
+    assert final(page) == fl.simulate(HeatedMass(), 5.0, x0=[0.0, 0.0], progress=False).final_state.tolist()
+    page.evaluate("explorer.startAt({ x: 0.1 }, 'x')")
+    assert page.evaluate("explorer.state.own") == "0.1, 0, 2"
+    page.evaluate("explorer.set({ ...SCENE.initial, m: 0 })")
+    wait_until(page, "explorer.error.includes('none with m = 0, mu_gap = 0')")
+    assert not page.problems
+    page.context.close()
+
+
 @pytest.fixture
 def mass(browser, tmp_path):
     page = opened(browser, exported(fl.MassOnBelt(mu_k=0.5), tmp_path / "mass.html", t_end=20.0))

@@ -80,6 +80,23 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
         page.close()
 
 
+def test_a_long_run_is_stopped(browser, tmp_path):
+    if find_spec("voila") is None:
+        pytest.skip("voila shows the explorer; it is not installed")
+    port = free_port()
+    with serving(app(tmp_path, port), port, tmp_path) as address:
+        page = browser.new_page()
+        page.goto(address + printed_path(tmp_path) + "#method=paper%27s+(RK4)", wait_until="commit")
+        page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
+        page.fill(".fl-control.fl-duration .fl-field", "3000")
+        page.keyboard.press("Enter")
+        page.get_by_role("button", name="stop").click()
+        page.locator(".fl-status").get_by_text("The computation was stopped").wait_for(timeout=PATIENCE)
+        page.get_by_role("button", name="undo").click()  # it goes on to answer
+        page.wait_for_selector(".fl-status:not(.fl-bad)", timeout=PATIENCE)
+        page.close()
+
+
 def test_pages_of_models_need_no_kernel(browser, tmp_path):
     if find_spec("voila") is None:
         pytest.skip("voila serves the pages; it is not installed")

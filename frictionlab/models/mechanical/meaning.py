@@ -201,6 +201,12 @@ class _Check:
                 f"penetration of a {kind} of {self.of} must be an expression, got None: a normal force that "
                 "does no work has no effect without friction, nor has a damper without a penetration"
             )
+        if contact.damping.is_negative if hasattr(contact.damping, "is_negative") else contact.damping < 0:
+            raise ValueError(
+                f"damper of a {type(contact).__name__} of {self.of} must be at least 0, got "
+                f"{contact.damping}: below 0 each impact would add energy, without end; give one that a "
+                "value sets fl.parameter(..., minimum=0.0)"
+            )
         self.free("damper", contact.damping, (*self.v,), "it is N s/m, which multiplies the rate by itself")
         self.powers("damper", contact.damping, [contact.penetration])
 

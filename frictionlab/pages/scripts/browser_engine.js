@@ -58,8 +58,9 @@ class BrowserEngine {
       last = this.equilibrium?.length === zero.length ? this.equilibrium : structure.near;
     const known = equilibriumOf(structure, values, [last, structure.near, zero]);
     this.equilibrium = known ? known.z : null;
-    if (state.start === "own") return [known, ownState(state.own, structure.states)];
-    if (state.start === "rest") return [known, structure.release(values)];
+    const released = structure.release(values);
+    if (state.start === "own") return [known, ownState(state.own, structure, released)];
+    if (state.start === "rest") return [known, released];
     if (!known) throw new RangeError("there is no equilibrium to start near of: start from rest");
     return [known, known.z.map((v, i) => (i < structure.coordinates ? 1.01 * v : v))];
   }
@@ -94,7 +95,7 @@ class BrowserEngine {
   equilibriumData({ z, sliding }, { structure, values }) {
     const outputs = structure.outputs.functions[sliding.mode](z, values),
       of = (name) => outputs[structure.outputs.names.indexOf(name)] ?? NaN;
-    return { q: z.slice(0, structure.coordinates), penetration: of("penetration"), normal_force: of("normal_force"),
+    return { state: z, penetration: of("penetration"), normal_force: of("normal_force"),
       friction_force: of("friction_force") };
   }
 
@@ -185,14 +186,17 @@ class BrowserEngine {
   }
 }
 
-function ownState(text, names = null) {
+function ownState(text, structure = null, released = []) { // further states begin as at rest unless they are given
   const values = text.split(/[,;]/).filter((part) => part.trim()).map(Number);
   const refuse = (rule) => { throw new RangeError(`the own state must ${rule}`); };
   if (!values.every(Number.isFinite)) {
     refuse(`be numbers with commas between, got '${text}': write for example 0.01, 0, ...`);
   }
-  if (names && values.length !== names.length) {
-    refuse(`have ${names.length} numbers, got ${values.length}: ${names.join(", ")}`);
+  if (!structure) return values;
+  const { states, coordinates } = structure;
+  if (values.length === 2 * coordinates) return [...values, ...released.slice(2 * coordinates)];
+  if (values.length !== states.length) {
+    refuse(`have ${states.length} numbers, got ${values.length}: ${states.join(", ")}`);
   }
   return values;
 }

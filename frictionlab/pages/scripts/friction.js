@@ -3,6 +3,8 @@
 const DRAG = "drag the points", EXAMPLE = "0.3 + 0.1*exp(-abs(v)/0.2)";
 const NEAREST_POINTS = 0.01; // share of the speeds that are shown, by which two points stay apart
 
+const withMinus = (v) => shortNumber(v, 3).replace(/^-/, "−");
+
 const FUNCTIONS = ["exp", "log", "sqrt", "abs", "sin", "cos", "tan", "tanh", "atan"];
 const NUMBERS = { pi: Math.PI, e: Math.E };
 
@@ -73,7 +75,7 @@ function formulaDrawing(text, speeds, mu, v, last) {
   const of = readFormula(text), y = Float64Array.from(speeds, of), step = 1e-5 * speeds.at(-1);
   const slope = v === undefined ? null : (of(v + step) - of(v - step)) / (2 * step);
   const missed = mu.map((value, i) => (speeds[i] > last ? 0 : value - y[i]));
-  const said = slope === null ? "" : `formula: slope ${shortNumber(slope, 3).replace("-", "−")} s/m\n`;
+  const said = slope === null ? "" : `formula: slope ${withMinus(slope)} s/m\n`;
   return { curve: { label: "formula", x: speeds, y, colour: "#009E73", dash: true, width: 1.5 },
     note: `${said}points within ${shortNumber(largest([missed]), 2)} of it` };
 }
@@ -90,8 +92,8 @@ function frictionDrawing({ friction, parameters, structure: { points } }, { form
     const [v, here, slope, damper] = at, ends = [Math.max(0, v - 0.25 * reach), Math.min(reach, v + 0.25 * reach)];
     curves.push({ label: "slope at steady sliding", x: ends, y: ends.map((u) => here + slope * (u - v)),
       colour: "#D55E00", dash: true });
-    note = `${shortNumber(v, 3)} m/s: like a damper of ${shortNumber(damper, 3).replace("-",
-      "−")} N s/m\n${note}`.trim();
+    const like = Math.abs(slope) * v < SILENT * here ? "no damper" : `a damper of ${withMinus(damper)} N s/m`;
+    note = `${shortNumber(v, 3)} m/s: like ${like}\n${note}`.trim();
   }
   if (handles.length && formula) {
     const drawn = formulaDrawing(formula, speeds, mu, at?.[0], handles.at(-1).x);

@@ -5,6 +5,7 @@
 // that is shown.
 const PALETTE = ["#000000", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"];
 const GREY = "#999999", ROUNDING = 1e-12; // share of an eigenvalue's size below which its real part is a rounding error
+const LEAST_BAND = 0.1; // of frequencies that are shown, as share of the highest
 const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
 
 // of the array that varies most
@@ -16,6 +17,7 @@ function samplesByName(times, modes, names, columns) {
 }
 
 const isAngle = (result, name) => result.structure.units[name].startsWith("rad");
+const steadyMotion = ({ structure }) => (structure.slides ? "steady sliding" : "the equilibrium");
 const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;
 const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
 
@@ -87,8 +89,10 @@ function forces(result) {
 function phase(result) {
   const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
   const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
-  if (equilibrium) curves.push({ label: "equilibrium", x: [equilibrium.q[place]], y: [0], marker: "+", size: 11,
-    line: false });
+  if (equilibrium) {
+    const [x, y] = [place, place + structure.coordinates].map((i) => [equilibrium.state[i]]);
+    curves.push({ label: "equilibrium", x, y, marker: "+", size: 11, line: false });
+  }
   return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves,
     touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
 }
@@ -116,7 +120,9 @@ function eigenvaluePanel(result) {
     some(upper.filter((value) => !grows(value)), "decays", { colour: "#0072B2", marker: "o" }),
     some(upper.filter(grows), "grows", { colour: "#D55E00", marker: "^" }),
   ];
-  return { xlabel: "growth rate (1/s)", ylabel: "frequency (Hz)", curves, ...(neutral ? { xlim: [-1, 1] } : {}) };
+  const title = `eigenvalues of ${steadyMotion(result)}`;
+  return { title, xlabel: "growth rate (1/s)", ylabel: "frequency (Hz)", curves, least: LEAST_BAND,
+    ...(neutral ? { xlim: [-1, 1] } : {}) };
 }
 
 const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel, friction: frictionDrawing };

@@ -24,9 +24,11 @@ function roundStep(step) {
   return [1, 2, 2.5, 5, 10].find((s) => s * power >= step * (1 - 1e-9)) * power;
 }
 
-function linearLimits(now, needed) { // the present limits, if the data are inside and fill them; else new round ones
+// the present limits, if the data are inside and fill them; else new round ones
+function linearLimits(now, needed, least = LEAST_RELATIVE_RANGE) {
   if (!needed) return now ?? [0, 1];
-  const missing = Math.max(0, Math.max(LEAST_RELATIVE_RANGE * Math.max(...needed.map(Math.abs)), LEAST_RANGE)
+  if (!needed[0] && !needed[1]) return [-1, 1];
+  const missing = Math.max(0, Math.max(least * Math.max(...needed.map(Math.abs)), LEAST_RANGE)
     - (needed[1] - needed[0])) / 2;
   const [low, high] = [needed[0] - missing, needed[1] + missing];
   if (now && now[0] <= needed[0] && needed[1] <= now[1] && high - low >= LEAST_FILL * (now[1] - now[0])) return now;
@@ -165,7 +167,7 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
   const scale = drawing.log ? logarithmicLimits : linearLimits;
   memory.x = drawing.xlim ?? linearLimits(memory.x, dataRange(all.map(({ x }) => x)));
   memory.left = drawing.ylim ?? scale(drawing.log === memory.log ? memory.left : null,
-    dataRange(of("left").map(({ y }) => y)));
+    dataRange(of("left").map(({ y }) => y)), drawing.least);
   if (hasRight) memory.right = linearLimits(memory.right, dataRange(of("right").map(({ y }) => y)));
   memory.log = drawing.log;
   const rows = legendRows(c, curves, width - 2 * em, small), top = 0.8 * em + 1.35 * small * rows.length,

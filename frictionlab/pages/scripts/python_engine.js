@@ -18,6 +18,12 @@ class PythonEngine {
 
   has(name) { return !this.parameters || name in this.parameters; }
   choose(name, changed = {}) { this.model.send({ open: name, changed }); }
+
+  stop() { // what is done in parts stops by a message, a computation that hears none by ctrl-C
+    this.model.send({ stop: true });
+    this.model.widget_manager?.kernel?.interrupt();
+  }
+
   python() { return this.model.get("picture").python; }
 
   result() { // the picture, with its arrays as numbers

@@ -133,7 +133,11 @@ class Solver {
     const { structure, arrays } = this, chatter = values[structure.parameters.indexOf("chatter")] ?? 0;
     const all = structure.numbers(values), constants = all.slice(0, structure.constants),
       terms = all.slice(structure.constants);
-    if (!all.every(Number.isFinite)) throw new RangeError("the equations have no finite value for these parameters");
+    if (!all.every(Number.isFinite)) {
+      const zeros = structure.parameters.filter((_, i) => values[i] === 0).map((name) => `${name} = 0`);
+      throw new RangeError(`the equations must have finite values, and have none with ${zeros.join(", ")
+        || "these parameters"}: move back what was changed`);
+    }
     for (const [part, list] of [["constants", constants], ["terms", terms]]) {
       arrays[`numbers.${part}`].view.set(list);
       arrays[`magnitudes.${part}`].view.set(list.map(Math.abs));

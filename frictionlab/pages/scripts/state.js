@@ -91,7 +91,7 @@ function stateFromText(text) { // {model, scene, changed}, or {model, scene, ste
 }
 
 function csvText({ structure, samples }) { // a line of names, then one for each time; numbers have all their digits
-  const columns = Object.keys(samples.byName), values = columns.map(samples.column);
+  const columns = Object.keys(samples.byName).filter((name) => name !== "t"), values = columns.map(samples.column);
   const lines = Array.from(samples.times,
     (t, i) => [t, ...values.map((v) => v[i]), structure.modes[samples.modes[i]]].join(","));
   return [["t", ...columns, "mode"].join(","), ...lines, ""].join("\n");

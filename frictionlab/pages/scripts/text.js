@@ -27,7 +27,7 @@ function mathParts(math) {
     if (group !== undefined) inner = mathParts(group);
     else if (command && OVER[command]) inner = mathParts(argument
       ?? "").map((p, i) => (i ? p : { ...p, text: p.text + OVER[command] }));
-    else if (upright) inner = [{ text: argument ?? "", italic: false, shift: 0 }];
+    else if (upright) inner = [{ text: (argument ?? "").replaceAll("\\ ", " "), italic: false, shift: 0 }];
     else if (command) inner = [{ text: SYMBOLS[command] ?? command, italic: /^[a-z]/.test(command), shift: 0 },
       ...(argument ? mathParts(argument) : [])];
     else if (letter) inner = [{ text: letter.replace("'", "′").replace("-", "−"), italic: /[A-Za-z]/.test(letter),

@@ -130,6 +130,6 @@ function heldSample(result, touched, mode) { // the state of a body that is held
   return samplesByName(Float64Array.of(0), Int32Array.of(mode), outputs, values);
 }
 
-function startState({ structure: { states, coordinates }, equilibrium }, touched) { // all else as in steady sliding
-  return states.map((name, i) => touched[name] ?? (equilibrium && i < coordinates ? equilibrium.q[i] : 0));
+function startState({ structure: { states }, equilibrium }, touched) { // all else as in steady sliding
+  return states.map((name, i) => touched[name] ?? equilibrium?.state[i] ?? 0);
 }

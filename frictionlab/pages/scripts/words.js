@@ -3,6 +3,7 @@ const VERBS = { stick: "sticks", "slip+": "slips", "slip-": "slips", slip: "slip
 const STARTS = { rest: "from rest", near: "from near the equilibrium", own: "from your own state" };
 const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest, so there is no steady sliding to be "
   + "stable or unstable.";
+const CLOCKS = ["t", "phase"]; // states that stand for time
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
 function verdict(result) {
@@ -12,7 +13,7 @@ function verdict(result) {
     return result.structure.slides ? `No steady sliding: ${reason}${what}` : `${NOTHING_SLIDES}${what}`;
   }
   const text = stabilityText(values), joint = text === "stable" ? "but" : "and";
-  return `Steady sliding is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;
+  return `${sentence(steadyMotion(result))} is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;
 }
 
 function stabilityText(values) {
@@ -44,14 +45,16 @@ function motionText({ structure, samples, struck }) { // as its modes tell; empt
   return regimes.has("slip+") && regimes.has("slip-") ? "slips to and fro" : "";
 }
 
-function equilibriumTexts({ structure, equilibrium }) { // "x1 = 0.15 m" ..., with LaTeX
+// "x1 = 0.15 m" ..., with LaTeX; the rate of what turns steadily; further states, but for time
+function equilibriumTexts({ structure, equilibrium }) {
   if (!equilibrium) return [];
-  const rows = coordinatesOf({ structure }).map((name, i) =>
-    [structure.labels[name], equilibrium.q[i], structure.units[name]]);
+  const { states, labels, units, coordinates: n } = structure, { state } = equilibrium;
+  const shown = states.map((_, i) => (i < n ? !state[i + n] : i < 2 * n ? state[i] : !CLOCKS.includes(states[i])));
+  const rows = states.map((name, i) => [labels[name], state[i], units[name]]).filter((_, i) => shown[i]);
   rows.push(["penetration", equilibrium.penetration, "m"], ["$F_N$", equilibrium.normal_force, "N"],
     ["$F_T$", equilibrium.friction_force, "N"]);
   return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) =>
-    `${label} = ${shortNumber(value)} ${unit}`);
+    `${label} = ${shortNumber(value)} ${unit}`.trim());
 }
 
 function differences(before, now) { // names of the controls that two states do not share

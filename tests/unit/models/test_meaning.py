@@ -49,6 +49,10 @@ WRONG = {
         lambda s, q, v: Mechanics(energy(v), 0, s.m * q.x**2),
         "dissipation of Stated must be a function of the velocities",
     ),
+    "damper below zero": (
+        lambda s, q, v: Mechanics(energy(v), contacts=(fl.Contact(-q.y, 2 * q.y, damper=-1.0),)),
+        "damper of a Contact of Stated must be at least 0, got -1.0",
+    ),
     "no phase": (
         lambda s, q, v: Mechanics(energy(v), loads={"x": cos(q.phase)}),
         "the load on 'x' of Stated must not depend on phase: give Mechanics the frequency too",
