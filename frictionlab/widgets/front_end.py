@@ -127,7 +127,7 @@ def result_data(
             "friction_force": _finite(point.friction_force),
         },
         "friction": friction_data(result) if needs_friction else None,
-        "python": python_snippet(result.settings),
+        "python": python_snippet(result.settings) if complete else "",
         "complete": complete,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
         "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),

@@ -183,6 +183,31 @@ def test_all_plots_follow_a_slider_and_are_whole_when_it_stops(browser, slider):
     page.context.close()
 
 
+PAINTED = """() => {
+  const c = new SvgContext(300, 200, "#fff"), X = new Axis([0, 1], [0, 300]), Y = new Axis([-1, 1], [200, 0]);
+  const x = Float64Array.from({ length: 10001 }, (_, i) => i / 1e4), y = x.map((v) => Math.sin(40 * v) / 2);
+  y[5000] = 1; // a peak of one sample
+  y.fill(0.3, 7000, 8000); // a level
+  y[9000] = NaN; // a gap
+  paintLine(c, x, y, X, Y);
+  return c.nodes[0].match(/[ML][^ML"]+/g).map((part) => [part[0], ...part.slice(1).split(" ").map(Number)]);
+}"""
+
+
+def test_a_line_is_painted_to_a_pixel_with_few_points(page):
+    points = page.evaluate(PAINTED)
+    kinds, x, y = zip(*points, strict=True)
+    assert len(points) < 1500
+    assert [i for i, kind in enumerate(kinds) if kind == "M"] == [0, kinds.index("M", 1)]
+    assert (150.0, 0.0) in zip(x, y, strict=True)
+    level = [(a, b) for a, b in zip(x, y, strict=True) if abs(b - 70) < 1e-9]
+    assert level[0][0] == pytest.approx(210, abs=0.02)
+    assert level[-1][0] == pytest.approx(240, abs=0.05)
+    smooth = [(a, b) for a, b in zip(x, y, strict=True) if a < 149 or 151 < a < 209]
+    assert max(abs(100 - 50 * np.sin(40 * a / 300) - b) for a, b in smooth) < 0.1  # as the text is rounded
+    assert max(np.diff([a for a, _ in smooth if a < 149])) < 1.1
+
+
 def test_the_link_holds_what_is_set(browser, slider):
     page = opened(browser, slider, fragment="#mu_k=2&without=geometry&t_end=0.5")
     run = fl.simulate(fl.SliderOnBelt(mu_k=2.0).without("geometry"), 0.5)

@@ -18,7 +18,10 @@ class Explorer {
       request: null, kept: null, held: null });
     root.classList.add("fl-explorer");
     root.addEventListener("keydown", (event) => this.key(event));
-    this.observer = new ResizeObserver(() => { if (this.result) this.redraw(); });
+    this.observer = new ResizeObserver(() => {
+      this.looks = null; // letters grow with the window
+      if (this.result) this.redraw();
+    });
     this.open(scene);
   }
 
@@ -162,11 +165,11 @@ class Explorer {
 
   panel(name) {
     const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: TITLES[name] ?? name }),
-      over = html("canvas", { className: "fl-over" });
+      frame = html("canvas"), over = html("canvas", { className: "fl-over" });
     const caption = html("figcaption", { textContent: TITLES[name] ?? name.replaceAll("_", " ") }),
-      stack = html("div", { className: "fl-stack" }, [canvas, over]);
+      stack = html("div", { className: "fl-stack" }, [frame, canvas, over]);
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]),
-      panel = { name, figure, caption, canvas, over, memory: {}, drawing: null, axes: null };
+      panel = { name, figure, caption, frame, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
     if (name === "mechanism") figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
@@ -319,8 +322,9 @@ class Explorer {
   }
 
   look() {
+    if (this.looks) return this.looks;
     const style = getComputedStyle(this.root), read = (name) => style.getPropertyValue(`--fl-${name}`).trim();
-    return { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"),
+    return this.looks = { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"),
       line: read("line"), letters: 0.82 * parseFloat(style.fontSize) };
   }
 
@@ -342,13 +346,19 @@ class Explorer {
     panel.drawing = this.drawingOf(panel.name, this.result);
     panel.figure.hidden = !panel.drawing;
     if (!panel.drawing) return;
-    if (panel.drawing.title) panel.caption.textContent = panel.drawing.title;
-    panel.canvas.ariaLabel = [panel.caption.textContent, panel.drawing.note].filter(Boolean).join(": ");
+    const title = panel.drawing.title ?? panel.caption.textContent, told = [title, panel.drawing.note];
+    if (panel.caption.textContent !== title) panel.caption.textContent = title;
+    const label = told.filter(Boolean).join(": "); // setting anything anew would lay out the page again
+    if (panel.canvas.ariaLabel !== label) panel.canvas.ariaLabel = label;
     panel.over.classList.toggle("fl-pickable", Boolean(panel.drawing.pick || panel.drawing.touch));
     if (panel.drawing.image) return panel.canvas.replaceWith(panel.canvas = html("img",
       { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
-    if (width) panel.axes = paintDrawing(c, width, height, ...this.compared(panel.name, look, panel.memory));
+    if (!width) return;
+    const [drawing, , , kept] = this.compared(panel.name, look, panel.memory), before = panel.axes;
+    panel.axes = layoutOf(c, width, height, drawing, look, panel.memory, kept);
+    if (panel.axes !== before) paintFrame(fit(panel.frame)[0], panel.axes);
+    paintCurves(c, panel.axes, drawing, kept);
   }
 
   compared(name, look, memory) { // what is painted: of two scenes with many coordinates, the chosen one
@@ -366,13 +376,17 @@ class Explorer {
   }
 
   showModes() {
-    const key = wholeModes(this.result.structure, this.result.samples.modes).map(({ label, colour }) => {
+    const wholes = wholeModes(this.result.structure, this.result.samples.modes), { note } = this.picture ?? {};
+    const shown = JSON.stringify([note, ...wholes.map(({ label, colour }) => [label, colour])]);
+    if (this.modes.dataset.shown === shown) return;
+    this.modes.dataset.shown = shown;
+    const key = wholes.map(({ label, colour }) => {
       const node = html("span", { className: "fl-mode", textContent: label });
       node.style.setProperty("--colour", colour);
       return node;
     });
     this.modes.replaceChildren(...key,
-      ...(this.picture ? [html("span", { textContent: this.picture.note }),
+      ...(this.picture ? [html("span", { textContent: note }),
       html("span", { textContent: this.drag ? TOUCH_HINT : "" })] : []));
   }
 
@@ -396,10 +410,11 @@ class Explorer {
     if (this.picture) this.paintMechanism(look, samples, i);
     if (this.picture) this.drag?.paint(look);
     for (const name of ["response", "forces", "phase"]) {
-      const { axes, over, figure } = this.panels[name] ?? {};
-      if (!axes || figure.hidden) continue;
+      const panel = this.panels[name], { axes, over, figure } = panel ?? {};
+      if (!axes || figure.hidden || name !== "phase" && panel.marked === axes && panel.t === t) continue;
       const [c, width] = fit(over);
       if (!width) continue;
+      Object.assign(panel, { marked: axes, t });
       if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at(samples.column(coordinate)[i]),
         axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);
@@ -585,6 +600,7 @@ class Explorer {
   setTheme(name) {
     this.dark = name === "dark";
     this.root.dataset.theme = name;
+    this.looks = null;
     if (this.themeButton) this.themeButton.textContent = this.dark ? "light" : "dark";
     if (this.result) this.redraw();
   }

@@ -80,14 +80,19 @@ class Axis { // from data to pixels, and back
 const withPower = (label, power) => !power ? label : label.endsWith(")")
   ? label.replace(/\(([^()]*)\)$/, `(10${raised(power)} $1)`) : `${label} (10${raised(power)})`;
 
-function paintLine(c, x, y, X, Y) { // breaks where a number is not finite
-  let begun = false;
+// A line breaks where a number is not finite.  Of points within a pixel, and of those on a level, the last is painted.
+function paintLine(c, x, y, X, Y) {
+  let [px, py, begun, left] = [0, 0, false, -1]; // the last point that is painted; the one that was left out
+  const paint = (u, v) => { begun ? c.lineTo(u, v) : c.moveTo(u, v); [px, py, begun, left] = [u, v, true, -1]; };
+  const catchUp = () => { if (left >= 0) paint(X.at(x[left]), Y.at(y[left])); };
   c.beginPath();
   for (let i = 0; i < x.length; i++) {
-    const here = Number.isFinite(x[i]) && Number.isFinite(y[i]);
-    if (here) begun ? c.lineTo(X.at(x[i]), Y.at(y[i])) : c.moveTo(X.at(x[i]), Y.at(y[i]));
-    begun = here;
+    const u = X.at(x[i]), v = Y.at(y[i]), near = Math.abs(u - px) < 1 && Math.abs(v - py) < 1;
+    if (!Number.isFinite(u + v)) { catchUp(); begun = false; }
+    else if (begun && (near || v === py)) left = i;
+    else { if (left >= 0 && y[left] === y[left - 1]) catchUp(); paint(u, v); }
   }
+  catchUp();
   c.stroke();
 }
 
@@ -159,41 +164,47 @@ function paintLegend(c, rows, left, size, look) {
   }));
 }
 
-// Paint a drawing, over one that is kept for comparison, dotted.  `memory` keeps the limits of the axes.  Returns the
-// axes.
+// Paint a drawing, over one that is kept for comparison, dotted.  `memory` keeps the limits of the axes.
 function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
-  const em = look.letters, small = 0.86 * em, curves = drawing.curves, all = [...curves, ...(kept?.curves ?? [])];
-  const of = (axis) => all.filter((curve) => (curve.axis ?? "left") === axis), hasRight = Boolean(drawing.right);
-  const scale = drawing.log ? logarithmicLimits : linearLimits;
+  const layout = layoutOf(c, width, height, drawing, look, memory, kept);
+  paintFrame(c, layout);
+  paintCurves(c, layout, drawing, kept);
+}
+
+// Where axes, ticks and legend of a drawing are; the layout of the last drawing, where nothing of that has changed.
+function layoutOf(c, width, height, drawing, look, memory, kept = null) {
+  const all = [...drawing.curves, ...(kept?.curves ?? [])], { xlabel, ylabel, right: label, log } = drawing;
+  const of = (axis) => dataRange(all.filter((curve) => (curve.axis ?? "left") === axis).map(({ y }) => y));
   memory.x = drawing.xlim ?? linearLimits(memory.x, dataRange(all.map(({ x }) => x)));
-  memory.left = drawing.ylim ?? scale(drawing.log === memory.log ? memory.left : null,
-    dataRange(of("left").map(({ y }) => y)), drawing.least);
-  if (hasRight) memory.right = linearLimits(memory.right, dataRange(of("right").map(({ y }) => y)));
-  memory.log = drawing.log;
-  const rows = legendRows(c, curves, width - 2 * em, small), top = 0.8 * em + 1.35 * small * rows.length,
-    bottom = height - 2.9 * em;
-  const Y = new Axis(memory.left, [bottom, top], drawing.log), yTicks = Y.ticks(2.4 * em);
+  memory.left = drawing.ylim ?? (log ? logarithmicLimits : linearLimits)(log === memory.log ? memory.left : null,
+    of("left"), drawing.least);
+  if (label) memory.right = linearLimits(memory.right, of("right"));
+  memory.log = log;
+  const { x, left, right } = memory, legend = drawing.curves.map(({ x: _, y, ...curve }) => curve);
+  const key = JSON.stringify([width, height, xlabel, ylabel, label, log, x, left, label && right, legend, look]);
+  if (memory.layout?.key !== key) memory.layout = { key, look, xlabel, ylabel, label,
+    ...placesOf(c, width, height, drawing, look, memory) };
+  return memory.layout;
+}
+
+function placesOf(c, width, height, { curves, right: hasRight, log }, look, memory) {
+  const em = look.letters, small = 0.86 * em, rows = legendRows(c, curves, width - 2 * em, small);
+  const top = 0.8 * em + 1.35 * small * rows.length, bottom = height - 2.9 * em;
+  const Y = new Axis(memory.left, [bottom, top], log), yTicks = Y.ticks(2.4 * em);
   const R = hasRight ? new Axis(memory.right, [bottom, top]) : null, rTicks = R?.ticks(2.4 * em);
   c.font = `${small}px system-ui, sans-serif`;
   const widest = (ticks) => Math.max(...ticks.texts.map((text) => c.measureText(text).width));
   const left = widest(yTicks) + 2.4 * em, right = width - (R ? widest(rTicks) + 2.4 * em : 1.8 * em);
   const X = new Axis(memory.x, [left, right]), xTicks = X.ticks(4.8 * em);
+  return { X, Y, R, xTicks, yTicks, rTicks, rows, em, small, width, height, left, right, top, bottom };
+}
 
+function paintFrame(c, layout) { // all but the curves: grid, ticks, labels, legend
+  const { X, Y, R, xTicks, yTicks, rTicks, rows, em, small, width, height, left, right, top, bottom, look } = layout;
   Object.assign(c, { lineWidth: 1, strokeStyle: look.line });
   for (const v of xTicks.values) { c.beginPath(); c.moveTo(X.at(v), top); c.lineTo(X.at(v), bottom); c.stroke(); }
   for (const v of yTicks.values) { c.beginPath(); c.moveTo(left, Y.at(v)); c.lineTo(right, Y.at(v)); c.stroke(); }
-
-  c.save();
-  c.beginPath();
-  c.rect(left, top, right - left, bottom - top);
-  c.clip();
-  const strip = new Axis([0, 1], [bottom, top]), side = { left: Y, right: R ?? Y, strip };
-  for (const curve of kept?.curves ?? []) if (curve.axis !== "strip") paintCurve(c, curve, X,
-    side[curve.axis ?? "left"], look, true);
-  for (const curve of curves) paintCurve(c, curve, X, side[curve.axis ?? "left"], look);
-  c.restore();
-
-  Object.assign(c, { lineWidth: 1, strokeStyle: look.grey, fillStyle: look.ink });
+  Object.assign(c, { strokeStyle: look.grey, fillStyle: look.ink });
   c.beginPath();
   c.rect(left, top, right - left, bottom - top);
   c.stroke();
@@ -203,8 +214,8 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
   rTicks?.values.forEach((v, i) => c.fillText(rTicks.texts[i], right + 0.35 * em, R.at(v)));
   c.textAlign = "center";
   xTicks.values.forEach((v, i) => c.fillText(xTicks.texts[i], X.at(v), bottom + 0.8 * em));
-  paintLabel(c, withPower(drawing.xlabel, xTicks.power), (left + right) / 2, height - 0.8 * em, em, "center");
-  for (const [label, x, ticks] of [[drawing.ylabel, 0.8 * em, yTicks], [drawing.right, width - 0.8 * em, rTicks]]) {
+  paintLabel(c, withPower(layout.xlabel, xTicks.power), (left + right) / 2, height - 0.8 * em, em, "center");
+  for (const [label, x, ticks] of [[layout.ylabel, 0.8 * em, yTicks], [layout.label, width - 0.8 * em, rTicks]]) {
     if (!label) continue;
     c.save();
     c.translate(x, (top + bottom) / 2);
@@ -213,7 +224,19 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
     c.restore();
   }
   paintLegend(c, rows, Math.min(left, 2 * em), small, look);
-  (drawing.note ? drawing.note.split("\n") : []).forEach((text, i) => {
+}
+
+function paintCurves(c, { X, Y, R, small, left, right, top, bottom, look }, { curves, note }, kept) {
+  c.save();
+  c.beginPath();
+  c.rect(left, top, right - left, bottom - top);
+  c.clip();
+  const side = { left: Y, right: R ?? Y, strip: new Axis([0, 1], [bottom, top]) };
+  for (const curve of kept?.curves ?? []) if (curve.axis !== "strip") paintCurve(c, curve, X,
+    side[curve.axis ?? "left"], look, true);
+  for (const curve of curves) paintCurve(c, curve, X, side[curve.axis ?? "left"], look);
+  c.restore();
+  (note ? note.split("\n") : []).forEach((text, i) => {
     Object.assign(c, { font: `${small}px system-ui, sans-serif`, textBaseline: "middle", textAlign: "right" });
     const y = top + (0.9 + 1.3 * i) * small, wide = c.measureText(text).width;
     c.beginPath();
@@ -223,5 +246,4 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
     c.fillStyle = look.ink;
     c.fillText(text, right - 0.5 * small, y);
   });
-  return { X, Y, top, bottom };
 }
