@@ -54,19 +54,19 @@ def add_app(commands: Any) -> OneLineParser:
     return parser
 
 
-def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def app_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Serve until ctrl-C; returns the exit status."""
-    if chosen.port is not None and not 1 <= chosen.port <= 65535:
-        parser.error(f"--port must be from 1 to 65535, got {chosen.port}: leave it out for {DEFAULT_PORT}")
+    if args.port is not None and not 1 <= args.port <= 65535:
+        parser.error(f"--port must be from 1 to 65535, got {args.port}: leave it out for {DEFAULT_PORT}")
     if find_spec("voila") is None:
         cure = 'pip install "frictionlab[lab]"'
         complain(parser.prog, f"error: the page needs Voila, which is not installed: {cure}")
         return EXIT_FAILED
     try:
-        sockets = listening_sockets(chosen.port)
+        sockets = listening_sockets(args.port)
     except OSError as error:
         cure = "give another, or leave it out for any that is free"
-        parser.error(f"--port {chosen.port} cannot be had ({error.strerror}): {cure}")
+        parser.error(f"--port {args.port} cannot be had ({error.strerror}): {cure}")
     with TemporaryDirectory(prefix="frictionlab-") as folder, contextlib.suppress(KeyboardInterrupt):
         notebook = Path(folder) / "explorer.ipynb"
         notebook.write_text(json.dumps(_notebook()), encoding="utf-8")
@@ -74,7 +74,7 @@ def app_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         port = sockets[0].getsockname()[1]
         print(f"Models at http://localhost:{port}/models/?token={token} (ctrl-C ends it)")
         print(f"One explorer with Python at http://localhost:{port}/?token={token}", flush=True)
-        _serve_until_stopped(notebook, sockets, token, browser=not chosen.no_browser)
+        _serve_until_stopped(notebook, sockets, token, browser=not args.no_browser)
     return 0
 
 

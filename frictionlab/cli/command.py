@@ -77,14 +77,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parse_and_run(argv: Sequence[str]) -> int:
     parser, commands = build_parsers()
-    chosen, rest = parser.parse_known_args(normalise_arguments(argv))
-    command = commands.get(chosen.command, parser)
+    args, rest = parser.parse_known_args(normalise_arguments(argv))
+    command = commands.get(args.command, parser)
     if rest:
         command.error(unknown_option_text(rest, command))
-    if chosen.command is None:
+    if args.command is None:
         parser.print_help()
         return 0
-    return _run_command(chosen, command)
+    return _run_command(args, command)
 
 
 def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
@@ -110,7 +110,7 @@ def program_parser() -> OneLineParser:
     return build_parsers()[0]
 
 
-def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def _run_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     from .app import app_command
     from .course import course_command
     from .film_and_sound import animate_command, sound_command
@@ -125,4 +125,4 @@ def _run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
     does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}
     does |= {"course": course_command, "warmup": warmup_command}
     does |= {"figure": figure_command, "reproduce": reproduce_command}
-    return does[chosen.command](chosen, parser)
+    return does[args.command](args, parser)

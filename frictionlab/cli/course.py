@@ -41,9 +41,9 @@ def course_folder() -> Path:
     return next((each for each in folders if any(each.glob(NOTEBOOKS))), folders[0])
 
 
-def course_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def course_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Copy the course; returns the exit status."""
-    folder, source = Path(chosen.folder), course_folder()
+    folder, source = Path(args.folder), course_folder()
     notebooks = [path.name for path in sorted(source.glob(NOTEBOOKS))]
     if not notebooks:
         cure = "take the folder tutorials/ of the source, which PyPI has as well"
@@ -59,7 +59,7 @@ def course_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         return EXIT_FAILED
     for name in (*notebooks, *data):
         _copy(source / name, folder / name)
-    if chosen.json:
+    if args.json:
         print_json({"folder": str(folder), "notebooks": notebooks, "data": data})
     else:
         print(f"{len(notebooks)} notebooks in {folder}\nBegin: jupyter lab {folder / notebooks[0]}")

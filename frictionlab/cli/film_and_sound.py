@@ -83,39 +83,39 @@ def _run_parser(commands: Any, name: str, about: str, description: str, epilog: 
     return parser
 
 
-def animate_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def animate_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the film; returns the exit status."""
     from frictionlab.interruption import progress
     from frictionlab.plotting import animate
     from frictionlab.plotting.animation.animate import DEFAULT_WINDOW, check_film_path
 
-    with progress(not (chosen.quiet or chosen.json)):
-        run = _checked_run(chosen, parser, check_film_path)
-        window = DEFAULT_WINDOW if chosen.window is None else chosen.window
+    with progress(not (args.quiet or args.json)):
+        run = _checked_run(args, parser, check_film_path)
+        window = DEFAULT_WINDOW if args.window is None else args.window
         try:
-            film = animate(run, window=window, speed=chosen.speed, fps=chosen.fps)
+            film = animate(run, window=window, speed=args.speed, fps=args.fps)
         except ValueError as error:
             parser.error(str(error))
-        return _write(film, chosen, parser, {**model_data(run.source), "t_end": run.raw.t})
+        return _write(film, args, parser, {**model_data(run.source), "t_end": run.raw.t})
 
 
-def sound_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def sound_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the sound; returns the exit status."""
     from frictionlab.interruption import progress
     from frictionlab.widgets.sound import listen
 
-    with progress(not (chosen.quiet or chosen.json)):
-        run = _checked_run(chosen, parser, partial(check_path, suffixes=SOUND_FORMATS))
+    with progress(not (args.quiet or args.json)):
+        run = _checked_run(args, parser, partial(check_path, suffixes=SOUND_FORMATS))
         try:
-            sound = listen(run, chosen.signal, pitch=chosen.pitch)
+            sound = listen(run, args.signal, pitch=args.pitch)
         except ValueError as error:
             parser.error(str(error))
         about = {"t_end": run.raw.t, "signal": sound.signal, "pitch": sound.pitch}
-        return _write(sound, chosen, parser, {**model_data(run.source), **about})
+        return _write(sound, args, parser, {**model_data(run.source), **about})
 
 
 def _checked_run(
-    chosen: argparse.Namespace, parser: OneLineParser, check_file: Callable[[str, str], Path]
+    args: argparse.Namespace, parser: OneLineParser, check_file: Callable[[str, str], Path]
 ) -> Any:
     """A run of the chosen model; the options are checked before it."""
     from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
@@ -123,23 +123,23 @@ def _checked_run(
     from frictionlab.validation import check_number
 
     try:
-        check_writable(check_file("-o", chosen.output), "-o")
-        model = model_from_options(chosen)
-        if chosen.t_end is None:
-            chosen.t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
-        check_number("--t-end", chosen.t_end, above=0.0, cure="give the length of the run in seconds")
-        return simulate(model, chosen.t_end, x0=chosen.x0)
+        check_writable(check_file("-o", args.output), "-o")
+        model = model_from_options(args)
+        if args.t_end is None:
+            args.t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
+        check_number("--t-end", args.t_end, above=0.0, cure="give the length of the run in seconds")
+        return simulate(model, args.t_end, x0=args.x0)
     except (ValueError, TypeError) as error:
         parser.error(str(error))
 
 
-def _write(made: Any, chosen: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
-    path = Path(chosen.output)
+def _write(made: Any, args: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
+    path = Path(args.output)
     options = {} if path.suffix.lower() in (".wav", ".html") else {"writer": "pillow"}
     try:
         made.save(path, **options)
     except OSError as error:
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    print_json({**data, "file": str(path)}) if chosen.json else print(f"wrote {path}")
+    print_json({**data, "file": str(path)}) if args.json else print(f"wrote {path}")
     return 0

@@ -40,13 +40,13 @@ def add_models(commands: Any) -> OneLineParser:
     return parser
 
 
-def models_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def models_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Print the list, or one model; returns the exit status."""
     try:
-        data, text = _all_models() if chosen.name is None else _one_model(chosen.name)
+        data, text = _all_models() if args.name is None else _one_model(args.name)
     except (ValueError, TypeError) as error:
         parser.error(str(error).replace("--model", "NAME"))
-    print_json(data) if chosen.json else print(text)
+    print_json(data) if args.json else print(text)
     return 0
 
 

@@ -60,33 +60,33 @@ def add_page(commands: Any) -> OneLineParser:
     return parser
 
 
-def page_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def page_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Write the page; returns the exit status."""
     import frictionlab as fl
     from frictionlab.pages.export import SolverNotBuiltError
 
     try:
-        if chosen.all is not None:
-            return _all_pages(chosen, parser)
-        model, output = model_from_options(chosen), chosen.output or "slider.html"
-        path = fl.export_page(model, output, sliders=chosen.slider, t_end=chosen.t_end)
+        if args.all is not None:
+            return _all_pages(args, parser)
+        model, output = model_from_options(args), args.output or "slider.html"
+        path = fl.export_page(model, output, sliders=args.slider, t_end=args.t_end)
     except SolverNotBuiltError as error:
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
     except (ValueError, TypeError) as error:
         parser.error(str(error))
-    print_json({**model_data(model), "file": path}) if chosen.json else print(f"wrote {path}")
+    print_json({**model_data(model), "file": path}) if args.json else print(f"wrote {path}")
     return 0
 
 
-def _all_pages(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def _all_pages(args: argparse.Namespace, parser: OneLineParser) -> int:
     from frictionlab.pages.gallery import export_gallery
 
     for name, option in OF_ONE_MODEL.items():
-        if getattr(chosen, name) != parser.get_default(name):
+        if getattr(args, name) != parser.get_default(name):
             raise ValueError(f"--all must have no {option}, got both: leave out one of them")
-    gallery = export_gallery(chosen.all)
-    if chosen.json:
+    gallery = export_gallery(args.all)
+    if args.json:
         print_json(asdict(gallery))
         return 0
     there = f", {len(gallery.present)} were there" if gallery.present else ""

@@ -84,43 +84,43 @@ def _add_figure_options(group: Any) -> None:
     add_sweep_options(group)
 
 
-def figure_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def figure_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Check, compute, print and draw; returns the exit status."""
     from frictionlab.paper import figure
     from frictionlab.paper.results import check_figure
 
-    chosen.output = f"fig{chosen.number}.png" if chosen.output is None else chosen.output
+    args.output = f"fig{args.number}.png" if args.output is None else args.output
     try:
-        options = _figure_options(chosen)
-        check_figure(chosen.number, options["algorithm"], options["impact"])
-        check_workers(chosen.workers)
-        parsing.check_files(chosen)
+        options = _figure_options(args)
+        check_figure(args.number, options["algorithm"], options["impact"])
+        check_workers(args.workers)
+        parsing.check_files(args)
     except ValueError as error:
         parser.error(str(error))
     try:
-        result = figure(chosen.number, **options)
+        result = figure(args.number, **options)
     except ValueError as error:  # a file in --resume that is damaged, or of another sweep
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    if not chosen.json:
+    if not args.json:
         print(result, flush=True)
-    return _write_picture(result, chosen, parser)
+    return _write_picture(result, args, parser)
 
 
-def _figure_options(chosen: argparse.Namespace) -> dict[str, Any]:
-    impact = {"full": "full gap rate"}.get(chosen.impact, chosen.impact)
+def _figure_options(args: argparse.Namespace) -> dict[str, Any]:
+    impact = {"full": "full gap rate"}.get(args.impact, args.impact)
     names = "algorithm", "quick", "workers", "resume"
-    return {name: getattr(chosen, name) for name in names} | {"impact": impact}
+    return {name: getattr(args, name) for name in names} | {"impact": impact}
 
 
-def _write_picture(result: Any, chosen: argparse.Namespace, parser: OneLineParser) -> int:
-    path = chosen.output
+def _write_picture(result: Any, args: argparse.Namespace, parser: OneLineParser) -> int:
+    path = args.output
     try:
         result.plot().savefig(path)
     except OSError as error:  # a full disk, or a folder that has gone since the check
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    if chosen.json:
+    if args.json:
         about = {name: getattr(result, name) for name in ("number", "how", "caption", "summary")}
         print_json({**about, "file": path})
     else:
@@ -151,25 +151,25 @@ def add_reproduce(commands: Any) -> OneLineParser:
     return parser
 
 
-def reproduce_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def reproduce_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Check, compute and write; returns the exit status."""
     from frictionlab.paper.report import reproduce
     from frictionlab.paper.scenes import Setting
 
     try:
-        check_workers(chosen.workers)
-        for option, path in (("-o", chosen.output), ("--resume", chosen.resume)):
+        check_workers(args.workers)
+        for option, path in (("-o", args.output), ("--resume", args.resume)):
             _check_folder(option, path)
     except ValueError as error:
         parser.error(str(error))
-    resume = None if chosen.resume is None else Path(chosen.resume)
-    options = {"quick": chosen.quick, "workers": chosen.workers, "progress": not chosen.quiet}
+    resume = None if args.resume is None else Path(args.resume)
+    options = {"quick": args.quick, "workers": args.workers, "progress": not args.quiet}
     try:
-        page = reproduce(chosen.output, Setting(**options, resume=resume))
+        page = reproduce(args.output, Setting(**options, resume=resume))
     except (OSError, ValueError) as error:  # ValueError: a file in --resume that is damaged
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
-    print_json({"page": page}) if chosen.json else print(f"Page in {page}")
+    print_json({"page": page}) if args.json else print(f"Page in {page}")
     return 0
 
 

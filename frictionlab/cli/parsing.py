@@ -118,13 +118,13 @@ def check_workers(workers: int | None) -> None:
         check_number("--workers", workers, integer=True, least=1, cure="leave it out for one each processor")
 
 
-def check_files(chosen: argparse.Namespace) -> None:
+def check_files(args: argparse.Namespace) -> None:
     """Raise ValueError if the picture or the saved run could not be written after the run."""
-    if chosen.output is not None:
-        _check_picture(Path(chosen.output))
-        check_writable(Path(chosen.output), "-o")
-    if chosen.save is not None:
-        path = Path(chosen.save)
+    if args.output is not None:
+        _check_picture(Path(args.output))
+        check_writable(Path(args.output), "-o")
+    if args.save is not None:
+        path = Path(args.save)
         check_writable(path if path.suffix == ".npz" else path.with_name(path.name + ".npz"), "--save")
 
 
@@ -166,11 +166,11 @@ def add_json(group: Any) -> None:
     group.add_argument("--json", action="store_true", help="print one JSON object, and nothing else")
 
 
-def model_from_options(chosen: argparse.Namespace) -> Any:
+def model_from_options(args: argparse.Namespace) -> Any:
     """The model with its laws and values; raises ValueError or TypeError as the model does."""
-    model = model_of(chosen.model)
-    given = SHOWN.get(chosen.model, {}) | values_of(chosen.values)
-    return model.without(*chosen.without).replace(**given) if chosen.without else model.replace(**given)
+    model = model_of(args.model)
+    given = SHOWN.get(args.model, {}) | values_of(args.values)
+    return model.without(*args.without).replace(**given) if args.without else model.replace(**given)
 
 
 def values_of(words: list[str]) -> dict[str, float]:

@@ -92,20 +92,20 @@ def _add_run(group: Any) -> None:
     group.add_argument("--max-steps", type=int, metavar="N", help="end the run after so many steps")
 
 
-def method_from_options(chosen: argparse.Namespace) -> Any:
+def method_from_options(args: argparse.Namespace) -> Any:
     """The method with its settings."""
     from frictionlab.hybrid import solve
     from frictionlab.hybrid.methods.one_step import RK4
 
     by_lower = {name.lower(): name for name in METHOD_NAMES}
-    method = solve.method_of(by_lower.get(chosen.method.lower(), chosen.method))
+    method = solve.method_of(by_lower.get(args.method.lower(), args.method))
     fixed = isinstance(method, RK4)
-    if chosen.step is not None and not fixed:
-        raise ValueError(f"--step is an option of --method rk4, got --method {chosen.method}: leave it out")
-    if chosen.tol is not None and fixed:
+    if args.step is not None and not fixed:
+        raise ValueError(f"--step is an option of --method rk4, got --method {args.method}: leave it out")
+    if args.tol is not None and fixed:
         raise ValueError("--tol is no option of --method rk4, which has a fixed step: give --step instead")
     tolerance = "tol" if method.name == "taylor" else "rtol"
-    given = {"step": chosen.step, tolerance: chosen.tol, "max_steps": chosen.max_steps}
+    given = {"step": args.step, tolerance: args.tol, "max_steps": args.max_steps}
     return type(method)(**_method_settings(method) | {k: v for k, v in given.items() if v is not None})
 
 
@@ -113,11 +113,11 @@ def _method_settings(method: Any) -> dict[str, Any]:
     return {name: value for name, value in method.describe().items() if name != "name"}
 
 
-def initial_state_from_options(chosen: argparse.Namespace, model: Model) -> Any:
+def initial_state_from_options(args: argparse.Namespace, model: Model) -> Any:
     """The state that --x0 names, or the numbers it holds."""
     from frictionlab.analysis.initial_states import initial_state_of
 
-    text, n = chosen.x0, 2 * len(model.coordinates)
+    text, n = args.x0, 2 * len(model.coordinates)
     if "," not in text:
         return initial_state_of(model, text)
     try:
@@ -130,9 +130,9 @@ def initial_state_from_options(chosen: argparse.Namespace, model: Model) -> Any:
     return state
 
 
-def before(model: Model, method: Any, chosen: argparse.Namespace) -> str:
+def before(model: Model, method: Any, args: argparse.Namespace) -> str:
     """The lines printed before the run: what is run, and what is known without running it."""
-    return "\n".join([_job_line(model, method, chosen), *equilibrium_lines(model)])
+    return "\n".join([_job_line(model, method, args), *equilibrium_lines(model)])
 
 
 def after(run: Trajectory) -> str:
@@ -141,9 +141,9 @@ def after(run: Trajectory) -> str:
     return "\n".join([f"\nRun: {run.status}", *doubt, *_event_lines(run), *_time_lines(run), _cost_line(run)])
 
 
-def _job_line(model: Model, method: Any, chosen: argparse.Namespace) -> str:
-    start = {"rest": "from rest", "near": "from near the equilibrium"}.get(chosen.x0, f"from {chosen.x0}")
-    return f"{model!r}\n{chosen.t_end:g} s {start}, {_method_line(method)}"
+def _job_line(model: Model, method: Any, args: argparse.Namespace) -> str:
+    start = {"rest": "from rest", "near": "from near the equilibrium"}.get(args.x0, f"from {args.x0}")
+    return f"{model!r}\n{args.t_end:g} s {start}, {_method_line(method)}"
 
 
 def _method_line(method: Any) -> str:
@@ -172,21 +172,21 @@ def _cost_line(run: Trajectory) -> str:
     )
 
 
-def run_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def run_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Simulate, summarise, draw and save as the options say; returns the exit status."""
     with _without_collection():
         try:
-            model, options = _check_options(chosen)
+            model, options = _check_options(args)
         except (ValueError, TypeError) as error:
             parser.error(str(error))
-    if not chosen.json:
-        print(before(model, options["method"], chosen), flush=True)
-    run, stopped = _simulate(model, chosen, options, parser)
+    if not args.json:
+        print(before(model, options["method"], args), flush=True)
+    run, stopped = _simulate(model, args, options, parser)
     if run is None:
         raise stopped or KeyboardInterrupt
-    print_json(run_data(run, chosen)) if chosen.json else print(after(run), flush=True)
+    print_json(run_data(run, args)) if args.json else print(after(run), flush=True)
     with _without_collection():
-        written = _write_files(run, chosen, parser)
+        written = _write_files(run, args, parser)
     if stopped:
         raise stopped
     return written if run.status.ok else EXIT_FAILED
@@ -209,17 +209,17 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _check_options(chosen: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
+def _check_options(args: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     from frictionlab.validation import check_number
 
-    check_number("--t-end", chosen.t_end, above=0.0, cure="give the length of the run in seconds")
-    parsing.check_files(chosen)
-    model = model_from_options(chosen)
-    return model, {"method": method_from_options(chosen), "x0": initial_state_from_options(chosen, model)}
+    check_number("--t-end", args.t_end, above=0.0, cure="give the length of the run in seconds")
+    parsing.check_files(args)
+    model = model_from_options(args)
+    return model, {"method": method_from_options(args), "x0": initial_state_from_options(args, model)}
 
 
 def _simulate(
-    model: Model, chosen: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
+    model: Model, args: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
 ) -> tuple[Any, KeyboardInterrupt | None]:
     """The run, or None if there is none, and the interruption if ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate
@@ -228,20 +228,20 @@ def _simulate(
     try:
         with warnings.catch_warnings():  # the summary has it
             warnings.filterwarnings("ignore", "do not trust this run", RuntimeWarning)
-            return simulate(model, chosen.t_end, progress=not (chosen.quiet or chosen.json), **options), None
+            return simulate(model, args.t_end, progress=not (args.quiet or args.json), **options), None
     except KeyboardInterrupt as stopped:
         return partial_result(), stopped
     except ValueError as error:
         parser.error(str(error))
 
 
-def _say(text: str, chosen: argparse.Namespace) -> None:
+def _say(text: str, args: argparse.Namespace) -> None:
     """Print a line, unless standard output is for JSON."""
-    if not chosen.json:
+    if not args.json:
         print(text)
 
 
-def run_data(run: Trajectory, chosen: argparse.Namespace) -> dict[str, Any]:
+def run_data(run: Trajectory, args: argparse.Namespace) -> dict[str, Any]:
     """The summary of a run for JSON; `sliding` is null where there is no steady sliding."""
     try:
         sliding = stability_data(run.source)
@@ -249,7 +249,7 @@ def run_data(run: Trajectory, chosen: argparse.Namespace) -> dict[str, Any]:
         sliding = None
     return {
         **model_data(run.source),
-        "x0": chosen.x0,
+        "x0": args.x0,
         "t": run.raw.t,
         "status": str(run.status),
         "warning": run.warning,
@@ -262,16 +262,16 @@ def run_data(run: Trajectory, chosen: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _write_files(run: Trajectory, chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def _write_files(run: Trajectory, args: argparse.Namespace, parser: OneLineParser) -> int:
     try:
-        if chosen.save is not None:
-            saved = run.save(chosen.save)
-            _say(f"Saved as {saved}", chosen)
-        if chosen.output is not None:
+        if args.save is not None:
+            saved = run.save(args.save)
+            _say(f"Saved as {saved}", args)
+        if args.output is not None:
             from frictionlab.plotting import plot_run
 
-            plot_run(run).savefig(chosen.output)
-            _say(f"Picture in {chosen.output}", chosen)
+            plot_run(run).savefig(args.output)
+            _say(f"Picture in {args.output}", args)
     except OSError as error:  # a full disk, or a folder that has gone since the check
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED

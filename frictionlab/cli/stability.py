@@ -66,16 +66,16 @@ def add_critical(commands: Any) -> OneLineParser:
     return parser
 
 
-def eig_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def eig_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Print equilibrium and eigenvalues; returns the exit status."""
     from frictionlab.stability import eigenvalues
 
     try:
-        model = model_from_options(chosen)
+        model = model_from_options(args)
         eigenvalues(model)  # raises before anything is printed
     except (ValueError, TypeError) as error:
         parser.error(str(error))
-    if chosen.json:
+    if args.json:
         print_json({**model_data(model), **stability_data(model)})
     else:
         print(f"{model!r}\n" + "\n".join(equilibrium_lines(model)))
@@ -134,21 +134,21 @@ def stability_data(model: Model) -> dict[str, Any]:
     }
 
 
-def critical_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def critical_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Print the changes of stability; returns the exit status."""
     from frictionlab.stability import stability_changes
 
     try:
-        model = model_from_options(chosen)
-        changes = stability_changes(model, chosen.parameter, (chosen.low, chosen.high))
+        model = model_from_options(args)
+        changes = stability_changes(model, args.parameter, (args.low, args.high))
     except (ValueError, TypeError) as error:
         parser.error(str(error))
     rows = [_change_data(change) for change in changes]
-    if chosen.json:
-        interval = {"parameter": chosen.parameter, "bounds": [chosen.low, chosen.high]}
+    if args.json:
+        interval = {"parameter": args.parameter, "bounds": [args.low, args.high]}
         print_json({**model_data(model), **interval, "changes": rows})
     else:
-        print("\n".join([f"{model!r}", *map(_change_line, rows)] if rows else _no_change(chosen, model)))
+        print("\n".join([f"{model!r}", *map(_change_line, rows)] if rows else _no_change(args, model)))
     return 0
 
 
@@ -165,6 +165,6 @@ def _change_line(row: dict[str, Any]) -> str:
     )
 
 
-def _no_change(chosen: argparse.Namespace, model: Model) -> list[str]:
-    between = f"{chosen.parameter} from {chosen.low:g} to {chosen.high:g}"
+def _no_change(args: argparse.Namespace, model: Model) -> list[str]:
+    between = f"{args.parameter} from {args.low:g} to {args.high:g}"
     return [f"{model!r}", f"  no change of stability with {between}: `frictionlab eig` says which it is"]

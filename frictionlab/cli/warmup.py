@@ -25,12 +25,12 @@ def add_warmup(commands: Any) -> OneLineParser:
     return parser
 
 
-def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
+def warmup_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     """Compile, and simulate one second of the slider twice; returns the exit status."""
     import frictionlab as fl
     from frictionlab.compilation import machine_code
 
-    with fl.progress(not chosen.json):
+    with fl.progress(not args.json):
         seconds = []
         for _ in range(2):
             begin = time.perf_counter()
@@ -40,7 +40,7 @@ def warmup_command(chosen: argparse.Namespace, parser: OneLineParser) -> int:
         kind = "compiled ahead of time"
     else:
         kind = "compiled by numba" if machine_code.NUMBA is not None else "plain Python"
-    if chosen.json:
+    if args.json:
         print_json({"solver": kind, "first_run": seconds[0], "second_run": seconds[1]})
     else:
         first, second = seconds
