@@ -1,6 +1,7 @@
 """An exported page in Chromium, from a file, without a network: results, controls, pictures."""
 
 import json
+import re
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -497,6 +498,34 @@ def test_the_mass_is_taken_by_mouse_finger_and_keys_and_the_motion_starts_where_
     for key in ("ArrowRight", "ArrowRight", "Enter"):
         mass.keyboard.press(key)
     assert started(mass) != second
+
+
+PLACE_AND_PIXELS = """() => { // the mass in metres, and pixels for a metre
+  const { drag } = explorer, [samples, i] = explorer.shownSample();
+  return [samples.column("x")[i], drag.scale.k / drag.bodies[0].along[0][1]];
+}"""
+
+
+def test_one_drag_of_the_front_page_gives_the_other_fate(browser, tmp_path):
+    front = (Path(__file__).parents[2] / "docs/index.md").read_text(encoding="utf-8")
+    model = eval(re.search(r":model: (.*)", front)[1], vars(fl))
+    page = opened(browser, exported(model, tmp_path / "front.html"))
+    assert "stable, but from rest this run sticks and slips" in page.inner_text(".fl-words")
+    rest = fl.equilibrium(model).q[0]
+    for distance, fate in ((0.3, "falls silent"), (0.9, "sticks and slips"), (-0.3, "falls silent")):
+        x, y = page.evaluate(WHERE_THE_MASS_IS)
+        now, pixels = page.evaluate(PLACE_AND_PIXELS)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + pixels * (rest + distance - now), y, steps=3)
+        page.mouse.up()
+        wait_until(
+            page, "(fate) => explorer.request === null && explorer.words.innerText.includes(fate)", fate
+        )
+        assert f"from your own state this run {fate}" in page.inner_text(".fl-words")
+        page.click("button.fl-play")
+    assert not page.problems
+    page.context.close()
 
 
 WHERE_A_POINT_IS = """(i) => {

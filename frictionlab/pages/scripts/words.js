@@ -3,6 +3,7 @@ const VERBS = { stick: "sticks", "slip+": "slips", "slip-": "slips", slip: "slip
 const STARTS = { rest: "from rest", near: "from near the equilibrium", own: "from your own state" };
 const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest, so there is no steady sliding to be "
   + "stable or unstable.";
+const QUIET = /falls silent$|dies away$/;
 const CLOCKS = ["t", "phase"]; // states that stand for time
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
@@ -12,7 +13,7 @@ function verdict(result) {
     const what = happens ? ` ${sentence(happens)}.` : "", reason = result.reason.replace(/[.]?$/, ".");
     return result.structure.slides ? `No steady sliding: ${reason}${what}` : `${NOTHING_SLIDES}${what}`;
   }
-  const text = stabilityText(values), joint = text === "stable" ? "but" : "and";
+  const text = stabilityText(values), joint = text === "stable" && !QUIET.test(happens) ? "but" : "and";
   return `${sentence(steadyMotion(result))} is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;
 }
 
@@ -25,13 +26,13 @@ function stabilityText(values) {
   return `unstable: ${modes}, at ${shortNumber(re, 4)} 1/s and ${shortNumber(im / (2 * Math.PI), 4)} Hz`;
 }
 
-function runText(result) { // a clause: what the run does at its end; empty where it settles to the equilibrium
+function runText(result) { // a clause: what the run does at its end
   if (!result.samples || !result.finished) return "";
   const from = STARTS[result.from];
-  if (!result.moving) return result.mode.includes("slip") ? ""
+  if (!result.moving) return result.mode.includes("slip") ? `${from} this run falls silent`
     : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
   const what = motionText(result);
-  if (!what && result.decays) return "";
+  if (!what && result.decays) return `${from} this run dies away`;
   const { largest, strongest } = result.spectrum ?? {},
     pitch = largest > SILENT * result.size ? ` at ${shortNumber(strongest, 3)} Hz` : "";
   return `${from} this run ${what || "vibrates"}${pitch}`;

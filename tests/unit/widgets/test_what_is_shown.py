@@ -37,12 +37,12 @@ def test_beside_a_stable_equilibrium_stands_what_this_run_does():
     assert words(explorer) == does
     assert {"stick", "separation"} <= set(explorer.result.modes)
     explorer.controls["start"].value = "near"
-    assert words(explorer) == "Steady sliding is stable."
+    assert words(explorer).startswith("Steady sliding is stable, and from near the equilibrium this run ")
 
 
-def test_a_run_that_decays_to_a_stable_equilibrium_needs_no_word():
+def test_a_run_that_decays_to_a_stable_equilibrium_dies_away():
     explorer = fl.explore(fl.SliderOnBelt(), panels=("response",))
-    assert words(explorer) == "Steady sliding is stable."
+    assert words(explorer) == "Steady sliding is stable, and from rest this run dies away."
     rate = fl.eigenvalues(fl.SliderOnBelt()).growth_rates.max()
     assert rate < 0
     assert explorer.result.decays
