@@ -311,6 +311,15 @@ def test_stick_slip_under_a_measured_curve():
     assert fl.verify(model, 10.0, x0=[0.0, 0.0], progress=False).ok
 
 
+def test_a_law_without_contact_keeps_its_modes():
+    """In separation nothing depends on the curve."""
+    slider = fl.SliderOnRigidBelt(friction=Measured())
+    names = slider.automaton().names
+    assert "separation" in names
+    assert "stick" in names
+    assert "slip+ | 0.2 < " in ", ".join(names)
+
+
 @pytest.mark.slow
 def test_the_equilibrium_of_a_contact_in_pieces():
     """K q = f with the stiffness of the piece that the penetration is in."""
@@ -474,6 +483,10 @@ def test_an_automaton_of_ones_own():
     motion = fl.solve(swing, 10.0, x0=[1.0, 0.0], progress=False)
     assert motion.events.t[:2] == pytest.approx([math.pi / 4, math.pi * 5 / 4], abs=1e-14)
     assert fl.equilibria(swing)[0].state.tolist() == [0.0, 0.0]
+
+
+def test_fl_testing_takes_them():
+    fl.testing.check_model(Bilinear(c=0.1))
 
 
 @pytest.mark.parametrize("method", ["RK4", "DOP853"])

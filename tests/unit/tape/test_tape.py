@@ -152,6 +152,19 @@ def test_a_scene_does_not_pay_for_what_it_lacks(off):
         assert all(c["product"] == c["square"] == 0 for c in costs.values())
 
 
+@pytest.mark.parametrize(
+    ("off", "toggle"), [(off, toggle) for off in COMBINATIONS for toggle in TOGGLES if toggle not in off]
+)
+def test_each_switch_reduces_or_keeps_every_count(off, toggle):
+    before, after = cost(off), cost((*off, toggle))
+    if toggle == "nonsmooth":
+        # the one mode left is sliding in the direction of the belt
+        before = {"slip": before["slip+"]}
+    assert after
+    for mode, counts in after.items():
+        assert all(counts[kind] <= before[mode][kind] for kind in (*OPERATIONS, "guards", "states"))
+
+
 def test_the_linear_smooth_scene_is_one_affine_combination_per_acceleration():
     counts = cost(TOGGLES)["slip"]
     assert counts["product"] == counts["square"] == counts["quotient"] == 0

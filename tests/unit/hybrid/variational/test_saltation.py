@@ -202,6 +202,18 @@ def test_the_matrix_of_two_runs_in_a_row_is_the_product():
     assert np.abs(product - exact).max() < 1e-10 * np.abs(exact).max()
 
 
+def test_saved_runs_and_runs_with_riders_have_it_too(tmp_path):
+    z = stays(FLAT)[1][0]
+    run = fl.simulate(
+        FLAT, 0.2, x0=z, sections={"turn": "relative_velocity"}, quadratures={"gap": "penetration"}
+    )
+    exact = fl.tangent_flow(fl.simulate(FLAT, 0.2, x0=z)).matrix
+    found = fl.tangent_flow(run).matrix
+    assert np.abs(found - exact).max() < 1e-11 * np.abs(exact).max()
+    again = fl.tangent_flow(fl.load(run.save(tmp_path / "run"))).matrix
+    assert again.tolist() == found.tolist()
+
+
 def test_the_direction_of_the_flow_is_a_tangent_vector():
     """M f(z(0)) = f(z(T)), through all events."""
     model = MODELS["moving load"]

@@ -110,6 +110,18 @@ def test_first_order_systems():
     assert fl.critical_value(lorenz, "p", (0.1, 30)) == pytest.approx(1.0, rel=1e-12)  # of the origin
 
 
+@pytest.mark.slow  # that of test_hopf has the same closed form
+def test_the_lorenz_attractors_hopf_point():
+    """At the other equilibria: r = sigma (sigma + b + 3)/(sigma - b - 1)."""
+    p = sympy.Symbol("p")
+    flow = [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W]
+    right = automaton(flow, [fl.Event("side", X - 1)], states=(X, Y, W), coordinates=0, p=10.0)
+    b = 8 / 3
+    (change,) = fl.stability_changes(right, "p", (2, 40))
+    assert change.value == pytest.approx(10 * (10 + b + 3) / (10 - b - 1), rel=1e-12)
+    assert change.frequency == pytest.approx(np.sqrt(b * (10 + change.value)) / (2 * np.pi), rel=1e-9)
+
+
 def test_a_guard_excludes_an_equilibrium():
     """(x - 1)(2 - x) vanishes twice, but the mode lasts for x > 3/2 only."""
     wide = automaton([V, -C * V + (X - 1) * (2 - X)], c=0.1)
@@ -182,6 +194,17 @@ def lorenz(rho):
     p = sympy.Symbol("rho")
     flow = [10 * (Y - X), X * (p - W) - Y, X * Y - sympy.Rational(8, 3) * W]
     return automaton(flow, states=(X, Y, W), coordinates=0, rho=rho)
+
+
+@pytest.mark.slow  # one of them is in the next test, and in that of Hopf points
+@pytest.mark.parametrize("rho", [0.5, 10.0, 20.0, 28.0])
+@pytest.mark.parametrize("bounds", [(15, 30), (0.1, 100)])
+def test_a_hopf_point_of_equilibria_that_are_not_the_nearest(rho, bounds):
+    """Whether or not they exist at the model's own value, and at the lower bound."""
+    point = fl.hopf(lorenz(rho), "rho", bounds)
+    assert point.value == pytest.approx(470 / 19, rel=1e-12)
+    side = np.sqrt(8 / 3 * (470 / 19 - 1))
+    np.testing.assert_allclose(point.state, [side, side, 470 / 19 - 1], rtol=1e-11)
 
 
 def test_equilibria_within_one_turn_of_angles_are_all():
