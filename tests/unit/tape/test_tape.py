@@ -129,6 +129,7 @@ def test_a_function_of_parameters_alone_is_a_number():
 
 TOGGLES = ("cubic", "nonsmooth", "geometry")
 COMBINATIONS = list(chain.from_iterable(combinations(TOGGLES, n) for n in range(4)))
+OPERATIONS = ("affine", "product", "square", "quotient")
 
 
 def cost(off):
