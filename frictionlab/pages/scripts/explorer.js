@@ -324,8 +324,8 @@ class Explorer {
   look() {
     if (this.looks) return this.looks;
     const style = getComputedStyle(this.root), read = (name) => style.getPropertyValue(`--fl-${name}`).trim();
-    return this.looks = { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"), pale: read("pale"),
-      line: read("line"), letters: 0.82 * parseFloat(style.fontSize) };
+    return this.looks = { dark: this.dark, ink: read("ink"), paper: read("paper"), grey: read("grey"),
+      pale: read("pale"), line: read("line"), letters: 0.82 * parseFloat(style.fontSize) };
   }
 
   redraw() {
