@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import motion_size
-from frictionlab.hybrid.accuracy import largest_sound_defect
+from frictionlab.hybrid.accuracy import RESIDUAL_ROUNDING, largest_sound_defect
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import (
     Array,
@@ -61,6 +61,26 @@ def largest_violation(run: Trajectory) -> float:
     return largest_sound_defect(run.description["method"]["tol"])
 
 
+def judged_size(run: Trajectory) -> Array:
+    """Size of a motion in each state, by which conditions are judged.
+
+    It is at least the size of which the rounding errors of the rates are the share by which a condition may
+    be broken: bodies at rest on several contacts have velocities of 1e-16 m/s, which are no motion.
+    """
+    return np.maximum(motion_size(run), _sizes_of_rounding(run))
+
+
+def _sizes_of_rounding(run: Trajectory) -> Array:
+    n, modes = run.automaton.coordinates, run.raw.step_modes
+    rates = np.zeros(len(run.names))
+    for mode in np.unique(modes):
+        tape = Tape(run.problem.program.code, run.problem.numbers, int(mode))
+        rates = np.maximum(rates, tape.sizes(run.raw.step_states[modes == mode], tape.flow))
+    sizes = RESIDUAL_ROUNDING / largest_violation(run) * run.raw.t * rates
+    sizes[:n] = sizes[n : 2 * n] * run.raw.t
+    return sizes
+
+
 def evenly_spread(count: int, most: int) -> Array:
     """Indices below `count`, evenly spread, at most so many."""
     return np.unique(np.linspace(0, count - 1, most).astype(int))
@@ -68,12 +88,13 @@ def evenly_spread(count: int, most: int) -> Array:
 
 def _broken_guard(run: Trajectory, limit: float) -> str:
     first, words, worst = np.inf, "", 0.0
+    least = _sizes_of_rounding(run)
     anywhere = _states_of_steps(run, np.arange(len(run.raw.step_modes)))
     for mode, steps in _steps_by_mode(run):
         tape = Tape(run.problem.program.code, run.problem.numbers, mode)
         if not tape.functions:
             continue
-        sizes = tape.sizes(np.vstack([anywhere, _states_of_steps(run, steps)]))
+        sizes = tape.sizes(np.vstack([anywhere, _states_of_steps(run, steps)]), least=least)
         bounds = np.where(sizes > 0.0, -limit * sizes, -np.inf)
         for some in _at_once(steps):
             bad = negative_points(tape, _pieces(run, some), bounds)
@@ -165,7 +186,7 @@ def _pieces(run: Trajectory, steps: Array) -> Pieces:
 def _broken_reset(run: Trajectory, limit: float) -> str:
     events, n = run.events, run.automaton.coordinates
     begins_stick = np.array([name.startswith(STICK_GUARD) for name in events.guard], dtype=bool)
-    jumps: Any = np.abs(events.state - events.before)[:, n : 2 * n] / motion_size(run)[n : 2 * n]
+    jumps: Any = np.abs(events.state - events.before)[:, n : 2 * n] / judged_size(run)[n : 2 * n]
     broken = np.flatnonzero(begins_stick & ~(jumps.max(axis=1, initial=0.0) <= limit))
     if not len(broken):
         return ""
@@ -180,7 +201,7 @@ def _broken_flow(run: Trajectory, limit: float) -> str:
     """Where a run is no motion of its modes' equations; only of series, whose dense output is one."""
     if not is_of_series(run):
         return ""
-    sizes = motion_size(run)
+    sizes = judged_size(run)
     for mode, steps in _steps_by_mode(run):
         tape = Tape(run.problem.program.code, run.problem.numbers, mode)
         for some in _at_once(steps):

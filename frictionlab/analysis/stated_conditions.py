@@ -18,8 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import motion_size
-from frictionlab.analysis.run_conditions import evenly_spread, is_of_series, largest_violation
+from frictionlab.analysis.run_conditions import evenly_spread, is_of_series, judged_size, largest_violation
 from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
@@ -30,6 +29,7 @@ from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
+SLIPPING = "slip+", "slip-"
 OF_CONTACTS = {*RUBBING, "slip", "breakaway", *APART, CHATTER_MODE, "flight", "contact"}
 CLOSED_REGIMES = [*RUBBING, "slip", "breakaway", "contact"]
 LEAST_TOLERANCE = 1e-6  # share of the forces in an equation by which differences may miss it
@@ -37,6 +37,7 @@ PLACES_PER_MODE, LONGEST_STEPS = 12, 4
 MOST_COORDINATES = 12  # of models with more, contacts and energies alone are judged
 SAMPLES = 2000
 MOST_EVENTS = 400
+SAMPLES_OF_STAY = 8
 STEP_SHARE, TIME_LEVELS = 1.0 / 9.0, 4  # of a step, between the points of differences by time
 ROUNDING = 1e-14  # of a velocity, or a time, in such differences
 NEAR_START = 0.02  # the middle of such differences in steps of methods whose dense output need not reach far
@@ -77,7 +78,7 @@ def _check_of(run: Trajectory) -> _StatementCheck | None:
     model = run.source
     if not isinstance(model, MechanicalModel) or not len(run.raw.step_modes):
         return None
-    return _StatementCheck(run, StatedMechanics(model, motion_size(run)))
+    return _StatementCheck(run, StatedMechanics(model, judged_size(run)))
 
 
 class Places(NamedTuple):
@@ -176,6 +177,7 @@ def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array,
     """The least by which holding forces miss the balance `values` - W lambda = 0."""
     W, least, most = forces
     some = np.isfinite(rooms)
+    scale = np.maximum(scale, _sizes_of_holding(values[some], W[some], some))
     matrix, right = (W / scale[:, None])[some], (values / scale)[some]
     shares, names = (rooms / scale)[some], np.flatnonzero(some)
 
@@ -191,6 +193,15 @@ def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array,
 
     bounded = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
     return Held(*missed(bounded), missed(free)[0] < missed(bounded)[0])
+
+
+def _sizes_of_holding(values: Array, W: Array, some: Array) -> Array:
+    """Sizes of the forces that hold in each equation, which may be all that is in it."""
+    sizes, arms = np.zeros(len(some)), np.abs(W).max(axis=1, initial=0.0)
+    arms[arms == 0.0] = 1.0
+    forces = np.linalg.lstsq(W / arms[:, None], values / arms)[0]
+    sizes[some] = np.abs(W) @ np.abs(forces)
+    return sizes
 
 
 def can_hold(matrix: Array, right: Array, least: Array, most: Array) -> bool:
@@ -415,7 +426,8 @@ class _StatementCheck:
         at, along = self.stated.at, self.stated.rubbing_direction(contact, places.states)
         speed, sign = at(contact.speed, places.states), self._signs(contact, regimes, places)
         closed = np.isin(regimes, CLOSED_REGIMES)
-        still = (regimes != "slip") & (np.abs(speed) <= RESTING * self._speed_size(contact, along)) & closed
+        resting = (regimes != "slip") & (np.abs(speed) <= RESTING * self._speed_size(contact, along))
+        still = closed & (resting | (regimes == "stick"))
         edges = []
         for side in (1, -1):
             limit = (1.0 - slack) * side * at(contact.limit, places.states)
@@ -452,10 +464,13 @@ class _StatementCheck:
         rows = []
         for e in np.flatnonzero(continuous & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
             old, new = self.regimes[index[events.source[e]]], self.regimes[index[events.target[e]]]
-            if any(a == "stick" and b in ("slip+", "slip-") for a, b in zip(old, new, strict=True)):
+            left = [
+                i for i, (a, b) in enumerate(zip(old, new, strict=True)) if a == "stick" and b in SLIPPING
+            ]
+            if any(self._moves(contacts[i], e + 1) for i in left):
                 rows.append((events.t[e], events.before[e], index[events.target[e]], "leaves stick"))
         first = self.regimes[self.run.raw.step_modes[0]]
-        if any(word in ("slip+", "slip-") for word in first):
+        if any(word in SLIPPING and self._moves(c, 0) for word, c in zip(first, contacts, strict=True)):
             rows.append(
                 (0.0, self.run.problem.x0, int(self.run.raw.step_modes[0]), "does not start in stick")
             )
@@ -469,6 +484,16 @@ class _StatementCheck:
                 f"{BREAKAWAY_SLACK:.0%} to spare"
             )
         return ""
+
+    def _moves(self, contact: StatedContact, stay: int) -> bool:
+        """Whether v_r becomes other than zero in a stay, of which each but the first begins with an event.
+
+        Of several contacts at rest together some stick, and others, which are called slip, stay at rest.
+        """
+        times = np.concatenate([[0.0], self.run.events.t, [self.run.raw.t]])
+        states = self.run(np.linspace(times[stay], times[stay + 1], SAMPLES_OF_STAY))
+        speeds = np.abs(self.stated.at(contact.speed, states)) / self._size_of(contact.speed)
+        return bool(speeds.max() > self.limit)
 
     def _holdable(self, places: Places) -> list[int]:
         """Places at which forces well within their limits hold all velocities that are zero."""
@@ -500,8 +525,7 @@ class _StatementCheck:
             J = np.array([row[k] for row in rows])
             limits = forces.least[k], forces.most[k]
             slipping = any(
-                word in ("slip+", "slip-") and resting[i][k]
-                for i, word in enumerate(self.regimes[places.modes[k]])
+                word in SLIPPING and resting[i][k] for i, word in enumerate(self.regimes[places.modes[k]])
             )
             # J (M^-1 (W lambda - free)) + rate = 0
             right = J @ inverse @ free[k] - np.array([rate[k] for rate in rates])

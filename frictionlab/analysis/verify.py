@@ -19,7 +19,7 @@ from frictionlab.analysis.run_comparison import (
     accumulation_time,
     compare_runs,
 )
-from frictionlab.analysis.run_conditions import broken_condition, unjudged_steps
+from frictionlab.analysis.run_conditions import broken_condition, judged_size, unjudged_steps
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -159,7 +159,7 @@ def verify(
 def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verification:
     """The verification of a run of a motion by a method."""
     second = motion.run(_more_exact_method(method), t_end=run.raw.t)
-    size = motion_size(second)
+    size = judged_size(second)
     neighbour, end = motion.neighbouring_run(second), float(run.raw.t)
     until, clear = (
         _end_of_agreement(neighbour, second, size, share, end)

@@ -52,10 +52,13 @@ class Tape:
         self.flow = code.flow[mode].tolist()
         self.bases = sorted({row[1] for row in rows if row[0] == kinds.POWER})
 
-    def sizes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
-        """The largest sums of absolute terms among states, of slots as in :meth:`values`: their sizes."""
+    def sizes(self, states: Array, slots: Sequence[int] | None = None, least: Any = 0.0) -> Array:
+        """The largest sums of absolute terms among states, of slots as in :meth:`values`: their sizes.
+
+        `least` are the least sizes of the states, (states,).
+        """
         with np.errstate(all="ignore"):
-            terms = self.magnitudes(states, slots)
+            terms = self.magnitudes(states, slots, least)
         return np.where(np.isfinite(terms), terms, 0.0).max(axis=0, initial=0.0)  # in other modes NaN
 
     @property
@@ -133,9 +136,9 @@ class Tape:
         """Values (N, slots) at states (N, states), by default of guards and constraints."""
         return self._at_states(lambda part: self.slots(list(part.T)), states, slots)
 
-    def magnitudes(self, states: Array, slots: Sequence[int] | None = None) -> Array:
+    def magnitudes(self, states: Array, slots: Sequence[int] | None = None, least: Any = 0.0) -> Array:
         """Sums of the absolute terms (N, slots), as :meth:`values`."""
-        return self._at_states(self._sums, states, slots)
+        return self._at_states(lambda part: self._sums(part, least), states, slots)
 
     def _at_states(
         self, evaluate: Callable[[Array], list[Array]], states: Array, slots: Sequence[int] | None
@@ -147,10 +150,10 @@ class Tape:
             columns.append(np.array([every[i] for i in asked]).reshape(len(asked), len(part)))
         return np.hstack(columns).T
 
-    def _sums(self, states: Array) -> list[Array]:
+    def _sums(self, states: Array, least: Any) -> list[Array]:
         """Sums of the absolute terms of all slots."""
         values = self.slots(list(states.T))
-        sums = list(np.abs(states.T))
+        sums = list(np.maximum(np.abs(states), least).T)
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
                 terms = (abs(factor) * sums[slot] for slot, factor in self._terms[a:b])

@@ -111,6 +111,37 @@ def test_an_automaton_and_a_law_of_ones_own():
     assert fl.verify(spring, 10.0).ok  # from rest, where nothing happens
 
 
+@fl.model
+class BlockOnFeet(fl.MechanicalModel):
+    """A block on two feet that a spring draws: one more holds than there are freedoms."""
+
+    a: float = 0.5
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.6)
+    coordinates = ("x", "y", "theta")
+
+    def mechanics(self, q, v):
+        lever, impact = self.a * fl.functions.sin(q.theta), fl.FrictionalImpact(e=0.0, mu_i=0.3)
+        feet = tuple(
+            fl.Stop(
+                q.y + side * lever,
+                impact,
+                friction=self.friction,
+                relative_velocity=side * lever * v.theta - v.x,
+            )
+            for side in (1, -1)
+        )
+        kinetic = (v.x**2 + v.y**2 + 0.1 * v.theta**2) / 2
+        return fl.Mechanics(kinetic, 9.81 * q.y + (q.x - q.t) ** 2 / 2, contacts=feet)
+
+
+@pytest.mark.parametrize("t_end", [4.0, 12.0])
+def test_a_block_at_rest_on_two_feet_gives_no_false_alarm(t_end):
+    found = fl.verify(BlockOnFeet(), t_end, progress=False)
+    assert found.ok, str(found)
+    begins = found.run.events.t[found.run.events.target == "slip- | slip-"]
+    assert begins == pytest.approx([0.6 * 9.81] if t_end > 6.0 else [], rel=1e-12)  # mu_s m g/(k u)
+
+
 def test_a_run_that_ends_early_says_so():
     found = fl.verify(fl.MassOnBelt(), 50.0, method=fl.Taylor(max_steps=10), progress=False)
     assert found.until == found.run.raw.t < 50.0
