@@ -19,10 +19,11 @@ def evaluate_output(
 ) -> np.ndarray:
     """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
 
-    `modes` (N,) holds indices into `mode_names`.
+    `modes` (N,) holds indices into `mode_names`; where it is negative no mode could be entered, and the
+    output is not a number.
     """
-    values, numbers = np.empty(len(states)), automaton.values.values()
-    for i in np.unique(modes):
+    values, numbers = np.full(len(states), np.nan), automaton.values.values()
+    for i in np.unique(modes[modes >= 0]):
         chosen = modes == i
         formulas = output_formulas(automaton, mode_names[int(i)], name)
         values[chosen] = formulas.along_run(*states[chosen].T, *numbers)[0]

@@ -112,7 +112,7 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
     def explained(*arguments: Any) -> Any:
         try:
             value = method(*arguments)
-        except TypeError as error:
+        except (TypeError, AttributeError) as error:
             raise TypeError(
                 f"{law}.{name} must be a formula that takes symbols too, and fails with them "
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "

@@ -224,14 +224,19 @@ def _start_in_freest_mode(
 ) -> OrbitGuess:
     """The guess, moved along its motion into the mode with the fewest constraints, far from the events."""
     run = solve_from_end(automaton, period, state, mode, progress=False)
-    if not run.status.ok:
-        raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
+    _check_end(run)
     ends = np.array([0.0, *run.events.t, run.raw.t])
     i = freest_stay(automaton, [run.mode[0], *run.events.target], np.diff(ends))
     # Without events it is not moved: an unstable motion leads away from the orbit.
     middle = 0.5 * (ends[i] + ends[i + 1]) if len(run.events) else 0.0
     size = state_scales(run.states, automaton.coordinates)
     return OrbitGuess(run(middle), period, size, mode_to_state(run, middle))
+
+
+def _check_end(run: Trajectory) -> None:
+    """Raise ValueError where the motion of a guess did not reach its end."""
+    if not run.status.ok:
+        raise ValueError(f"guess must be near a periodic orbit; its motion ends early: {run.status}")
 
 
 def mode_to_state(run: Trajectory, t: float) -> str | None:
@@ -334,6 +339,8 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
 
     Close means within a small share of the largest distance reached in between.
     """
+    if run.raw.mode < 0:  # no mode could be entered
+        _check_end(run)
     t = run.t[::direction]
     away = _distances(run, t, start)
     largest = np.maximum.accumulate(away, axis=0)

@@ -39,7 +39,13 @@ if TYPE_CHECKING:
 
 Row = tuple[Any, ...]
 # How numpy, math and sympy begin their errors where a number is wanted of a symbol.
-NO_NUMBER = ("loop of ufunc does not support", "Cannot convert expression", "cannot determine truth value")
+NO_NUMBER = (
+    "loop of ufunc does not support",
+    "ufunc '",
+    "Cannot convert expression",
+    "cannot determine truth value",
+    *(f"'{kind}' object has no attribute" for kind in ("Symbol", "Add", "Mul", "Pow")),
+)
 
 # Cofactors of more rows have too many terms: 24 in a determinant of 4.
 MOST_ROWS_BY_COFACTORS = 3
@@ -429,7 +435,7 @@ def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further:
     """What `mechanics` returns; TypeError, with the cure, where it takes symbols for numbers."""
     try:
         return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model))
-    except TypeError as error:
+    except (TypeError, AttributeError) as error:
         if not str(error).startswith(NO_NUMBER):
             raise
         raise TypeError(

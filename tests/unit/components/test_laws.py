@@ -104,7 +104,15 @@ class OfNumpy(fl.Coulomb):
         return self.mu_k * normal_force * np.tanh(speed)
 
 
-@pytest.mark.parametrize(("role", "law"), [("contact", Branching()), ("friction", OfNumpy())])
+@dataclass(frozen=True)
+class OfTwoNumbers(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force * np.arctan2(speed, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("role", "law"), [("contact", Branching()), ("friction", OfNumpy()), ("friction", OfTwoNumbers())]
+)
 def test_a_law_that_cannot_take_symbols_is_named_with_the_cure(role, law):
     with pytest.raises(TypeError, match=rf"{type(law).__name__}\.\w+ must be a formula .* fl\.functions"):
         fl.simulate(fl.SliderOnBelt(**{role: law}), 0.1)

@@ -164,6 +164,7 @@ def of_functions(function):
         (lambda: fl.model(Popp()), r"fl.model is for classes of models, got Popp\(\)"),
         (lambda: fl.model(Popp), "fl.model is written once above a class, got Popp"),
         (of_functions(np.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
+        (of_functions(lambda x: np.hypot(x + 1, 2)), r"Mine.mechanics must be a formula .* fl.functions.cos"),
         (of_functions(math.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
         (of_functions(lambda x: max(x, 0)), r"Mine.mechanics must be a formula .* no if, min or max"),
     ],
