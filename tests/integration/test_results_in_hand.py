@@ -118,6 +118,44 @@ def test_a_run_as_tables():
     assert cube.attrs["mu_k"] == run.source.mu_k
 
 
+def test_eigenvalues_as_tables():
+    pytest.importorskip("xarray", reason="the extra data is not installed")
+    found = result("eigenvalues")
+    table, cube = found.to_dataframe(), found.to_xarray()
+    assert_all(table["growth_rate"] == found.growth_rates)
+    assert_all(table["frequency"] == found.frequencies)
+    assert_all(table["participation of y1"] == found.participation[1])
+    assert table.attrs["units"]["frequency"] == "Hz"
+    assert cube["participation"].dims == ("coordinate", "eigenvalue")
+    assert_all(cube["growth_rate"].to_numpy() == found.growth_rates)
+    shape = (cube["shape_real"] + 1j * cube["shape_imag"]).sel(coordinate="x2")
+    assert_all(shape.to_numpy() == found.shapes[2])
+
+
+def test_a_root_locus_as_tables():
+    pytest.importorskip("xarray", reason="the extra data is not installed")
+    found = result("locus")
+    table, cube = found.to_dataframe(), found.to_xarray()
+    assert table.index.names == ["mu_k", "mode"]
+    assert table.shape[0] == found.values.size
+    assert_all(table["frequency"].unstack().to_numpy() == found.frequencies)
+    assert cube["growth_rate"].dims == ("mu_k", "mode")
+    assert_all(cube["growth_rate"].to_numpy() == found.growth_rates)
+    assert cube["participation"].sel(coordinate="phi").shape == found.values.shape
+    assert cube["frequency"].attrs["units"] == "Hz"
+
+
+def test_a_stability_map_as_tables():
+    pytest.importorskip("xarray", reason="the extra data is not installed")
+    found = result("map")
+    table, cube = found.to_dataframe(), found.to_xarray()
+    assert table.index.names == ["mu_k", "k3"]
+    assert_all(table["unstable"].unstack().to_numpy() == found.unstable)
+    assert cube["growth"].dims == ("mu_k", "k3")
+    assert_all(cube["growth"].to_numpy() == found.growth)
+    assert cube["k3"].attrs["units"] == "N/m"
+
+
 @pytest.mark.parametrize("name", ["run", "events", "eigenvalues", "locus", "map", "bifurcation", "sweep"])
 def test_tables_survive_parquet(name, tmp_path):
     pandas = pytest.importorskip("pandas", reason="the extra data is not installed")

@@ -139,6 +139,34 @@ def test_a_copied_model_is_the_same(name, way):
     assert other.automaton().modes is model.automaton().modes
 
 
+@pytest.mark.parametrize("name", slow_but(["SliderOnBelt 0"], MODELS))
+def test_the_run_of_a_model_is_the_same_from_its_file_and_from_a_pickle(name, tmp_path):
+    model = MODELS[name]
+    run = fl.simulate(model, 5 * model.period, **QUIET)
+    for other in (fl.load(run.save(tmp_path / "run")), *(way(run) for way in WAYS.values())):
+        assert other.source == model
+        np.testing.assert_equal(public(other), public(run))
+        for output in run.automaton.outputs:
+            assert other[output].tobytes() == run[output].tobytes()
+
+
+def ends_of(model):
+    """The end and the events of a short run, as a process gives them back."""
+    run = fl.simulate(model, 5 * model.period, **QUIET)
+    return run, run.final_state.tobytes(), run.events.t.tobytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", multiprocessing.get_all_start_methods())
+def test_models_and_runs_pass_between_processes(start):
+    """Every model there and its run back, bit-equal to the same run here."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(start)) as pool:
+        for model, (run, *there) in zip(MODELS.values(), pool.map(ends_of, MODELS.values()), strict=True):
+            here, *numbers = ends_of(model)
+            assert there == numbers
+            np.testing.assert_equal(public(run), public(here))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("start", multiprocessing.get_all_start_methods())
 def test_every_result_passes_between_processes(start):
@@ -167,3 +195,24 @@ def test_an_unlisted_law_cannot_be_made_where_it_is_not_defined(tmp_path):
         fl.load(path)
     assert str(path) in str(caught.value)
     assert fl.load(path, model=OWN[1]).states.tobytes() == run.states.tobytes()
+
+
+def test_a_copied_run_answers_as_the_run_does():
+    run = result("run with riders")
+    other = pickle.loads(pickle.dumps(run))
+    np.testing.assert_array_equal(other(np.linspace(0.0, 20.0, 77)), run(np.linspace(0.0, 20.0, 77)))
+    assert other.defect == run.defect
+    assert other.quadratures == run.quadratures
+    assert fl.energy_audit(other, progress=False).error == fl.energy_audit(run, progress=False).error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", multiprocessing.get_all_start_methods())
+def test_processes_give_whole_results(start):
+    """A steady state made in a process of its own, however that was begun."""
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(start)) as pool:
+        found = fl.sweep(MODEL, fl.steady_state, {"v": [0.3, 0.5]}, executor=pool, progress=False)
+    for v, state in zip([0.3, 0.5], found.results, strict=True):
+        here = fl.steady_state(MODEL.replace(v=v), progress=False)
+        assert state.kind == here.kind
+        np.testing.assert_array_equal(state.trajectory.states, here.trajectory.states)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
-from frictionlab.components import ContactLaw, FrictionLaw
+from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.models import Friction, Mechanics, Mechanism
 from frictionlab.models.mechanism import Belt, Block, Forces, Point, Spring
 from tests.helpers.cases import slow_but
@@ -131,3 +131,58 @@ class Plain(Lifted):
     """The same that does not say what it looks like."""
 
     mechanism = None
+
+
+@fl.model
+class Tilting(fl.MechanicalModel):
+    """The paper's system by other names: nothing in the derivation knows it."""
+
+    F: float = fl.parameter(200.0, unit="N", symbol="F", meaning="preload", range=(0.0, 500.0))
+    contact: ContactLaw = fl.CubicContact()
+    friction: FrictionLaw = fl.Coulomb(mu_k=1.4)
+    impact: ImpactLaw = fl.PlasticImpact()
+    coordinates = ("s", "h", "b", "w", "turn")
+
+    def mechanics(self, q, v):
+        wheels = (q.w + 0.2 * q.turn) ** 2 + (q.w - 0.2 * q.turn) ** 2
+        rolling = (v.w + 0.2 * v.turn) ** 2 + (v.w - 0.2 * v.turn) ** 2
+        springs = (1e4 * (q.s**2 + q.b**2 + wheels) + 3e3 * (q.s - q.h) ** 2) / 2
+        moving = v.s**2 + v.h**2 + v.b**2 + v.w**2 + 0.1 * v.turn**2
+        return Mechanics(
+            kinetic=moving / 2,
+            potential=springs + self.F * q.h,
+            dissipation=0.1 * (v.s**2 + v.h**2 + v.b**2 + rolling) / 2,
+            contacts=(
+                Friction(
+                    1.0 - v.s + v.b,
+                    self.contact.force,
+                    self.friction,
+                    penetration=q.w - (q.s - q.b) * q.turn - q.h,
+                    normal=(0, 1, 0, -1, q.s - q.b),
+                    impact=self.impact,
+                ),
+            ),
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "impact",
+    [pytest.param(fl.PlasticImpact(), marks=pytest.mark.slow), fl.RestitutionImpact(e=0.5)],
+    ids=["plastic", "e"],
+)
+def test_a_moving_load_an_impact_law_and_chatter_are_for_any_model(impact):
+    mine, paper = Tilting(impact=impact), fl.SliderOnBelt(mu_k=1.4, impact=impact)
+    assert mine.automaton().names == paper.automaton().names
+    run, other = (fl.simulate(model, 0.5, progress=False) for model in (mine, paper))
+    assert run.events.guard.tolist() == other.events.guard.tolist()
+    assert run.events.target.tolist() == other.events.target.tolist()
+    assert "separation" in run.events.source
+    # The same but for rounding, which the motion magnifies.
+    assert run.events.t == pytest.approx(other.events.t, abs=1e-9)
+    assert run.final_state == pytest.approx(other.final_state, abs=1e-8)
+    audit, paper_audit = fl.energy_audit(run, progress=False), fl.energy_audit(other, progress=False)
+    assert audit.works["moving load"][-1] == pytest.approx(paper_audit.works["moving load"][-1], abs=1e-7)
+    assert fl.equilibrium(mine.replace(mu_k=0.3)).q == pytest.approx(
+        fl.equilibrium(paper.replace(mu_k=0.3)).q, rel=1e-9
+    )

@@ -115,6 +115,22 @@ def test_events_and_their_targets():
     }
 
 
+def test_event_functions():
+    automaton = SliderOnBelt().automaton()
+    v_r = automaton.modes[0].outputs["relative_velocity"]
+    assert automaton.names[:4] == ("stick", "slip+", "slip-", "separation")
+    for mode in automaton.modes[:4]:
+        out, functions = mode.outputs, {e.name: e.function for e in mode.events}
+        sign = {"slip+": 1, "slip-": -1}.get(mode.name)
+        if sign:
+            assert functions["v_r"] == sign * v_r
+        if mode.name == "stick":
+            limit = sympy.Symbol("mu_s", real=True) * out["normal_force"]
+            assert functions["cone+"] == limit - out["friction_force"]
+            assert functions["cone-"] == limit + out["friction_force"]
+        assert functions["gap"] == (-1 if mode.name == "separation" else 1) * out["penetration"]
+
+
 @pytest.mark.parametrize("names", TOGGLES)
 def test_toggles_assemble(names):
     automaton = SliderOnBelt().without(*names).automaton()

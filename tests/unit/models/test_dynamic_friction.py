@@ -62,6 +62,19 @@ def test_steady_sliding_deflects_the_bristles_by_mu_over_their_stiffness():
     assert np.allclose(backwards.state, -point.state, rtol=1e-13)
 
 
+def test_eigenvalues_are_those_of_the_jacobian_by_hand():
+    m, k, N, v, s0, s1, s2 = 0.5, 3.0, 2.0, 0.2, 200.0, 0.5, 0.02
+    mu, slope = stribeck(v)
+    z = mu / s0
+    by_speed = 1.0 - s0 * z / mu + s0 * v * z * slope / mu**2  # of z' by v_r
+    by_state = -s0 * v / mu
+    force = N * (s0 + s1 * by_state), N * (s1 * by_speed + s2)
+    A = [[0.0, 1.0, 0.0], [-k / m, -force[1] / m, force[0] / m], [0.0, -by_speed, by_state]]
+    expected = np.linalg.eigvals(A)
+    found = fl.eigenvalues(Block()).values
+    assert np.allclose(np.sort_complex(found), np.sort_complex(expected), rtol=1e-12)
+
+
 def test_a_run_agrees_with_an_independent_integrator_split_where_v_r_is_zero():
     """Stick-slip of the bristles by scipy, from one zero of v_r to the next."""
     run = fl.simulate(Block(), 4.0, x0={"z": 1e-4}, progress=False)
@@ -283,6 +296,12 @@ def test_an_orbit_of_bristles_closes():
     assert orbit.stable
     assert len(orbit.multipliers) == 3
     assert np.abs(orbit.multipliers - 1.0).min() < 1e-8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", [Block(), Lifted(), fl.TwoBlocks(friction=BRISTLES)])
+def test_verify_finds_nothing(model):
+    assert fl.verify(model, 6.0, progress=False).ok
 
 
 def test_a_force_that_jumps_with_the_sign_of_v_r_fails_the_check():

@@ -60,6 +60,17 @@ def test_its_state_is_that_of_the_stop_operator():
     assert -audit.works["friction"][-1] == pytest.approx(MU * N * slid, rel=1e-12)
 
 
+def test_a_cycle_takes_the_energy_of_its_loop():
+    """4 mu N (X - mu N/k) at the amplitude X, and the orbit's multipliers are inside the unit circle."""
+    settled = fl.steady_state(Driven(), transient=80.0, window=20.0, progress=False)
+    orbit = fl.periodic_orbit(Driven(), settled)
+    assert orbit.stable
+    run = fl.simulate(Driven(), orbit.period, x0=orbit.state, sections={"turn": "x'"}, progress=False)
+    amplitude = np.ptp(run.sections["turn"].state[:, 0]) / 2.0
+    work = fl.energy_audit(run, progress=False).works["friction"][-1]
+    assert work == pytest.approx(-4.0 * MU * N * (amplitude - MU * N / K_T), rel=1e-9)
+
+
 def test_steady_sliding_is_coulombs():
     """Where the slider slips the deflection is at its limit, and has no eigenvalue."""
     model, coulomb = fl.MassOnBelt(friction=ELEMENT, c=0.1), fl.MassOnBelt(mu_k=MU, mu_s=MU, c=0.1)

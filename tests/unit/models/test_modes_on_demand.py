@@ -119,6 +119,15 @@ def test_only_modes_that_may_be_entered_are_derived(model, x0):
     assert len(few.modes.derived) == 1
 
 
+def test_how_many_modes_are_derived():
+    few = fresh(THREE[0])
+    run = fl.solve(few, 50.0, x0=THREE[1])
+    visited = {*run.mode, *run.events.target}
+    assert visited <= set(few.modes.derived)
+    assert len(few.names) == 27
+    assert len(few.modes.derived) <= 16
+
+
 @SCENES
 def test_sections_and_quadratures_ride_along(model, x0):
     asked = {
@@ -131,6 +140,13 @@ def test_sections_and_quadratures_ride_along(model, x0):
     for name in ("turn", "force"):
         assert run.sections[name].t.tobytes() == other.sections[name].t.tobytes()
     assert len(run.sections["turn"].t) > 1
+
+
+@SCENES
+def test_a_run_goes_on_from_modes_derived_by_others(model, x0):
+    one, other = fresh(model), fresh(model)
+    fl.solve(one, 30.0, x0=-np.array(x0))
+    assert_same(fl.solve(one, 20.0, x0=x0), fl.solve(other, 20.0, x0=x0))
 
 
 @pytest.mark.parametrize("x0", [[-0.5, -1.5, 3.0, 0.0], [0.3, 0.2, 0.5, -0.5]])
@@ -227,6 +243,11 @@ def test_threads_are_given_one_mode():
     assert {id(mode) for mode in found} == {id(modes[0]), id(modes[1])}
 
 
+def test_one_contact_has_all_its_modes_at_once():
+    assert isinstance(fl.MassOnBelt().automaton().modes, tuple)
+    assert isinstance(fl.DenHartog().automaton().modes, tuple)
+
+
 @dataclass
 class Bar:
     """A progress bar whose user has pressed ctrl-C, or has not."""
@@ -265,3 +286,12 @@ def test_runs_in_threads_share_the_modes():
         found = list(pool.map(run, speeds * 2))
     for v, other in zip(speeds * 2, found, strict=True):
         assert_same(other, alone[v])
+
+
+def test_a_steady_state_derives_few():
+    model, x0 = THREE
+    before = set(automaton_of_structure(model.structure_key).modes.derived)
+    found = fl.steady_state(model, x0=x0, transient=20.0, window=20.0, progress=False)
+    derived = set(automaton_of_structure(model.structure_key).modes.derived)
+    assert set(found.trajectory.mode) <= derived
+    assert len(derived - before) < 20

@@ -93,6 +93,9 @@ def layered(name, width):
         law = fl.ExponentialDecay(v_s=2.0 * width, **MU_OF_LAYERS)
         model = fl.SliderOnBelt(friction=law, interface=fl.SlidingOnly())
         return [model.replace(mu_k=float(mu)) for mu in np.linspace(0.2, 0.9, 6)], "rest", 0.3
+    if name == "Den Hartog":
+        models = [fl.DenHartog(Omega=float(w), N=0.3) for w in np.linspace(0.3, 1.5, 6)]
+        return models, "rest", 40.0
     kinds = {"Stribeck": fl.Stribeck, "exponential": fl.ExponentialDecay, "tanh": Smooth}
     model = fl.MassOnBelt(c=0.02, friction=kinds[name](v_s=width, **MU_OF_LAYERS))
     starts = np.random.default_rng(1).normal(size=(6, 2))
@@ -103,6 +106,11 @@ def layered(name, width):
 @pytest.mark.parametrize("name", slow_but(["tanh"], ["Stribeck", "exponential", "tanh", "slider"]))
 def test_steps_heed_friction_layers_as_those_of_a_run_alone(name, width):
     same_as_alone(*layered(name, width))
+
+
+@pytest.mark.slow  # sine and cosine are among those of the next test
+def test_steps_heed_functions_of_the_phase_as_those_of_a_run_alone():
+    same_as_alone(*layered("Den Hartog", 1.0))
 
 
 def same_as_alone(models, starts, t_end):
@@ -185,6 +193,21 @@ def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
         np.testing.assert_array_equal(ends.states[i], alone.final_state)
         assert (ends.steps[i], ends.events[i]) == (alone.stats["steps"], len(alone.events))
         assert ends.events[i] > 10
+
+
+def test_the_grouping_makes_no_difference():
+    compiled(FULL)
+    models = [FULL.replace(mu_k=float(mu)) for mu in MU]
+    whole = fl.ensemble(models, 5.0, progress=False)
+    parts = [fl.ensemble(models[i : i + 4], 5.0, progress=False).states for i in range(0, len(models), 4)]
+    np.testing.assert_array_equal(whole.states, np.concatenate(parts))
+
+
+def test_many_initial_states_of_one_model():
+    states = np.random.default_rng(0).normal(scale=1e-3, size=(9, 10))
+    ends = fl.ensemble([FULL] * 9, 1.0, x0=states, progress=False)
+    for start, end in zip(states, ends.states):
+        np.testing.assert_array_equal(fl.simulate(FULL, 1.0, x0=start, progress=False).final_state, end)
 
 
 def test_runs_that_go_on_do_not_depend_on_those_that_are_left():

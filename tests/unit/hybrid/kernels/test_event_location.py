@@ -17,6 +17,25 @@ def test_of_two_guards_in_a_step_the_first_in_time_counts():
         assert run.events.t == pytest.approx([0.3], abs=1e-15)
 
 
+@ONCE
+def test_two_guards_at_once_are_one_event():
+    run = fl.solve(
+        clock(fl.Event("a", 1 - 2 * X, ("off",)), fl.Event("b", 2 - 4 * X, ("off",))), 1.0, x0=[0.0]
+    )
+    assert run.events.guard.tolist() == ["a"]
+    assert run.final_state == pytest.approx([0.5], abs=1e-15)
+
+
+@ONCE
+def test_two_zeros_of_one_guard_in_a_step_are_not_missed():
+    run = fl.solve(
+        clock(fl.Event("dip", (X - sp.Rational(3, 10)) * (X - sp.Rational(301, 1000)), ("off",))),
+        1.0,
+        x0=[0.0],
+    )
+    assert run.events.t == pytest.approx([0.3], abs=1e-12)
+
+
 def thrown(ceiling):
     """Thrown up to height 1/4 at time 1/2, elastic ceiling."""
     c = sp.Symbol("c")

@@ -102,6 +102,13 @@ def test_the_caps_end_a_run(method):
 
 
 @every_method
+def test_a_motion_without_end_in_the_numbers_is_not_finite(method):
+    explosion = fl.HybridAutomaton((X,), (fl.Mode("up", (sp.exp(X),)),))
+    run = fl.solve(explosion, 2.0, x0=[0.0], method=method)  # x is infinite at t = 1
+    assert run.status in (fl.Status.NOT_FINITE, fl.Status.STALLED)
+
+
+@every_method
 @pytest.mark.parametrize("limit", [0.0, 1.5])
 def test_a_law_that_is_no_number_ends_the_run(method, limit):
     """At a relative speed of 2; nothing of it is in the result."""

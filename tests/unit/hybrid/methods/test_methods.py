@@ -8,12 +8,15 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.compilation.machine_code import cache_folder
 from tests.helpers.assertions import assert_same_times
+from tests.helpers.cases import slow_but
 
 X, V = sp.symbols("x v")
 FULL = fl.PlasticImpact("full")
 A = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 B = fl.SliderOnBelt(mu_k=1.4, impact=FULL)
+NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 
 def ball():
@@ -90,6 +93,17 @@ def test_rk4_of_the_oscillator_takes_the_steps_it_was_told():
 # --- scipy
 
 
+@pytest.mark.parametrize("name", slow_but({*NAMES} - {"RK23", "BDF", "Radau"}, NAMES))
+def test_scipys_methods_run_by_name(name):
+    exact = fl.simulate(A, 0.15)
+    run = fl.simulate(A, 0.15, method=name)
+    assert run.status is fl.Status.FINISHED
+    assert run.t[-1] == 0.15
+    assert run.events.target.tolist() == exact.events.target.tolist()
+    assert_same_times(run.events.t, exact.events.t, abs=1e-6)
+    assert run.final_state == pytest.approx(exact.final_state, abs=1e-5)
+
+
 @pytest.mark.parametrize("name", ["Radau", "BDF", "LSODA"])
 def test_implicit_methods_start_from_rest_in_steps_of_the_motions_own_size(name):
     # where all is zero, finite differences for a Jacobian are noise, and the steps shrink to 1e-19 s
@@ -99,6 +113,28 @@ def test_implicit_methods_start_from_rest_in_steps_of_the_motions_own_size(name)
 
 
 # --- settings
+
+
+@pytest.mark.plain_python
+def test_methods_describe_themselves():
+    about = fl.Taylor(tol=1e-10).describe()
+    assert (about["name"], about["tol"], about["order"], about["accumulation"]) == (
+        "taylor",
+        1e-10,
+        None,
+        "close",
+    )
+    assert set(about) == {
+        "name",
+        "tol",
+        "order",
+        "chatter",
+        "accumulation",
+        "max_steps",
+        "max_events",
+    }
+    assert fl.RK4().describe()["step"] == 2e-4
+    assert fl.Scipy("Radau").describe()["integrator"] == "Radau"
 
 
 # --- files
@@ -119,6 +155,20 @@ def assert_same(one, other):
     for name, points in one.sections.items():
         assert other.sections[name].t.tolist() == points.t.tolist()
         assert other.sections[name].state.tolist() == points.state.tolist()
+
+
+@pytest.mark.parametrize("t_eval", [None, np.linspace(0, 0.3, 11)], ids=["steps", "t_eval"])
+def test_a_model_run_comes_back_from_its_file(tmp_path, t_eval):
+    sections, quadratures = {"v_r": "relative_velocity", "gap": ("penetration", 1)}, {"force": "normal_force"}
+    run = fl.simulate(B, 0.3, t_eval=t_eval, sections=sections, quadratures=quadratures)
+    assert len(run.sections["v_r"].t) > 0
+    path = run.save(tmp_path / "run")
+    assert path == tmp_path / "run.npz"
+    again = fl.load(path)
+    assert_same(run, again)
+    assert again.source == B
+    assert again.penetration.tolist() == run.penetration.tolist()
+    assert again(0.123).tolist() == run(0.123).tolist()
 
 
 def test_an_automatons_run_is_loaded_with_it_or_without(tmp_path):
@@ -163,4 +213,34 @@ def test_ctrl_c_ends_a_run_and_keeps_it(method):
     assert signal.getsignal(signal.SIGINT) is previous
 
 
+def test_runs_in_other_threads_leave_signals_alone():
+    runs = []
+    threads = [threading.Thread(target=lambda: runs.append(fl.simulate(A, 1.0))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len({run.final_state.tobytes() for run in runs}) == 1
+
+
 # --- compiled code
+
+
+class Numba:
+    __version__ = "0"
+
+
+@pytest.mark.plain_python
+def test_compiled_code_goes_where_the_user_says(tmp_path, monkeypatch):
+    monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "here"))
+    assert cache_folder(Numba).startswith(str(tmp_path / "here"))
+
+
+@pytest.mark.plain_python
+def test_a_cache_folder_that_cannot_be_made_is_replaced(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("not a folder")
+    monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "file" / "below"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert cache_folder(Numba).startswith(str(tmp_path / "frictionlab-"))
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path / "file"))
+    assert cache_folder(Numba) == ""
