@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,11 +25,18 @@ from frictionlab.validation import (
     with_cure,
 )
 
-SUFFIXES = (".mtx", ".mat", ".npz", ".txt", ".op4")
+SUFFIXES = (".mtx", ".mat", ".npz", ".txt", ".op4", ".pch")
 DIRECTIONS = 64  # of a node: more than any program has
 FORTRAN_EXPONENT = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9])")
 MATRIX_MARKET = b"%%MatrixMarket"
-CURE = "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, Nastran's .op4, or rows of row, column, entry"
+CURE = (
+    "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, Nastran's .op4 or .pch, or rows of row, column, "
+    "entry"
+)
+SMALL_FIELD, LARGE_FIELD = 8, 16  # characters of a field of Nastran's, but for the first of a line
+SQUARE, SYMMETRIC = 1, 6  # forms of a matrix of Nastran's
+COMPLEX_TYPES = (3, 4)
+NASTRAN_EXPONENT = re.compile(r"(?<=[0-9.])(?=[+-][0-9])")  # 1.0+3 is 1.0e+3
 
 
 class NodalEntries(NamedTuple):
@@ -40,16 +47,19 @@ class NodalEntries(NamedTuple):
     rows, columns : int array (N,)
         DIRECTIONS times the node, and the direction.
     entries : array (N,)
+    others : int array (K,)
+        Freedoms that other matrices of the file name.
     """
 
     rows: Any
     columns: Any
     entries: Any
+    others: Any = ()
 
     @property
     def freedoms(self) -> Any:
         """The freedoms that are named, ascending."""
-        return np.union1d(self.rows, self.columns)
+        return np.unique(np.concatenate([self.rows, self.columns, np.asarray(self.others, dtype=int)]))
 
     def matrix(self, freedoms: Any) -> sparse.csc_array:
         """The matrix of these freedoms, ascending."""
@@ -68,9 +78,10 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
         entry, counted from 1.  In its MATRIX INPUT format it has node, direction, node, direction and entry;
         a triangle stands for a symmetric matrix there, and rows are in the order of
         :func:`read_freedoms`.  ``.mat``: MATLAB up to version 7.  ``.npz``: by ``scipy.sparse.save_npz``.
-        ``.op4``: Nastran (needs pyNastran).  ``.txt``: as the rows of Abaqus.
+        ``.op4``: Nastran (needs pyNastran).  ``.pch``: DMIG entries of Nastran, by nodes and directions; all
+        matrices of the file have the freedoms that any of them names.  ``.txt``: as the rows of Abaqus.
     variable : str, optional
-        Name of the matrix in a ``.mat`` or ``.op4`` file that holds several.
+        Name of the matrix in a file that holds several: ``.mat``, ``.npz``, ``.op4`` or ``.pch``.
 
     Returns
     -------
@@ -97,12 +108,14 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
     return given.matrix(given.freedoms) if isinstance(given, NodalEntries) else given
 
 
-def read_freedoms(path: Any) -> Any:
-    """Node and direction of each freedom of a matrix that Abaqus wrote in its MATRIX INPUT format.
+def read_freedoms(path: Any, variable: str | None = None) -> Any:
+    """Node and direction of each freedom of a matrix of Abaqus' MATRIX INPUT format, or Nastran's punch file.
 
     Parameters
     ----------
     path : str or Path
+    variable : str, optional
+        As of :func:`read_matrix`.
 
     Returns
     -------
@@ -127,7 +140,7 @@ def read_freedoms(path: Any) -> Any:
     >>> fl.read_matrix(path).toarray().tolist()
     [[2.0, -1.0], [-1.0, 3.0]]
     """
-    given = _read(path, None)
+    given = _read(path, variable)
     if not isinstance(given, NodalEntries):
         raise ValueError(
             f"{Path(path).name} must name nodes to have freedoms, got a matrix of rows and columns: write it "
@@ -255,6 +268,73 @@ def _read_npz(file: Path, variable: str | None) -> Any:
         return sparse.load_npz(file) if "format" in held else _chosen(file, dict(held), variable)
 
 
+def _read_pch(file: Path, variable: str | None) -> Any:
+    """A matrix of Nastran's DMIG entries, by node and direction.
+
+    Source: MSC Nastran Quick Reference Guide, DMIG.
+    """
+    cards = [fields for name, fields in _cards(file.read_text()) if name.rstrip("*") == "DMIG"]
+    try:
+        headers = {fields[0]: (int(fields[2]), int(fields[3])) for fields in cards if fields[1] == "0"}
+        read: dict[str, list[Any]] = {name: [] for name in headers}
+        for name, node, direction, _, *terms in (fields for fields in cards if fields[1] != "0"):
+            column = _freedom(node, direction)
+            groups = ([*terms[i : i + 4], "", ""][:4] for i in range(0, len(terms), 4) if terms[i])
+            read[name] += [(_freedom(*term[:2]), column, *map(_number, term[2:])) for term in groups]
+    except (KeyError, ValueError, IndexError) as error:
+        raise TypeError(f"of its DMIG entries one is not as in the guide: {error!r}") from None
+    every = {name: np.array(entries).reshape(-1, 4) for name, entries in read.items()}
+    named = np.unique(np.concatenate([np.zeros(0), *(entries[:, :2].ravel() for entries in every.values())]))
+    if variable is None and len(every) == 1:
+        (variable,) = every
+    if variable not in every:
+        hint = did_you_mean_or_known(variable, list(every)) if every else ", as none is there"
+        raise ValueError(f"variable must name a matrix of {file.name}, got {abbreviate(variable)}{hint}")
+    (form, kind), entries = headers[variable], every[variable]
+    if form not in (SQUARE, SYMMETRIC):
+        raise ValueError(
+            f"{variable} of {file.name} must be square or symmetric, got the form {form}: {CURE}"
+        )
+    rows, columns = entries[:, 0].astype(int), entries[:, 1].astype(int)
+    values = entries[:, 2] + 1j * entries[:, 3] if kind in COMPLEX_TYPES else entries[:, 2]
+    if form == SYMMETRIC:  # one triangle
+        aside = rows != columns
+        rows, columns = np.append(rows, columns[aside]), np.append(columns, rows[aside])
+        values = np.append(values, values[aside])
+    return NodalEntries(rows, columns, values, named.astype(int))
+
+
+def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Names and fields of Nastran's cards, whose lines have fields of 8 or 16 characters, or commas."""
+    card: tuple[str, list[str]] | None = None
+    for line in text.splitlines():
+        if line.startswith("$"):
+            continue
+        parts = [part.strip() for part in line.split(",")]
+        if len(parts) == 1:
+            width = LARGE_FIELD if line[:SMALL_FIELD].rstrip().endswith("*") else SMALL_FIELD
+            ends = range(SMALL_FIELD, 9 * SMALL_FIELD, width)
+            parts = [line[:SMALL_FIELD].strip(), *(line[end : end + width].strip() for end in ends)]
+        if parts[0][:1] in ("", "*", "+"):
+            if card is not None:
+                card[1].extend(parts[1:9])
+            continue
+        if card is not None:
+            yield card
+        card = parts[0], parts[1:9]
+    if card is not None:
+        yield card
+
+
+def _freedom(node: str, direction: str) -> int:
+    return DIRECTIONS * int(node) + int(direction or 0)
+
+
+def _number(field: str) -> float:
+    """A number as Nastran writes it, whose exponent may lack its letter; 0 of an empty field."""
+    return float(NASTRAN_EXPONENT.sub("e", FORTRAN_EXPONENT.sub("e", field)) or 0.0)
+
+
 def _read_op4(file: Path, variable: str | None) -> Any:
     try:
         nastran: Any = import_module("pyNastran.op4.op4")
@@ -273,4 +353,5 @@ _READERS = {
     ".npz": _read_npz,
     ".txt": _read_coordinates,
     ".op4": _read_op4,
+    ".pch": _read_pch,
 }

@@ -63,17 +63,17 @@ def _sum_from_data(data: Any) -> Any:
 
 def _matrix_to_data(matrix: Matrix) -> Data:
     entries: Any = sparse.csc_array(matrix)
-    parts = {name: getattr(entries, name).tolist() for name in ("data", "indices", "indptr")}
-    return {"shape": list(entries.shape), **parts}
+    parts = {"data": entries.data.real, "indices": entries.indices, "indptr": entries.indptr}
+    parts |= {"imaginary": entries.data.imag} if entries.dtype.kind == "c" else {}
+    return {"shape": list(entries.shape)} | {name: part.tolist() for name, part in parts.items()}
 
 
 def _matrix_from_data(data: Mapping[str, Any]) -> Matrix:
-    parts = (
-        np.array(data["data"], dtype=float),
-        np.array(data["indices"], dtype=int),
-        np.array(data["indptr"]),
-    )
-    return sparse.csc_array(parts, shape=tuple(data["shape"]))
+    entries: Any = np.array(data["data"], dtype=float)
+    if "imaginary" in data:
+        entries = entries + 1j * np.array(data["imaginary"], dtype=float)
+    places = np.array(data["indices"], dtype=int), np.array(data["indptr"])
+    return sparse.csc_array((entries, *places), shape=tuple(data["shape"]))
 
 
 def _contacts_to_data(one: SlidingContacts) -> Data:

@@ -121,3 +121,34 @@ def test_matrices_of_nastran(tmp_path):
     nastran = pytest.importorskip("pyNastran.op4.op4", reason="pyNastran is not installed")
     nastran.OP4(debug=False).write_op4(str(tmp_path / "K.op4"), {"KAA": (6, K.toarray())}, is_binary=False)
     assert (fl.read_matrix(tmp_path / "K.op4").toarray() == K.toarray()).all()
+
+
+PUNCH = """\
+$TITLE   = two nodes, one of which is a scalar point
+DMIG    KAAX           0       6       2       0
+DMIG*   KAAX                           7               1
+*                      7               1 2.000000000D+01
+*                      9               0-1.000000000D+01
+DMIG*   KAAX                           9               0
+*                      9               0 3.0+1
+DMIG,MAAX,0,6,2,0
+DMIG,MAAX,7,1,,7,1,1.5
+DMIG    FAAX           0       1       3       0
+DMIG    FAAX           7       1               9       0      .5     .25
+"""
+
+
+def test_punched_matrices_of_nastran(tmp_path):
+    """The guide's three forms of a field; K is a triangle, M lacks the scalar point, F is complex."""
+    path = tmp_path / "brake.pch"
+    path.write_text(PUNCH)
+    stiffness = fl.read_matrix(path, "KAAX")
+    assert stiffness.toarray().tolist() == [[20.0, -10.0], [-10.0, 30.0]]
+    assert fl.read_matrix(path, "MAAX").toarray().tolist() == [[1.5, 0.0], [0.0, 0.0]]
+    assert fl.read_matrix(path, "FAAX").toarray().tolist() == [[0.0, 0.0], [0.5 + 0.25j, 0.0]]
+    assert fl.read_freedoms(path, "MAAX").tolist() == [[7, 1], [9, 0]]
+    with pytest.raises(ValueError, match=r"variable must name a matrix of brake\.pch, got None.*KAAX"):
+        fl.read_matrix(path)
+    path.write_text(PUNCH.replace("9               0-1", "9               x-1"))
+    with pytest.raises(ValueError, match=r"brake\.pch must hold a matrix.*DMIG"):
+        fl.read_matrix(path, "KAAX")

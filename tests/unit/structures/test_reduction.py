@@ -62,6 +62,28 @@ def test_estimates_are_the_errors():
     assert 0.5 < estimates[inside].sum() / distances[inside].sum() < 2.0
 
 
+@pytest.mark.slow  # of 30 such chains errors are up to 1.45 times the estimates, and 1.16 times the tolerance
+@pytest.mark.parametrize("seed", range(6))
+def test_random_chains_err_as_estimated_between_the_samples(seed):
+    rng = np.random.default_rng(seed)
+    n, k, N = 90, rng.uniform(5e3, 2e4, 91), np.zeros((90, 90))
+    m = rng.uniform(5e-3, 2e-2, n)
+    K = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
+    N[tuple(rng.integers(n, size=(2, 6)))] = rng.uniform(-2e3, 2e3, 6)
+    edge = 1.02 * np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[14]) / (2 * np.pi)
+    parts = {"circulatory": [("mu", N)], "parameters": {"mu": 0.3}}
+    large = fl.Structure(np.diag(m), K, fl.RayleighDamping(alpha=1.0, beta=1e-7), window=(0.0, edge), **parts)
+    tol = 10 ** rng.uniform(-7, -2)
+    small = fl.reduce(large, {"mu": (0.0, 1.0)}, tol=tol)
+    for mu in rng.uniform(0.0, 1.0, 4):
+        there = small.replace(mu=mu)
+        found, exact = (fl.eigenvalues(one).values for one in (there, large.replace(mu=mu, window=None)))
+        missed = np.abs(found[:, None] - exact).min(axis=1)
+        assert (missed <= 2.0 * there.error_estimates() + 1e-12 * np.abs(found)).all()
+        weak = (np.abs(found.real) < 0.05 * np.abs(found)) & (np.abs(found.imag) < 0.98 * 2 * np.pi * edge)
+        assert (missed[weak] <= 1.5 * tol * np.abs(found[weak])).all()
+
+
 @pytest.mark.slow
 def test_static_displacements_under_contacts():
     """Responses to the contact forces make the equilibrium right at other loads too."""

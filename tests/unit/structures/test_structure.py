@@ -1,5 +1,6 @@
 """A structure holds its matrices as they are, and refuses those that are not what they must be."""
 
+import json
 import pickle
 
 import numpy as np
@@ -172,3 +173,10 @@ def test_modal_damping_of_equal_ratios_is_a_root_of_the_stiffness():
 def test_modal_damping_refuses(given, message):
     with pytest.raises(ValueError, match=message):
         fl.modal_damping(*given)
+
+
+def test_data_of_a_structure_with_hysteretic_damping_have_its_matrices():
+    K = (1.0 + 0.05j) * np.array([[2.0, -1.0], [-1.0, 2.0]])
+    structure = fl.Structure(np.eye(2), K)
+    again = fl.Structure.from_dict(json.loads(json.dumps(structure.to_dict())))
+    np.testing.assert_array_equal(again.K.at({}).toarray(), K)
