@@ -18,6 +18,12 @@ TINY = 1e-300  # keeps a quotient of zeros from having no value
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
+def __getattr__(name: str) -> Any:
+    public = [key for key, value in globals().items() if getattr(value, "__module__", "") == __name__]
+    known = [key for key in public if not key.startswith("_")]
+    raise AttributeError(f"fl.functions has no {name!r}: it has {', '.join(known)}")
+
+
 def _evaluate(name: str, x: Any) -> Any:
     # a sympy expression, so sympy is loaded already; laws themselves do not need it
     if hasattr(x, "free_symbols"):

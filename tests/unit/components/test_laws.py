@@ -40,6 +40,13 @@ def test_laws_may_hold_every_function_of_the_tape(function):
     np.testing.assert_array_equal(of_laws(np.array([0.3, 1.2])), [of_laws(0.3), of_laws(1.2)])
 
 
+def test_a_function_that_is_not_there_is_named_with_those_that_are():
+    with pytest.raises(
+        AttributeError, match=r"fl.functions has no 'atan': it has exp, log, .* arctan, .* table"
+    ):
+        fl.functions.atan(0.5)
+
+
 def test_coulomb_is_equations_3_and_8():
     law = Coulomb(mu_k=0.5, mu_s=0.75)
     assert law.kinetic(8.0, 123.0) == 4.0
