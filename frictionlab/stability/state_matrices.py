@@ -320,14 +320,16 @@ class Eigenpair(NamedTuple):
 def eigenpair(matrix: Array, value: complex) -> Eigenpair:
     """The vectors of the eigenvalue nearest to a value, also where two coalesce.
 
-    They are the last singular vectors of A - lambda 1, of length 1 in units of the states that balance A.
+    They are the last singular vectors of A - lambda 1, of length 1 in units of the states that balance A; of
+    slow modes in units that give velocities the size of coordinates.
     """
+    n, odd = divmod(len(matrix), 2)
     units = balancing_units(matrix)
     largest = float(np.linalg.norm(matrix * (units / units[:, None]), 2))
     inverse = inverse_of(matrix) if 0.0 < abs(value) < SLOW_RTOL * largest else None
     of, at = matrix, value
     if inverse is not None:
-        of, at, units = inverse, 1.0 / value, balancing_units(inverse)
+        of, at, units = inverse, 1.0 / value, np.ones(len(matrix)) if odd else np.repeat([1.0, abs(value)], n)
     shifted = of * (units / units[:, None]) - at * np.eye(len(matrix))
     u, _, vh = np.linalg.svd(shifted)
     left, right = u[:, -1].conj(), vh[-1].conj()
