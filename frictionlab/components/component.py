@@ -17,6 +17,7 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Any, NamedTuple, Self, TypedDict, Unpack
 
+from frictionlab.components.surroundings import surroundings_of
 from frictionlab.letters import symbol_of
 from frictionlab.validation import (
     abbreviate,
@@ -218,10 +219,12 @@ class StructureKey(NamedTuple):
     """The structure of a component: all but its parameter values; the key of the caches of derivations.
 
     `values` are those of the fields that are no parameters; a component with a role is replaced by its key.
+    `surroundings` tell what a class of one's own depends on besides (`surroundings_of`).
     """
 
     component: type
     values: tuple[Any, ...]
+    surroundings: str = ""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -274,7 +277,9 @@ class Component:
         roles = getattr(kind, "roles", {})
         values = {name: getattr(reduced, name) for name in structure_of(kind)}
         return StructureKey(
-            kind, tuple(value.structure_key if name in roles else value for name, value in values.items())
+            kind,
+            tuple(value.structure_key if name in roles else value for name, value in values.items()),
+            surroundings_of(kind),
         )
 
     def __getstate__(self) -> dict[str, Any]:  # a later version may reduce laws in another way

@@ -18,6 +18,7 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.mode import Symbol
 from frictionlab.automaton.modes_on_demand import ModesOnDemand, names_of_regimes
 from frictionlab.components.component import StructureKey, structure_of
+from frictionlab.components.surroundings import surroundings_of
 from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
 from frictionlab.validation import abbreviate
 
@@ -255,4 +256,5 @@ def _structure_from_data(data: Any, base: type) -> StructureKey:
             else value_from_data(values[name])
             for name in names
         ),
+        surroundings_of(cls),
     )

@@ -26,13 +26,13 @@ from zipfile import BadZipFile, ZipFile
 
 from frictionlab import cache_folder
 from frictionlab.components.component import Component, StructureKey
+from frictionlab.components.surroundings import PYTHONS
 from frictionlab.models.serialisation import structure_to_data
 
 PACKAGE = Path(__file__).parents[1]
 # Folders of all sources that derive, lower or read the data.
 SOURCES = "automaton", "components", "hybrid", "models", "stability", "tape"
 HOMES = tuple(f"frictionlab.{name}." for name in ("components", "models"))  # modules with laws and models
-PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
 # Files that contain versions: versions of sympy order the terms of sums differently.
 VERSIONS = ("sympy", "release.py"), ("mpmath", "__init__.py")
 ARCHIVE = PACKAGE / "models" / "structures.zip"  # what a wheel carries; a clone has none
@@ -113,12 +113,17 @@ def derivations_of(key: StructureKey) -> Derivations:
     Nothing is kept where a class is not the library's.
     """
     try:
-        text = json.dumps(structure_to_data(key)) if all(map(_is_ours, _classes(key))) else ""
+        text = json.dumps(structure_to_data(key)) if is_of_library(key) else ""
     except TypeError:  # a field that no file can hold
         text = ""
     folder = cache_folder.digest_folder(LOADED.digest) if text and LOADED.digest else ""
     name = f"{key.component.__name__}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.structure"
     return Derivations(Path(folder) / name if folder else None)
+
+
+def is_of_library(key: StructureKey) -> bool:
+    """Whether all classes of a structure are Python's or the library's."""
+    return all(map(_is_ours, _classes(key)))
 
 
 def _classes(key: StructureKey) -> Iterator[type]:

@@ -42,7 +42,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
     values_of_law,
     values_on_one_side,
 )
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, lagrange_system, system_at
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Pair, system_at, system_of
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix, solve_contact_forces
 from frictionlab.models.symbolic_laws import symbolic_copy
@@ -158,7 +158,7 @@ def lagrange_equations(model: MechanicalModel, mode: str) -> Equations:
         If the model has no such mode.
     """
     copy = symbolic_copy(model.structure_key)
-    system = lagrange_system(copy)
+    system = system_of(copy.structure_key)
     mode = _on_all_sides(model, system, mode)
     check_mode_name(mode, system.names, _others(system))
     letters = {**LETTERS, **parameter_letters(model), **_contact_letters(system)}

@@ -470,15 +470,21 @@ def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
 def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
     """A model or an automaton as data that JSON can hold: equal ones have equal data.
 
+    That of a class of one's own has a digest of its equations: the class may change until the file is read.
+
     Raises
     ------
     ValueError
         Where a file cannot hold the automaton.
     """
-    if isinstance(model, (Model, MovingSystem)):
-        return model.to_dict()
-    from frictionlab.tape.automaton_data import storable_automaton  # imports numpy
+    from frictionlab.tape.automaton_data import equations_digest, storable_automaton  # imports numpy
 
+    from .kept_structures import is_of_library
+
+    if isinstance(model, MovingSystem) or (isinstance(model, Model) and is_of_library(model.structure_key)):
+        return model.to_dict()
+    if isinstance(model, Model):
+        return model.to_dict() | {"equations": equations_digest(model.automaton())}
     stored = storable_automaton(model)
     if isinstance(stored, str):
         raise ValueError(

@@ -7,8 +7,10 @@ made, as they were written, so that the automaton that is read gives the same ta
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from functools import cache
+from hashlib import sha256
 from typing import Any
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
@@ -16,6 +18,7 @@ from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.functions import FUNCTIONS
 
+DIGEST_LENGTH = 24  # characters
 DERIVED_FROM = "derived from"  # the key of what modes on demand are derived from
 
 
@@ -64,6 +67,22 @@ def storable_automaton(automaton: HybridAutomaton) -> dict[str, Any] | str:
         return {DERIVED_FROM: modes.origin(), "coordinates": automaton.coordinates}
     except (UnknownOperation, TypeError) as error:
         return f"as {error}"
+
+
+def equations_digest(automaton: HybridAutomaton) -> str:
+    """Digest of an automaton's equations; of modes on demand, of some that have all regimes between them."""
+    modes: Iterable[Mode] = automaton.modes
+    if isinstance(modes, ModesOnDemand):
+        parts = modes.parts
+        rows = range(max(map(len, parts), default=1))
+        some = {tuple(min(i, len(part) - 1) for part in parts) for i in rows}
+        modes = [mode for one in sorted(some) if (mode := modes.mode(one)) is not None]
+    writer = _Writer()
+    try:
+        data = [_mode_to_data(mode, writer) for mode in modes]
+    except UnknownOperation:
+        data = [[str(mode.flow), str(mode.events)] for mode in modes]
+    return sha256(json.dumps([data, writer.written]).encode()).hexdigest()[:DIGEST_LENGTH]
 
 
 def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:

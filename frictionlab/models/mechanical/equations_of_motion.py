@@ -394,15 +394,11 @@ class LagrangeSystem:
 
 
 @lru_cache(maxsize=256)
-def lagrange_system(model: MechanicalModel) -> LagrangeSystem:
-    """Lagrange's equations of a symbolic copy of a model; copies of one structure are equal."""
-    names = model.coordinates
-    return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
-
-
 def system_of(key: StructureKey) -> LagrangeSystem:
     """Lagrange's equations of a structure."""
-    return lagrange_system(symbolic_copy(key))
+    model = symbolic_copy(key)
+    names = model.coordinates
+    return system_at(model, *(tuple(symbol(name + prime) for name in names) for prime in ("", "'")))
 
 
 def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:

@@ -39,7 +39,7 @@ from .contact_regimes import (
     zeros_in_contact,
 )
 from .coupled_masses import HeldVelocities, held_velocities
-from .equations_of_motion import LagrangeSystem, Pair, lagrange_system
+from .equations_of_motion import LagrangeSystem, Pair, system_of
 from .friction_in_plane import rate_of_speed
 from .mechanics import AnyContact, Friction, Stop
 
@@ -55,7 +55,8 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     Several contacts have many combinations, of which a run visits few; then each mode is derived when it is
     first used.
     """
-    system, numbers, key = lagrange_system(model), {}, model.structure_key
+    key, numbers = model.structure_key, {}
+    system = system_of(key)
     if len(system.mechanics.contacts) > 1:
         modes: Any = ModesOnDemand(
             tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes),

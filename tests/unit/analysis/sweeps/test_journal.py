@@ -1,5 +1,6 @@
 """Files of sweeps: damaged, of other versions, full disks, and two sweeps on one file."""
 
+import math
 import os
 import random
 import subprocess
@@ -176,3 +177,30 @@ def test_a_file_that_cannot_be_written_is_kept(whole, monkeypatch):
         write_journal(whole, {}, {})
     assert whole.read_bytes() == content
     assert {file.name for file in whole.parent.iterdir()} == {"sweep.jsonl", "sweep.jsonl.lock"}
+
+
+def test_a_model_of_ones_own_that_has_changed_begins_anew(tmp_path):
+    """The class has the same name and the same numbers, but a spring four times as stiff."""
+
+    def spring(factor):
+        @fl.model
+        class Spring(fl.MechanicalModel):
+            k: float = 1.0
+            coordinates = ("x",)
+
+            def mechanics(self, q, v):
+                return fl.Mechanics(v.x**2 / 2, factor * self.k * q.x**2 / 2)
+
+        return Spring()
+
+    def frequency(model):
+        return float(fl.eigenvalues(model).frequencies[0])
+
+    def results(model):
+        path = tmp_path / "springs.jsonl"
+        return fl.sweep(model, frequency, {"k": [1.0, 4.0]}, resume=path, progress=False).results.tolist()
+
+    first = results(spring(1))
+    assert results(spring(1)) == first == pytest.approx([0.5 / math.pi, 1 / math.pi])
+    with pytest.raises(ValueError, match=r"springs.jsonl differs in model"):
+        results(spring(4))

@@ -1,0 +1,96 @@
+"""What the equations of a class of one's own depend on beside its fields: methods, and numbers around them.
+
+A notebook has ``g = 9.81`` in one cell and a model that uses it in another.  The first cell may be run again
+with another number, and a method of the class may be replaced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dis import get_instructions
+from enum import Enum
+from functools import cache
+from hashlib import sha256
+from numbers import Number
+from types import CodeType, FunctionType
+from typing import Any
+
+DIGEST_LENGTH = 24  # characters
+PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
+
+
+def surroundings_of(kind: type) -> str:
+    """Digest of the methods of a class and its bases, and of the numbers, texts and arrays that they use.
+
+    Empty for classes of the library.  Functions of the same module are followed, other modules are not.
+    """
+    found: dict[str, Any] = {}
+    seen: set[CodeType] = set()
+    for cls in _own_classes(kind):
+        for name, value in vars(cls).items():
+            if not name.startswith("__"):
+                _note(f"{cls.__qualname__}.{name}", value, found, seen)
+    return sha256(repr(found).encode()).hexdigest()[:DIGEST_LENGTH] if found else ""
+
+
+@cache
+def _own_classes(kind: type) -> tuple[type, ...]:
+    return tuple(
+        cls for cls in kind.__mro__ if cls.__module__.partition(".")[0] not in ("frictionlab", *PYTHONS)
+    )
+
+
+def _note(name: str, value: Any, found: dict[str, Any], seen: set[CodeType]) -> None:
+    """Note a value, or a function and what it uses."""
+    if isinstance(value, (property, classmethod, staticmethod)):
+        value = value.fget if isinstance(value, property) else value.__func__
+    if isinstance(value, FunctionType):
+        if value.__code__ not in seen:
+            seen.add(value.__code__)
+            found[name] = _instructions(value.__code__)
+            for each, used in _used(value):
+                if not isinstance(used, FunctionType) or used.__globals__ is value.__globals__:
+                    _note(f"{name}.{each}", used, found, seen)
+    elif (plain := _plain(value)) is not None:
+        found[name] = plain
+
+
+@cache
+def _instructions(code: CodeType) -> tuple[Any, ...]:
+    """What a function does, without the lines of its text."""
+    constants = (_instructions(one) if isinstance(one, CodeType) else _plain(one) for one in code.co_consts)
+    return code.co_code, code.co_names, code.co_varnames, tuple(constants)
+
+
+def _used(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    """What a function finds by name: defaults, variables of functions around it, and of its module."""
+    yield "defaults", function.__defaults__
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        try:
+            yield name, cell.cell_contents
+        except ValueError:  # it has no value yet
+            continue
+    for name in _names(function.__code__):
+        if name in function.__globals__:
+            yield name, function.__globals__[name]
+
+
+@cache
+def _names(code: CodeType) -> tuple[str, ...]:
+    """Names that a function looks up in its module, without those of attributes."""
+    own = (one.argval for one in get_instructions(code) if one.opname == "LOAD_GLOBAL")
+    inner = (name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each))
+    return tuple(dict.fromkeys((*own, *inner)))
+
+
+def _plain(value: Any) -> Any:
+    """A number, text, enum, array, or a collection of such as something to print; None for all else."""
+    if isinstance(value, (Number, str, bytes, Enum)):
+        return type(value), value
+    if isinstance(value, (tuple, list)):
+        return type(value), tuple(map(_plain, value))
+    if isinstance(value, dict):
+        return dict, tuple((name, _plain(each)) for name, each in value.items())
+    if type(value).__module__ == "numpy" and hasattr(value, "tobytes") and not value.dtype.hasobject:
+        return value.dtype.str, value.shape, value.tobytes()
+    return None
