@@ -360,6 +360,7 @@ def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
     return {
         "states": names,
         "coordinates": len(model.coordinates),
+        "cyclic": list(getattr(model, "cyclic", ())),
         "labels": {name: state_label(name) for name in names},
         "units": {name: unit_of_state(model, name) for name in names},
         "forces": forces,

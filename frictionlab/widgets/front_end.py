@@ -118,7 +118,6 @@ def result_data(
         "coordinate": result.settings.coordinate,
         "from": result.settings.x0 if isinstance(result.settings.x0, str) else "own",
         "eigenvalues": None if known is None else [[v.real, v.imag] for v in known.values.tolist()],
-        "reason": result.no_equilibrium_reason,
         "equilibrium": point
         and {
             "state": point.state.tolist(),

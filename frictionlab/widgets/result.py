@@ -157,8 +157,6 @@ class Result:
     run : Trajectory
     eigenvalues : Eigenvalues or None
         With the equilibrium; None where there is none.
-    no_equilibrium_reason : str
-        Why there is no equilibrium; empty where there is one.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -181,24 +179,17 @@ class Result:
         return "spectrum" in self.__dict__
 
     @cached_property
-    def _linear(self) -> tuple[Eigenvalues | None, str]:
-        try:
-            return eigenvalues(self.model), ""
-        except ValueError as error:  # without an equilibrium the motion is still shown
-            return None, str(error)
-
-    @property
     def eigenvalues(self) -> Eigenvalues | None:
-        return self._linear[0]
-
-    @property
-    def no_equilibrium_reason(self) -> str:
-        return self._linear[1]
+        try:
+            return eigenvalues(self.model)
+        except ValueError:  # without an equilibrium the motion is still shown
+            return None
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
-        """Of the coordinate chosen; None where the run is too short."""
-        return amplitude_spectrum(self.run, self.settings.coordinate)
+        """Of the coordinate chosen, or of its rate if it turns for ever; None where the run is too short."""
+        name = self.settings.coordinate
+        return amplitude_spectrum(self.run, f"{name}'" if name in getattr(self.model, "cyclic", ()) else name)
 
     @cached_property
     def _span(self) -> tuple[float, float]:

@@ -500,6 +500,15 @@ def test_the_mass_is_taken_by_mouse_finger_and_keys_and_the_motion_starts_where_
     assert started(mass) != second
 
 
+def test_of_an_angle_that_turns_for_ever_the_rate_is_heard(browser, tmp_path):
+    page = opened(browser, exported(fl.DrillString(), tmp_path / "drill.html", laws=()))
+    run = fl.simulate(fl.DrillString(), page.evaluate("explorer.state.duration"), progress=False)
+    strongest = fl.amplitude_spectrum(run, "phi1'").strongest
+    assert f"sticks and slips at {strongest:.3g} Hz" in page.inner_text(".fl-words")
+    assert not page.problems
+    page.context.close()
+
+
 PLACE_AND_PIXELS = """() => { // the mass in metres, and pixels for a metre
   const { drag } = explorer, [samples, i] = explorer.shownSample();
   return [samples.column("x")[i], drag.scale.k / drag.bodies[0].along[0][1]];
@@ -508,7 +517,7 @@ PLACE_AND_PIXELS = """() => { // the mass in metres, and pixels for a metre
 
 def test_one_drag_of_the_front_page_gives_the_other_fate(browser, tmp_path):
     front = (Path(__file__).parents[2] / "docs/index.md").read_text(encoding="utf-8")
-    model = eval(re.search(r":model: (.*)", front)[1], vars(fl))
+    model = eval("fl." + re.search(r":model: (.*)", front)[1])
     page = opened(browser, exported(model, tmp_path / "front.html"))
     assert "stable, but from rest this run sticks and slips" in page.inner_text(".fl-words")
     rest = fl.equilibrium(model).q[0]

@@ -77,10 +77,9 @@ class BrowserEngine {
       parameters: Object.fromEntries(structure.parameters.map((name, i) => [name, run.values[i]])),
       finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode],
         final: run.state,
-      struck: this.strikes(run, start), ...facts, spectrum: dragging ? undefined : this.spectrum(run, coordinate),
+      struck: this.strikes(run, start), ...facts,
+      spectrum: dragging ? undefined : this.spectrum(run, heardState({ structure, coordinate })),
       equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
-      reason: "no mode has an equilibrium in which the bodies are in contact: raise the preload, or change friction or "
-        + "stiffnesses",
       friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {},
         milliseconds: run.milliseconds,
     };

@@ -18,6 +18,8 @@ function samplesByName(times, modes, names, columns) {
 
 const isAngle = (result, name) => result.structure.units[name].startsWith("rad");
 const steadyMotion = ({ structure }) => (structure.slides ? "steady sliding" : "the equilibrium");
+// whose spectrum is shown: of an angle that turns for ever the rate
+const heardState = ({ structure, coordinate: name }) => (structure.cyclic.includes(name) ? `${name}'` : name);
 const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;
 const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
 
@@ -89,7 +91,7 @@ function forces(result) {
 function phase(result) {
   const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
   const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
-  if (equilibrium) {
+  if (equilibrium && !structure.cyclic.includes(name)) {
     const [x, y] = [place, place + structure.coordinates].map((i) => [equilibrium.state[i]]);
     curves.push({ label: "equilibrium", x, y, marker: "+", size: 11, line: false });
   }
@@ -98,7 +100,7 @@ function phase(result) {
 }
 
 function spectrum(result) {
-  const name = result.coordinate, { labels, units } = result.structure, xlim = [0, result.highest];
+  const name = heardState(result), { labels, units } = result.structure, xlim = [0, result.highest];
   const about = { xlabel: "frequency (Hz)", ylabel: `amplitude of ${labels[name]} (${units[name]})`, log: true, xlim };
   const found = result.spectrum;
   if (!found) return { ...about, curves: [], note: "the run is too short for a spectrum" };
