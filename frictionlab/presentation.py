@@ -8,6 +8,7 @@ do not import `frictionlab.plotting`, which draws their results; only `Drawable`
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from enum import StrEnum
 from html import escape
@@ -33,6 +34,7 @@ OUTPUT_UNITS = {
     **{f"friction_force_{one}": "N" for one in "ab"},  # the components of friction in the plane
     **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
+SI = "m", "N"  # units of length and of force
 TIME = "t"  # the state of models that depend on time otherwise, s
 CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
 
@@ -89,13 +91,23 @@ def unit_of_state(source: Any, name: str) -> str:
     coordinates = getattr(source, "coordinates", 0)
     if isinstance(coordinates, int) or name.removesuffix("'") not in (*coordinates, TIME, CLOCK):
         return ""
-    return state_unit(name)
+    return in_units_of(source, state_unit(name))
 
 
-def output_unit(name: str) -> str:
-    """SI unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
+def output_unit(name: str, source: Any) -> str:
+    """Unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
     base, _, number = name.rpartition("_")
-    return OUTPUT_UNITS.get(base if number.isdigit() else name, "")
+    return in_units_of(source, OUTPUT_UNITS.get(base if number.isdigit() else name, ""))
+
+
+def in_units_of(source: Any, text: str) -> str:
+    """A unit of SI, or a text that ends with one in brackets, in a structure's units of length and force."""
+    length, force = getattr(source, "units", SI)
+    if (length, force) == SI:
+        return text
+    own = {"m": length, "N": force, "J": f"{force} {length}", "W": f"{force} {length}/s"}
+    words, bracket, unit = text.rpartition("(")
+    return words + bracket + re.sub(r"\b[mNJW]\b", lambda found: own[found[0]], unit)
 
 
 def shorten(items: Iterable[str], most: int = MAX_LISTED, separator: str = ", ") -> str:

@@ -38,7 +38,7 @@ from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Frictio
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.model import MovingSystem
 from frictionlab.models.symbols import parameter_symbols, structure_values
-from frictionlab.presentation import Drawable, FrozenMapping, shorten
+from frictionlab.presentation import Drawable, FrozenMapping, in_units_of, shorten
 from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import check_flag
 
@@ -463,6 +463,8 @@ class EnergyAudit(Drawable):
         for the work of the impulses on a base, a ground or a stop that moves.
     turned_over : float
         J: the largest sum of the energies' magnitudes, plus the magnitudes of all works, in or out.
+    unit : str
+        Of energies and works, if the run's source is a structure in units of its own.
     """
 
     drawn_by = "plot_energies"
@@ -472,6 +474,7 @@ class EnergyAudit(Drawable):
     powers: Mapping[str, Array]
     works: Mapping[str, Array]
     turned_over: float
+    unit: str = "J"
 
     @property
     def total(self) -> Array:
@@ -490,7 +493,7 @@ class EnergyAudit(Drawable):
         return float(np.abs(self.residual).max(initial=0.0) / (self.turned_over or 1.0))
 
     def __repr__(self) -> str:
-        ends = shorten(f"{name} {work[-1]:+.4g} J" for name, work in self.works.items() if work[-1])
+        ends = shorten(f"{name} {work[-1]:+.4g} {self.unit}" for name, work in self.works.items() if work[-1])
         return f"EnergyAudit(0 to {self.t[-1]:g} s, {ends or 'no work'}, error {self.error:.1g})"
 
 
@@ -554,6 +557,7 @@ def energy_audit(run: Trajectory, *, progress: bool = True) -> EnergyAudit:
         powers=FrozenMapping(powers),
         works=FrozenMapping({name: np.asarray(work, dtype=float) for name, work in works.items()}),
         turned_over=float(largest + gross + sum(np.abs(gain).sum() for gain in gains.values())),
+        unit=in_units_of(run.source, "J"),
     )
 
 

@@ -468,7 +468,7 @@ class Trajectory(Drawable):
 
     def _units(self) -> dict[str, str]:
         states = {name: unit_of_state(self.source, name) for name in self.names}
-        return {"t": "s"} | states | {name: output_unit(name) for name in self.automaton.outputs}
+        return {"t": "s"} | states | {name: output_unit(name, self.source) for name in self.automaton.outputs}
 
     def __repr__(self) -> str:
         steps, events = count(len(self.raw.step_modes), "step"), count(len(self.events), "event")

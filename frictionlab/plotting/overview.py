@@ -363,7 +363,9 @@ def plot_spectrogram(
     decibels = 20.0 * np.log10(np.maximum(amplitudes[chosen], top * 10.0**-SPECTROGRAM_DECADES))
     ax = axes_or_new(ax)
     mesh = ax.pcolormesh(times, transform.f[chosen], decibels, shading="nearest", rasterized=True)
-    unit = output_unit(shown) if shown in run.automaton.outputs else unit_of_state(run.source, shown)
+    unit = (
+        output_unit(shown, run.source) if shown in run.automaton.outputs else unit_of_state(run.source, shown)
+    )
     label = f"amplitude of {state_label(shown)} (dB re {f'1 {unit}'.strip()})"
     ax.figure.colorbar(mesh, ax=ax, label=label)
     ax.set(xlabel="time (s)", ylabel="frequency (Hz)")
@@ -527,7 +529,9 @@ def plot_energies(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> li
     ['kinetic', 'springs', 'preload', 'contact', 'sum']
     """
     return restyle(
-        _draw_contributions(audit, ax, audit.energies, ENERGY_COLOURS, audit.total, "energy (J)", "Energies"),
+        _draw_contributions(
+            audit, ax, audit.energies, ENERGY_COLOURS, audit.total, f"energy ({audit.unit})", "Energies"
+        ),
         line,
     )
 
@@ -564,7 +568,7 @@ def plot_works(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[
             audit.works,
             WORK_COLOURS,
             audit.total - audit.total[0],
-            "work from 0 to $t$ (J)",
+            f"work from 0 to $t$ ({audit.unit})",
             title,
         ),
         line,

@@ -32,7 +32,7 @@ from frictionlab.plotting.appearance import (
 )
 from frictionlab.plotting.figure import axes_or_new, restyle, set_title
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_with_unit
-from frictionlab.presentation import is_angle, unit_of_state
+from frictionlab.presentation import in_units_of, is_angle, unit_of_state
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
 if TYPE_CHECKING:
@@ -246,7 +246,12 @@ def plot_displacements(
         axis, text = right if name in angles else ax, state_with_unit(run.source, name)
         lines += axis.plot(t, states[:, i], label=text, **line_style(i, name, ax))
     label_time_axes(
-        run, ax, (start, stop), shade, "Displacements", coordinate_axis_label(names) if known else ""
+        run,
+        ax,
+        (start, stop),
+        shade,
+        "Displacements",
+        in_units_of(run.source, coordinate_axis_label(names)) if known else "",
     )
     return restyle(lines, line)
 
@@ -291,7 +296,7 @@ def plot_rates(
     t, n = sample_times(start, stop), run.automaton.coordinates
     states, lines = run(t), []
     names = run.names[n : 2 * n]
-    label = "rate" if any(map(is_angle, names)) else "velocity (m/s)"
+    label = "rate" if any(map(is_angle, names)) else in_units_of(run.source, "velocity (m/s)")
     for i, name in enumerate(names):
         text = state_with_unit(run.source, name)
         lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name, ax))
@@ -366,6 +371,8 @@ def plot_contact_forces(
     t = sample_times(start, stop)
     lines = []
     for name, (text, colour) in outputs.items():
-        lines += ax.plot(t, run.output(name, t), label=text, **pen(colour, ax=ax))
-    label_time_axes(run, ax, (start, stop), shade, "Contact forces", "contact force (N)")
+        lines += ax.plot(t, run.output(name, t), label=in_units_of(run.source, text), **pen(colour, ax=ax))
+    label_time_axes(
+        run, ax, (start, stop), shade, "Contact forces", in_units_of(run.source, "contact force (N)")
+    )
     return restyle(lines, line)

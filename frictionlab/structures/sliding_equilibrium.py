@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import linalg as sparse_linalg
 
-from frictionlab.presentation import count
+from frictionlab.presentation import count, in_units_of
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
 from frictionlab.stability.state_matrices import inverse_of
 from frictionlab.structures.parametric_matrix import Matrix
@@ -63,7 +63,8 @@ class SlidingEquilibrium(Equilibrium):
 
     def __repr__(self) -> str:
         contacts = f"{count(len(self.open), 'contact')}, {int(self.open.sum())} open"
-        forces = f"F_N {self.normal_force:.4g} N, F_T {self.friction_force:.4g} N"
+        unit = in_units_of(self.model, "N")
+        forces = f"F_N {self.normal_force:.4g} {unit}, F_T {self.friction_force:.4g} {unit}"
         return f"SlidingEquilibrium({count(len(self.q), 'freedom')}, {contacts}, {forces})"
 
 

@@ -17,7 +17,7 @@ from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import MovingSystem
-from frictionlab.presentation import count, shorten
+from frictionlab.presentation import SI, count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
 from frictionlab.stability.eigenproblems.root_locus import RootLocus
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
@@ -94,6 +94,9 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         Values of the parameters that coefficients name.
     window : (float, float), optional
         Frequencies of interest, Hz.  It may be left out up to 400 freedoms, where all eigenvalues are found.
+    units : (str, str)
+        Of length and force, as results and figures show them: ("mm", "N") where matrices are in mm, t and s.
+        They convert nothing.  The time is in s.
 
     Raises
     ------
@@ -133,6 +136,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
     contacts: Any = None
     parameters: Any = None
     window: Any = None
+    units: Any = SI
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "contacts", self._checked_contacts())
@@ -153,6 +157,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         self._check_use_of_parameters()
         self._check_symmetries(new)
         self._check_mass("M" in new)
+        self._check_units()
         if self.window is not None:
             cure = "give (low, high) in Hz, such as (0, 8000)"
             low, high = check_limits("window", self.window, cure)
@@ -501,6 +506,13 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
                     f"{name!r}: rename it"
                 )
         return MappingProxyType(values)
+
+    def _check_units(self) -> None:
+        cure = 'write those of length and force, units=("mm", "N")'
+        given = check_sequence("units", self.units, cure)
+        if len(given) != 2 or not all(isinstance(one, str) and one for one in given):
+            raise ValueError(f"units must be two texts, got {abbreviate(self.units)}: {cure}")
+        object.__setattr__(self, "units", given)
 
     def _check_sizes(self) -> None:
         for name in MATRICES:

@@ -32,6 +32,7 @@ def structure_to_data(structure: Structure) -> Data:
         "contacts": [_contacts_to_data(one) for one in structure.contacts],
         "parameters": dict(structure.parameters),
         "window": structure.window and list(structure.window),
+        "units": list(structure.units),
     }
 
 
@@ -41,7 +42,7 @@ def fields_from_data(data: Mapping[str, Any]) -> dict[str, Any]:
     if given["load"] is not None:
         given["load"] = [(coefficient, column.toarray().ravel()) for coefficient, column in given["load"]]
     given["contacts"] = [_contacts_from_data(one) for one in data["contacts"]]
-    return given | {"parameters": data["parameters"], "window": data["window"]}
+    return given | {name: data[name] for name in ("parameters", "window", "units")}
 
 
 def _sum_to_data(given: Any) -> Any:

@@ -102,7 +102,7 @@ class LinearSystem(Drawable):
     def gain_unit(self, output: str, input: str) -> str:
         """SI unit of the response of an output to an input; "" where it is not known."""
         model = self.equilibrium.model
-        above = unit_of_state(model, output) if output in self.states else output_unit(output)
+        above = unit_of_state(model, output) if output in self.states else output_unit(output, model)
         if input in self.states:
             below = "N m" if is_angle(input) else "N"
         else:

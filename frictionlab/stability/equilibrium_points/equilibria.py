@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.presentation import Drawable, shorten, unit_of_state
+from frictionlab.presentation import Drawable, in_units_of, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
@@ -246,8 +246,10 @@ class Equilibrium(Drawable):
         units |= {name: unit_of_state(self.model, name) for name, _ in turning}
         shown = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
         places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in shown)
-        forces = {"F_N": self.normal_force, "F_T": self.friction_force}
-        acting = "".join(f", {name} {force:.4g} N" for name, force in forces.items() if np.isfinite(force))
+        forces, unit = {"F_N": self.normal_force, "F_T": self.friction_force}, in_units_of(self.model, "N")
+        acting = "".join(
+            f", {name} {force:.4g} {unit}" for name, force in forces.items() if np.isfinite(force)
+        )
         return f"Equilibrium({places}{acting})"
 
     @property

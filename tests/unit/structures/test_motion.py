@@ -13,6 +13,7 @@ from scipy.optimize import linprog, lsq_linear
 
 import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
+from frictionlab.plotting import plot_rates
 from frictionlab.tape import packing
 from tests.helpers.random_structures import random_structure
 from tests.reference.moreau import RubbingSystem, rubbing_steps
@@ -398,6 +399,20 @@ def test_random_structures_move_as_the_least_accelerations_say(seeds):
                 assert np.abs(found - exact).max() < 5e-3 * (1.0 + np.abs(exact).max()), seed
         stuck += sum("stick" in name for name in run.events.target)
     assert stuck >= len(seeds)
+
+
+def test_units_are_those_of_the_matrices():
+    structure = chain().replace(units=("mm", "kN"))
+    run = fl.simulate(structure, 1.0, progress=False)
+    assert run.to_dataframe().attrs["units"]["normal_force_1"] == "kN"
+    labels = [ax.get_ylabel() for ax in fl.plot_run(run).axes]
+    assert {"displacement (mm)", "contact force (kN)"} <= {*labels}
+    assert plot_rates(run)[0].axes.get_ylabel() == "velocity (mm/s)"
+    assert repr(fl.equilibrium(structure)).endswith(" kN)")
+    assert "kN mm" in repr(fl.energy_audit(run))
+    assert fl.Structure.from_dict(structure.to_dict()).units == ("mm", "kN")
+    with pytest.raises(ValueError, match="units must be two texts"):
+        structure.replace(units=("mm",))
 
 
 def test_values_of_parameters_derive_nothing():
