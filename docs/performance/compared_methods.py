@@ -75,7 +75,7 @@ class InterpretedTaylor(Taylor):
 
     def advance(self, run: ActiveRun, record: run_state.Record) -> int:
         system = run.system._replace(code=run.problem.program.code)
-        truncation = run_state.Truncation(self.degree, self.tol)
+        truncation = run_state.Truncation(run.order, self.tol)
         return taylor_steps.advance_taylor(system, truncation, run.cursor, record, run.scratch)
 
 

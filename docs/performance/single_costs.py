@@ -322,10 +322,10 @@ def _shares(scene: ReferenceScene, repeats: int) -> TimeShares:
     begin = partial(solve, scene.automaton, x0=scene.x0, method=method, progress=False)
     run = begin(scene.t_end)
     ways = [partial(begin, scene.t_end), partial(begin, AT_ONCE_OVER)]
-    ways += [_sampling(run, method.degree, count) for count in (0, 1, 2)]
+    ways += [_sampling(run, run.samples.order, count) for count in (0, 1, 2)]
     total, python, none, once, twice = least_times(ways, repeats)
     jets, ends = (once - none) - (twice - once), twice - once
-    operations = operations_of_jets(run, method.degree)
+    operations = operations_of_jets(run, run.samples.order)
     counts = len(run.raw.step_modes), len(run.events)
     return TimeShares(scene.name, *counts, total, python, jets, ends, operations / operations_a_second())
 

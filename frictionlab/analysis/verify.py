@@ -158,7 +158,7 @@ def verify(
 
 def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verification:
     """The verification of a run of a motion by a method."""
-    second = motion.run(_more_exact_method(method), t_end=run.raw.t)
+    second = motion.run(_more_exact_method(method, run.samples.order), t_end=run.raw.t)
     size = judged_size(second)
     neighbour, end = motion.neighbouring_run(second), float(run.raw.t)
     until, clear = (
@@ -219,12 +219,12 @@ def _method_settings(run: Trajectory) -> dict[str, Any]:
     return {name: value for name, value in run.description["method"].items() if name != "name"}
 
 
-def _more_exact_method(method: Method) -> Method:
-    """A Taylor method with a higher order and a tighter tolerance; for other methods, the Taylor method."""
+def _more_exact_method(method: Method, order: int) -> Method:
+    """A Taylor method with an order above that of the run and a tighter tolerance; for others, Taylor's."""
     if not isinstance(method, Taylor):
         return Taylor()
-    order = min(MAX_ORDER, method.degree + EXTRA_ORDERS)
-    return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=order)
+    higher = min(MAX_ORDER, order + EXTRA_ORDERS)
+    return replace(method, tol=TOLERANCE_FACTOR * method.tol, order=higher)
 
 
 def _end_of_agreement(one: Trajectory, two: Trajectory, size: Array, share: float, end: float) -> float:

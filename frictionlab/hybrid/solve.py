@@ -227,7 +227,7 @@ def run_automaton(
         check_mode_name(options.mode, automaton.names)
     start = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
     problem = problem_of(automaton, start, float(t_end), options.mode, asked, chatter)
-    begin = time.perf_counter()
+    order, begin = method.order_of(problem.program), time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
         raw = method.integrate(problem, bar)
     wall_time = time.perf_counter() - begin
@@ -246,7 +246,7 @@ def run_automaton(
         automaton,
         problem,
         raw.cut(len(state)) if asked[1] else raw,
-        Sampling(method.order_of(problem.program), method.parts, times, tuple(asked[0])),
+        Sampling(order, method.parts, times, tuple(asked[0])),
         quadratures=dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True)),
         description={"method": method.describe(), "t_end": float(t_end)},
         source=options.source,

@@ -202,7 +202,6 @@ def method_data() -> dict[str, Any]:
     """Settings and constants of the method that the page runs."""
     method = Taylor()
     return {
-        "order": method.degree,
         "tol": method.tol,
         "rounding": COEFFICIENT_ROUNDING,
         "chatter_share": CHATTER_SHARE,

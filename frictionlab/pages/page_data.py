@@ -83,6 +83,7 @@ def structure_data(model: Model) -> dict[str, Any]:
         "guards": list(program.guards),
         "colours": _colours(program, modes),
         "affine": bool(is_affine(program)),
+        "order": method.order_of(program),
         "constants": len(program.code.ops),
         "numbers": javascript_of_formulas(program.formulas, [len(parameters)]),
         "rate": _rate_of_limit_mode(automaton),
@@ -148,7 +149,7 @@ def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     _collect("code", code, leaves)
     _collect("run", run, leaves)
     _collect("record", new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0), leaves)
-    _collect("scratch", new_scratch(program.slots, code, method.degree), leaves)
+    _collect("scratch", new_scratch(program.slots, code, method.order_of(program)), leaves)
     _collect("candidates", program.initial, leaves)
     if is_affine(program):
         _collect("change", new_affine_map(code), leaves)

@@ -59,6 +59,7 @@ def data_of(case: Case, run: Any) -> dict[str, Any]:
         "parameters": [symbol.name for symbol in automaton.parameters],
         "modes": list(program.modes),
         "affine": bool(is_affine(program)),
+        "order": method.order_of(program),
         "constants": len(program.code.ops),
         "numbers": javascript_of_formulas(program.formulas, [len(automaton.parameters)]),
         "arrays": page_data.run_arrays(program, method),

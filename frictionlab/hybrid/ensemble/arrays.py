@@ -43,7 +43,7 @@ def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
     """Runs at time 0 of problems that share a program."""
     constants, terms = (np.array(rows) for rows in zip(*(problem.numbers for problem in problems)))
     numbers, states = Numbers(constants, terms), np.array([problem.x0 for problem in problems])
-    program, order = problems[0].program, method.degree
+    program, order = problems[0].program, method.order_of(problems[0].program)
     code = program.code
     return Batch(
         program,
@@ -104,7 +104,7 @@ def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
         z=aligned_zeros(program.code.inputs, LANE_COUNT),
         constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
         terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
-        jets=aligned_zeros(program.slots, jet_columns(method.degree), LANE_COUNT),
+        jets=aligned_zeros(program.slots, jet_columns(method.order_of(program)), LANE_COUNT),
         control=control,
     )
 

@@ -77,7 +77,7 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
     runs.status[goes_on] = run_state.RUNNING
-    if group.alone or is_affine(group.program) or t_end > longest_step(group.method.degree):
+    if group.alone or is_affine(group.program) or t_end > longest_step(group.method.order_of(group.program)):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
     changing = "states", "times", "counts", "totals"
     before = runs._replace(**{name: getattr(runs, name).copy() for name in changing})
@@ -136,7 +136,7 @@ def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
 
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
     runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
-    settings = group.native.code, run_state.Truncation(group.method.degree, group.method.tol)
+    settings = group.native.code, run_state.Truncation(group.method.order_of(group.program), group.method.tol)
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)
     lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, group.scratch)

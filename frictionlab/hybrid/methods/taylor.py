@@ -42,8 +42,8 @@ from frictionlab.validation import check_choice, check_field, explains_fields
 CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
-LARGEST_POWER = 280  # decimal exponent of a step's power; numbers end at 1e308, and near 1e-308
 AFFINE_ORDER = 26  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
+LARGEST_POWER = 280  # decimal exponent of a step's power; numbers end at 1e308, and near 1e-308
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
 
@@ -61,11 +61,15 @@ class AffineMap(NamedTuple):
 
 @lru_cache(maxsize=64)
 def is_affine(program: Program) -> bool:
-    """Whether one map serves for all steps: no events, sections or integrals, and affine operations only."""
-    code = program.code
-    asked = code.sections.size > 0 or code.inputs > code.groups[3]
+    """Whether one map serves for all steps: it is free, with affine operations only."""
     plain = all(kind == AFFINE for tape in program.tapes for kind, _, _ in tape.ops)
-    return plain and len(program.modes) == 1 and not program.guards and not asked
+    return plain and len(program.modes) == 1 and steps_follow_states(program)
+
+
+def steps_follow_states(program: Program) -> bool:
+    """Whether steps follow from the states alone: no events, also in modes to come, sections or integrals."""
+    code, eventless = program.code, program.demand is None and not program.guards
+    return eventless and code.sections.size == 0 and code.inputs == code.groups[3]
 
 
 def new_affine_map(code: Code) -> AffineMap:
@@ -242,6 +246,15 @@ def order_of_tolerance(tol: float) -> int:
     return math.ceil(5 - Decimal("0.6") * Decimal(tol).ln())
 
 
+@cache
+def order_of_free_motion(tol: float) -> int:
+    """ceil(14 - 0.4 ln(tol)), or that of the tolerance if it is higher.
+
+    What a step costs besides its series favours long steps by high orders, if nothing else makes them short.
+    """
+    return max(order_of_tolerance(tol), math.ceil(14 - Decimal("0.4") * Decimal(tol).ln()))
+
+
 @explains_fields
 @dataclass(frozen=True)
 class Taylor(Method):
@@ -252,9 +265,10 @@ class Taylor(Method):
     tol : float
         Relative size of the last terms kept, for coordinates and velocities each by their own scale.
     order : int or None
-        Order of the series; None takes ceil(5 - 0.6 ln(tol)), 26 at 1e-15 and 14 at 1e-6.  Where products
-        dominate the cost, 1 - 0.5 ln(tol) would be cheapest (Jorba & Zou 2005).  Here much of a step's cost
-        does not depend on the order, which favours higher ones, most of all for loose tolerances.
+        Order of the series; None takes ceil(5 - 0.6 ln(tol)), 26 at 1e-15 and 14 at 1e-6; without events,
+        sections and integrals ceil(14 - 0.4 ln(tol)), 28 and 20, as nothing else makes a step short.  Where
+        products dominate the cost, 1 - 0.5 ln(tol) would be cheapest (Jorba & Zou 2005).  Here much of a
+        step's cost does not depend on the order, which favours higher ones, most of all for loose tolerances.
         Where one affine map serves for all steps, None takes 26 at least.
     chatter : float or None
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
@@ -302,7 +316,9 @@ class Taylor(Method):
         return self.order or order_of_tolerance(self.tol)
 
     def order_of(self, program: Program) -> int:
-        return max(self.degree, AFFINE_ORDER if self.order is None and is_affine(program) else 0)
+        if self.order is not None or not steps_follow_states(program):
+            return self.degree
+        return max(self.degree, AFFINE_ORDER) if is_affine(program) else order_of_free_motion(self.tol)
 
     def chatter_limit(self, automaton: HybridAutomaton) -> float:
         return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter

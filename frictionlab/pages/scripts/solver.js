@@ -98,7 +98,7 @@ class Solver {
   load(structure) { // make the arrays of a structure
     if (this.structure === structure) return;
     this.reset();
-    const { order, tol } = SCENE.method, n = structure.states.length, numbers = {};
+    const { tol } = SCENE.method, { order } = structure, n = structure.states.length, numbers = {};
     for (const a of structure.arrays) {
       if (!a.shape) this.fixed[a.name] = a.value;
       else this.array(a.name, a.type, a.shape, a.name.startsWith("record.") ? RECORDS : 1);

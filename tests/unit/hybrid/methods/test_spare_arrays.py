@@ -47,7 +47,7 @@ def spoil(run, order):
 @pytest.mark.parametrize("model", [*MODELS.values(), POWER, ON_DEMAND], ids=repr)
 def test_what_a_run_leaves_changes_no_other(model, method):
     first = fl.simulate(model, 0.3, method=method, progress=False)
-    spoil(first, method.degree)
+    spoil(first, first.samples.order)
     assert same(first, fl.simulate(model, 0.3, method=method, progress=False))
 
 
