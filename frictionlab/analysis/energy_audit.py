@@ -55,6 +55,7 @@ WORKS = (
 # rounding.
 PIECE_NODES, PIECE_WEIGHTS = np.polynomial.legendre.leggauss(10)
 PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
+WORK_ROUNDING = 1e-15  # share of the largest work below which one is rounding, as of resets that begin stick
 
 
 @dataclass(frozen=True, eq=False)
@@ -493,7 +494,11 @@ class EnergyAudit(Drawable):
         return float(np.abs(self.residual).max(initial=0.0) / (self.turned_over or 1.0))
 
     def __repr__(self) -> str:
-        ends = shorten(f"{name} {work[-1]:+.4g} {self.unit}" for name, work in self.works.items() if work[-1])
+        done = {name: float(work[-1]) for name, work in self.works.items()}
+        least = WORK_ROUNDING * max(map(abs, done.values()), default=0.0)
+        ends = shorten(
+            f"{name} {work:+.4g} {self.unit}" for name, work in done.items() if not abs(work) <= least
+        )
         return f"EnergyAudit(0 to {self.t[-1]:g} s, {ends or 'no work'}, error {self.error:.1g})"
 
 
