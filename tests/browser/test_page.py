@@ -209,6 +209,14 @@ def test_a_line_is_painted_to_a_pixel_with_few_points(page):
     assert max(np.diff([a for a, _ in smooth if a < 149])) < 1.1
 
 
+def test_a_dark_page_is_printed_on_white_paper(page):
+    page.evaluate("explorer.setTheme('dark')")
+    page.evaluate("addEventListener('beforeprint', () => { window.printed = explorer.look().paper; })")
+    page.pdf()
+    assert page.evaluate("[window.printed, explorer.look().paper]") == ["#ffffff", "#111111"]
+    page.evaluate("explorer.setTheme('light')")
+
+
 def test_the_link_holds_what_is_set(browser, slider):
     page = opened(browser, slider, fragment="#mu_k=2&without=geometry&t_end=0.5")
     run = fl.simulate(fl.SliderOnBelt(mu_k=2.0).without("geometry"), 0.5)

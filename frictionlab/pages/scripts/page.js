@@ -18,6 +18,9 @@ async function begin() {
     if (location.hash.slice(1) !== linkText(explorer.state, SCENE, explorer)) explorer.follow(readLink(location.hash,
       SCENE));
   };
+  let dark = false;
+  window.onbeforeprint = () => { dark = explorer.dark; explorer.setTheme("light"); }; // paper is white
+  window.onafterprint = () => explorer.setTheme(dark ? "dark" : "light");
   // from the page that embeds this one
   addEventListener("message", ({ data }) =>
     { if (["light", "dark"].includes(data?.theme)) explorer.setTheme(data.theme); });

@@ -59,15 +59,19 @@ class SvgContext {
   }
 
   fill() { this.shape(`fill="${this.fillStyle}"`); }
-  measureText(text) { this.pen.font = this.font; return this.pen.measureText(text); }
+
+  measureText(text) { // in the font that all systems have
+    this.pen.font = this.font.replace("system-ui, ", "");
+    return this.pen.measureText(text);
+  }
 
   fillText(text, x, y) {
     const [, style, size] = this.font.match(/^(italic )?([\d.]+)px/),
       escaped = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
     const baseline = Number(y) + 0.35 * Number(size);
     const [a, b, c, d, e, f] = this.matrix, anchor = { center: "middle", right: "end" }[this.textAlign] ?? "start";
-    this.nodes.push(`<text transform="matrix(${a} ${b} ${c} ${d} ${e} ${f})" x="${x}" y="${baseline}"`
-      + ` font-size="${size}" text-anchor="${anchor}"`
+    this.nodes.push(`<text xml:space="preserve" transform="matrix(${a} ${b} ${c} ${d} ${e} ${f})" x="${x}"`
+      + ` y="${baseline}" font-size="${size}" text-anchor="${anchor}"`
       + ` font-family="sans-serif"${style ? ' font-style="italic"' : ""} fill="${this.fillStyle}">${escaped}</text>`);
   }
 

@@ -97,6 +97,25 @@ def test_no_equilibrium_is_said_and_the_run_is_shown_all_the_same(explorer):
     assert len(columns(explorer.widget)["x1"]) > 100
 
 
+def test_a_quotient_without_a_value_is_named():
+    @fl.model
+    class Heated(fl.MechanicalModel):
+        m: float = 1.0
+        capacity: float = 5.0
+        friction: fl.FrictionLaw = fl.Stribeck(mu_k=0.3, mu_s=0.6, v_s=0.1)
+        coordinates = ("x",)
+        states = ("T",)
+
+        def mechanics(self, q, v, others):
+            contact = fl.Friction(0.2 - v.x, 10 - others.T, self.friction)
+            warmed = {"T": (2 - others.T) / self.capacity}
+            return fl.Mechanics(self.m * v.x**2 / 2, 50 * q.x**2, contacts=(contact,), rates=warmed)
+
+    explorer = fl.explore(Heated(), panels=("response",))
+    explorer.controls["capacity"].value = 0.0
+    assert "1/capacity, which has no real value at capacity = 0" in explorer.widget.error
+
+
 def test_a_run_that_ends_early_says_so():
     # Beyond a gap of 0.05 m the force turns round and pushes the bodies apart, ever faster.
     explorer = made(fl.SliderOnBelt(contact=Softening(), interface=fl.SlidingOnly()), ("response",))
