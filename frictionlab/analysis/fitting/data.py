@@ -62,6 +62,7 @@ class TimeRecord:
         t, start = _ascending(self.t, stamps=True)
         object.__setattr__(self, "start", start)
         columns, errors = _columns(self.values, self.error, len(t), "times")
+        _check_order(self.t, self.values)
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "values", columns)
         object.__setattr__(self, "error", errors)
@@ -298,6 +299,24 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     for name in columns:
         check_number(f"the error of {name}", errors.get(name), above=0.0, cure="give the standard deviation")
     return columns, {name: float(errors[name]) for name in columns}
+
+
+def _check_order(t: Any, values: Mapping[str, Any]) -> None:
+    """Raise ValueError where a pandas Series has the labels of the times, or the times, in another order."""
+    labels = np.asarray(_labels(t, t))
+    for name, column in values.items():
+        own = np.asarray(_labels(column, labels))
+        if own.shape == labels.shape and (own != labels).any() and set(own.tolist()) == set(labels.tolist()):
+            raise ValueError(
+                f"values[{abbreviate(name)}] must be in the order of t, got its index in another: sort both, "
+                "as by sort_index()"
+            )
+
+
+def _labels(column: Any, otherwise: Any) -> Any:
+    """The index of a pandas Series; a list has a method of this name."""
+    index = getattr(column, "index", otherwise)
+    return otherwise if callable(index) else index
 
 
 def _measured(name: str, column: Any) -> Array:

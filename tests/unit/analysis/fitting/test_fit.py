@@ -321,6 +321,19 @@ def test_missing_values_are_refused_by_name(t, values, message):
         fl.TimeRecord(t, {"x": values})
 
 
+def test_values_whose_index_has_the_times_in_another_order_are_refused(pd):
+    t = pd.Series([0.0, 0.1, 0.2], index=["a", "b", "c"])
+    values = pd.Series([1.0, 2.0, 3.0], index=t)
+    for given in (list(t), pd.Index(t), values.index):
+        assert fl.TimeRecord(given, {"x": values}).count == 3
+        with pytest.raises(ValueError, match=r"values\['x'\] must be in the order of t"):
+            fl.TimeRecord(given, {"x": values[::-1]})
+    assert fl.TimeRecord(t, {"x": values}).count == 3
+    assert fl.TimeRecord(t, {"x": values.set_axis([1, 2, 3])}).count == 3
+    with pytest.raises(ValueError, match="must be in the order of t"):
+        fl.TimeRecord(t, {"x": values.set_axis(["c", "b", "a"])})
+
+
 def test_a_missing_value_of_pandas_is_refused_by_name(pd):
     values = pd.Series([1, 2, pd.NA, 3], dtype="Float64")
     with pytest.raises(ValueError, match=r"values\['x'\] .* at index 2"):
