@@ -190,13 +190,16 @@ class SlidingContacts:
         return copy
 
     def forces(self, q: Any, values: Mapping[str, Any]) -> ContactForces:
-        """The forces at displacements q (n,) and values of the parameters; both may be complex."""
-        one = np.ones(self.count)
+        """The forces at displacements q (n,) and values of the parameters; both may be complex.
+
+        Of many displacements (N, n) and values (N, 1) each force is (N, k).
+        """
+        one = np.ones((*np.shape(q)[:-1], self.count))
         if self.normal is None:
             penetration, closed = np.nan * one, one > 0.0
             pressure, stiffness = values["N"] * one, 0.0 * one
         else:
-            penetration = self.normal @ q + self.penetration
+            penetration = (self.normal @ q.T).T + self.penetration
             closed = penetration.real > 0.0
             law, slope = self._contact_formulas
             given = [
@@ -209,7 +212,7 @@ class SlidingContacts:
         if self.friction is None:
             return ContactForces(penetration, normal, 0.0 * normal, normal_slope, 0.0 * normal, 0.0 * normal)
         sign = np.sign(np.real(values["v"]))
-        if not sign:
+        if not np.all(sign):
             raise ValueError(
                 "v must not be 0 for steady sliding, got 0.0: give the counterpart a speed, or friction=None"
             )
@@ -236,9 +239,9 @@ class SlidingContacts:
         return energy @ self.area
 
     def on_structure(self, forces: ContactForces) -> Any:
-        """What forces put on the structure (n,)."""
-        pressed = 0.0 if self.normal is None else -(self.normal.T @ forces.normal)
-        return pressed if self.tangential is None else pressed + self.tangential.T @ forces.friction
+        """What forces put on the structure (n,), or on each of many."""
+        pressed = 0.0 if self.normal is None else -(forces.normal @ self.normal)
+        return pressed if self.tangential is None else pressed + forces.friction @ self.tangential
 
     def reach(
         self, forces: ContactForces, shape: Any, value: complex, values: Mapping[str, float]
@@ -254,18 +257,18 @@ class SlidingContacts:
         return reach
 
     def damping(self, forces: ContactForces) -> Any:
-        """What friction adds to C (n, n); 0 without friction."""
+        """What friction adds to C (n, n), or to each of many; 0 without friction."""
         if self.tangential is None:
             return 0
-        return (self.tangential.T * forces.damping[None, :]) @ self.tangential
+        return (self.tangential.T * forces.damping[..., None, :]) @ self.tangential
 
     def stiffness(self, forces: ContactForces) -> Any:
-        """What contacts add to K (n, n); 0 where their normal forces are given."""
+        """What contacts add to K (n, n), or to each of many; 0 where their normal forces are given."""
         if self.normal is None:
             return 0
-        pressing = self.normal.T * forces.normal_slope[None, :]
+        pressing = self.normal.T * forces.normal_slope[..., None, :]
         if self.tangential is not None:
-            pressing = pressing - self.tangential.T * forces.friction_slope[None, :]
+            pressing = pressing - self.tangential.T * forces.friction_slope[..., None, :]
         return pressing @ self.normal
 
     def secant_stiffness(self, force: float, values: Mapping[str, float]) -> Array:

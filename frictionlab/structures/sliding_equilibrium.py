@@ -7,7 +7,7 @@ stiffnesses are of low rank (Y. Saad, "Iterative Methods for Sparse Linear Syste
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -240,6 +240,38 @@ class Statics:
                 "contacts"
             )
         return solve
+
+
+def newton_of_many(
+    K: Array, loads: Array, contacts: Sequence[SlidingContacts], values: Mapping[str, Array], start: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Equilibria (N, n) of structures with full K (N, n, n) from one start (n,), and which were found (N,).
+
+    Newton's method with whole steps; one that does not lower the residual, or opens all contacts, ends it.
+    """
+    q, columns = np.tile(start, (len(K), 1)), {name: each[:, None] for name, each in values.items()}
+    found, going = np.zeros((2, len(K)), dtype=bool)
+    going[:], size = True, np.full(len(K), np.inf)
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            forces = [one.forces(q, columns) for one in contacts]
+            left_over = (K @ q[..., None])[..., 0] - loads
+            left_over -= sum(one.on_structure(f) for one, f in zip(contacts, forces, strict=True))
+            pressed = np.max([f.normal.max(axis=1) for f in forces], axis=0)
+            held = (np.abs(K) @ np.abs(q)[..., None])[..., 0] + np.abs(loads)
+            bound = held + np.maximum(np.abs(loads).max(axis=1), pressed)[:, None]
+            found |= going & (np.abs(left_over) <= ROUNDING * bound).all(axis=1) & (pressed > 0.0)
+            new = np.linalg.norm(left_over, axis=1)
+            going &= ~found & (new <= (1.0 - DECREASE) * size)
+            if not going.any():
+                break
+            tangents = K + sum(one.stiffness(f) for one, f in zip(contacts, forces, strict=True))
+            try:
+                q[going] -= np.linalg.solve(tangents[going], left_over[going][..., None])[..., 0]
+            except np.linalg.LinAlgError:  # one of them is singular
+                break
+            size = new
+    return q, found
 
 
 def solver_of_full(matrix: Array) -> Solve | None:

@@ -36,7 +36,7 @@ from frictionlab.structures.parametric_matrix import (
 )
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts
-from frictionlab.structures.sliding_equilibrium import Statics, equilibrium_of
+from frictionlab.structures.sliding_equilibrium import Statics, equilibrium_of, newton_of_many
 from frictionlab.structures.structure_data import fields_from_data, structure_to_data
 from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
 from frictionlab.validation import (
@@ -51,6 +51,10 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 OWNERS = ("C", "contacts")  # fields that may have parameters of their own
+CURES_OF_CLASHES = {
+    "N": "give each contact its share of one N as its area",
+    "v": "the counterparts of a structure have one speed",
+}
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
 REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
@@ -433,19 +437,23 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         forces = np.zeros((len(C), self.size))
         if self.load is not None:
             forces = self.load.stack(values, len(C))[..., 0]
-        start = None
+        start, q, found = None, np.zeros_like(forces), np.zeros(len(C), dtype=bool)
         with suppress(ValueError):  # its own values may have no equilibrium where others have one
             start = self.displacements
-        for i, point in enumerate(zip(*values.values(), strict=True)):
-            statics = Statics(K[i], forces[i], contacts, dict(zip(values, map(float, point), strict=True)))
+            q, found = newton_of_many(K, forces, contacts, values, start)
+        for i in np.flatnonzero(~found):
+            point = {name: float(column[i]) for name, column in values.items()}
             try:
-                q = statics.solve(start)
+                q[i] = Statics(K[i], forces[i], contacts, point).solve(start)
             except ValueError:
-                C[i], K[i] = np.nan, np.nan
-                continue
-            for one, acting in zip(contacts, statics.contact_forces(q), strict=True):
-                C[i] += one.damping(acting)
-                K[i] += one.stiffness(acting)
+                q[i] = np.nan
+        known = np.isfinite(q).all(axis=1)
+        C[~known], K[~known] = np.nan, np.nan
+        columns = {name: column[known, None] for name, column in values.items()}
+        for one in contacts:
+            acting = one.forces(q[known], columns)
+            C[known] += one.damping(acting)
+            K[known] += one.stiffness(acting)
 
     def _copied(self, **changes: Any) -> Self:
         """A copy with other values of fields, which are right."""
@@ -620,7 +628,7 @@ def _own_values(damping: Any, contacts: tuple[SlidingContacts, ...]) -> dict[str
             if values.setdefault(name, value) != value:
                 raise ValueError(
                     f"parameters of the same name must have one value, got {name} = {values[name]:.6g} and "
-                    f"{value:.6g}: take laws with other names"
+                    f"{value:.6g}: {CURES_OF_CLASHES.get(name, 'take laws with other names')}"
                 )
     return values
 

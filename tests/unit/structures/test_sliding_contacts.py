@@ -279,6 +279,8 @@ def test_groups_of_contacts():
             np.eye(2),
             contacts=[first, fl.SlidingContacts([[1.0, 1.0]], N=1.0, friction=fl.Coulomb(0.1))],
         )
+    with pytest.raises(ValueError, match="counterparts of a structure have one speed"):
+        fl.Structure(np.eye(2), np.eye(2), contacts=[first, fl.SlidingContacts([[1.0, 1.0]], N=1.0, v=2.0)])
     with pytest.raises(ValueError, match="a column for each of 3 freedoms, got 2"):
         fl.Structure(np.eye(3), np.eye(3), contacts=first)
     with pytest.raises(TypeError, match="contacts must be SlidingContacts, got 3"):
@@ -288,3 +290,28 @@ def test_groups_of_contacts():
     assert dict(structure.replace(contacts=None).parameters) == {}
     with pytest.raises(ValueError, match="mu_s must be at least mu_k"):
         structure.replace(mu_k=4.0)
+
+
+def test_many_values_at_once_are_as_each():
+    """A load opens one contact, or both; then, and beside a counterpart at rest, there is no equilibrium."""
+    contacts = fl.SlidingContacts(
+        [[1.0, 0.0], [1.0, 0.3]],
+        [[0.0, 1.0], [0.2, 1.0]],
+        fl.CubicContact(k2=4 / 3, k_nl=0.5),
+        fl.Stribeck(mu_k=0.3, mu_s=0.9, v_s=0.5),
+        penetration=[0.0, -0.5],
+    )
+    load, springs = [("F", [0.0, 1.0])], [[1.125, 0.21650635], [0.21650635, 0.375]]
+    structure = fl.Structure(np.eye(2), springs, contacts=contacts, load=load, parameters={"F": 2.0})
+    points = {"F": np.array([2.0, 0.1, -1.0, 9.0, 2.0]), "v": np.array([1.0, 0.2, 1.0, -0.4, 0.0])}
+    known = 0
+    for F, v, *parts in zip(*points.values(), *structure.stacks(points), strict=True):
+        try:
+            expected = structure.at_values({"F": F, "v": v}).pencil.parts
+        except ValueError:
+            assert np.isnan(parts[1:]).all()
+            continue
+        known += 1
+        for part, each in zip(parts, expected, strict=True):
+            np.testing.assert_allclose(part, each.toarray(), rtol=1e-12, atol=1e-14)
+    assert known == 3
