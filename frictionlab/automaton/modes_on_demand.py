@@ -242,6 +242,13 @@ class ModesOnDemand(Sequence[Mode]):
             tuple(modes.values()), tuple(modes), tuple(one for one in every if one not in modes)
         )
 
+    def samples(self) -> list[Mode]:
+        """Some modes that have all regimes between them, as far as they are modes; they are not kept."""
+        longest = max(map(len, self.parts), default=1)
+        some = {tuple(min(i, len(part) - 1) for part in self.parts) for i in range(longest)}
+        with self._one_at_a_time:
+            return [self._derive(one) for one in sorted(some) if self.names.allows(one)]
+
     def chosen(self, names: Sequence[str]) -> KnownModes:
         """As :meth:`known`, but only the modes of these names, in this order."""
         combinations = tuple(self.names.combination_of(name) or () for name in names)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from typing import Any
 
@@ -71,17 +71,17 @@ def storable_automaton(automaton: HybridAutomaton) -> dict[str, Any] | str:
 
 def equations_digest(automaton: HybridAutomaton) -> str:
     """Digest of an automaton's equations; of modes on demand, of some that have all regimes between them."""
-    modes: Iterable[Mode] = automaton.modes
-    if isinstance(modes, ModesOnDemand):
-        parts = modes.parts
-        rows = range(max(map(len, parts), default=1))
-        some = {tuple(min(i, len(part) - 1) for part in parts) for i in rows}
-        modes = [mode for one in sorted(some) if (mode := modes.mode(one)) is not None]
+    return _digest_of_modes(automaton.modes)
+
+
+@lru_cache(maxsize=256)
+def _digest_of_modes(modes: tuple[Mode, ...] | ModesOnDemand) -> str:
+    some = modes.samples() if isinstance(modes, ModesOnDemand) else modes
     writer = _Writer()
     try:
-        data = [_mode_to_data(mode, writer) for mode in modes]
+        data = [_mode_to_data(mode, writer) for mode in some]
     except UnknownOperation:
-        data = [[str(mode.flow), str(mode.events)] for mode in modes]
+        data = [[str(mode.flow), str(mode.events)] for mode in some]
     return sha256(json.dumps([data, writer.written]).encode()).hexdigest()[:DIGEST_LENGTH]
 
 
