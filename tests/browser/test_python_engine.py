@@ -88,6 +88,8 @@ def test_a_long_run_is_stopped(browser, tmp_path):
         page = browser.new_page()
         page.goto(address + printed_path(tmp_path) + "#method=paper%27s+(RK4)", wait_until="commit")
         page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
+        page.wait_for_function("document.querySelector('.fl-method select')?.value.startsWith('paper')")
+        settled(page, ".fl-explorer")
         page.fill(".fl-control.fl-duration .fl-field", "3000")
         page.keyboard.press("Enter")
         page.get_by_role("button", name="stop").click()
