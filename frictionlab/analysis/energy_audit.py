@@ -171,7 +171,8 @@ class Balance:
         ends = run.events.guard == "period"
         gained = self._gain(self._terms.kinetic, before, after)
         jumps = {"impacts": np.where(ends, 0.0, gained)}
-        if any(len(contact.speeds) > 1 for contact in self._terms.contacts):  # slip ends at a least speed
+        if any(len(contact.speeds) > 1 for contact in self._terms.contacts):
+            # a stop takes out what is left of the velocity across the slip
             stops = np.char.startswith(run.events.guard.astype(str), STOP)
             jumps = {"impacts": np.where(ends | stops, 0.0, gained), "friction": np.where(stops, gained, 0.0)}
         if (moved := self._terms.moved) is not None:

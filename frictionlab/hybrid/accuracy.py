@@ -162,11 +162,16 @@ def new_defect_scratch(slots: int, states: int, order: int) -> DefectScratch:
 
 @kernel
 def measure_defects(system, order, steps, worst, scratch):
-    """Write the largest defect of each mode's steps into `worst`."""
+    """Write the largest defect of each mode's steps into `worst`.
+
+    A step to a stop is left out.  In it the direction of the friction force is not defined, and the velocity
+    that is left is set to zero at its end.
+    """
     for step in range(steps.modes.shape[0]):
         mode, now, h = steps.modes[step], steps.times[step, 0], steps.times[step, 1]
-        if h > 0.0:
-            begin_step(system, order, mode, now, h, steps.states[step], steps.sizes[step], scratch)
+        if h > 0.0 and begin_step(
+            system, order, mode, now, h, steps.states[step], steps.sizes[step], scratch
+        ):
             for point in range(CHECK_POINTS):
                 s = 0.5 * h * (1.0 - cos(math.pi * (point + 0.5) / CHECK_POINTS))
                 record_residuals(system, order, mode, s, worst[mode] / h, scratch)
@@ -178,13 +183,14 @@ def measure_defects(system, order, steps, worst, scratch):
 
 @kernel
 def begin_step(system, order, mode, now, h, state, sizes, scratch):
-    """Compute the series of a step, and set its errors to zero.
+    """Compute the series of a step, and set its errors to zero; returns whether it does not lead to a stop.
 
     The sizes are set to those at its start, or to the given ones where these are larger.
     """
-    step_series(system.code, system.numbers, mode, order, now, h, state, scratch.jets)
+    stops = step_series(system.code, system.numbers, mode, order, now, h, state, scratch.jets)
     for i in range(state.shape[0]):
         scratch.errors[i], scratch.sizes[i] = 0.0, max(sizes[i], abs(state[i]))
+    return not stops
 
 
 @inlined

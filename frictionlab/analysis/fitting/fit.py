@@ -8,6 +8,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from frictionlab.analysis.fitting.data import (
     check_data,
     of_kind,
 )
-from frictionlab.analysis.fitting.plausibility import doubts_about
+from frictionlab.analysis.fitting.plausibility import check_times, doubts_about
 from frictionlab.analysis.fitting.predictions import (
     FitProblem,
     Misfit,
@@ -34,6 +35,7 @@ from frictionlab.analysis.fitting.predictions import (
     frequency_misfit,
     inverse_error,
     motion_misfit,
+    run_for,
 )
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.models.model import (
@@ -246,7 +248,8 @@ def fit(
         Where `model` is no model, or `data` are no measurements.
     ValueError
         For an unknown parameter, state or mode, bounds without the model's own value between, or a name given
-        twice; where a run with which a search begins ends before the data do.
+        twice; where the motion moves up and down many times between two times of a record, as where these are
+        milliseconds read as seconds; where a run with which a search begins ends before the data do.
 
     Warns
     -----
@@ -271,6 +274,7 @@ def fit(
     problem = _check(model, data, parameters, x0, unknown, bounds)
     if not problem.moving:
         return _result(problem, _solve(problem, None, problem.first(), "one run"), None)
+    check_times(problem.data, partial(run_for, problem))
     run = first_run(problem)
     for doubt in doubts_about(problem.data, run, problem.model) if run.status.ok else ():
         warnings.warn(doubt, RuntimeWarning, 2)

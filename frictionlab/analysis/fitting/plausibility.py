@@ -6,7 +6,7 @@ that these are warnings.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,8 @@ from frictionlab.presentation import unit_of_state
 
 Array = NDArray[np.float64]
 MAX_SIZE_RATIO = 100.0  # of a state's range in the record and in the run: a larger one is rather one of units
+PROBED_TIMES = 10  # times of a record over which its spacing is compared with the motion
+MOST_PERIODS = 10.0  # of the motion between two times: with more, no search by single times can find its way
 MAX_LEAD = 10.0  # times the samples' distance: a record that begins later leaves out the motion's start
 
 
@@ -30,6 +32,24 @@ def doubts_about(data: Sequence[Any], run: Trajectory, model: ModelOrAutomaton) 
         yield from _doubts_about_times(record.t, shortest)
         for name, column in record.values.items():
             yield from _doubts_about_size(name, column, run, unit_of_state(model, name))
+
+
+def check_times(data: Sequence[Any], run_for: Callable[[float], Trajectory]) -> None:
+    """Raise ValueError where the motion goes up and down many times between two times of a record.
+
+    `run_for` gives the model's run of a length, s.  A few times of a record are enough, so that this takes less
+    than one run over all of it.
+    """
+    for record in of_kind(data, TimeRecord):
+        interval = float(np.median(np.diff(record.t))) if len(record.t) > 1 else 0.0
+        if len(record.t) > PROBED_TIMES:
+            shortest = shortest_period(run_for(PROBED_TIMES * interval))
+            if interval > MOST_PERIODS * shortest:
+                raise ValueError(
+                    f"the times of a record must follow the motion, got times {interval:g} s apart where the "
+                    f"model moves up and down within {shortest:.3g} s: give t in s (is it in ms?), or fit a "
+                    "SpectrumRecord"
+                )
 
 
 def _doubts_about_times(t: Array, shortest: float) -> Iterator[str]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.parameter_flow import ParameterFlow, parameter_flow
 from frictionlab.analysis.quantities.quantities import ModeFrequency
-from frictionlab.hybrid.solve import solve
+from frictionlab.hybrid.solve import end_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
 
@@ -97,7 +97,11 @@ def first_run(problem: FitProblem) -> Trajectory:
     last = max(float(one.t[-1]) for one in problem.data if not isinstance(one, Frequencies))
     # Measured events have to happen within the run, even if they come later with the first parameters.
     margin = 0.05 if of_kind(problem.data, EventTimes) else END_MARGIN
-    end = last * (1.0 + margin)
+    return run_for(problem, last * (1.0 + margin))
+
+
+def run_for(problem: FitProblem, end: float) -> Trajectory:
+    """The model's motion where the search begins, up to a time, s."""
     return solve(automaton_of(problem.model), end, x0=problem.start, progress=False)
 
 
@@ -162,11 +166,12 @@ def motion_misfit(
         rows.append(values)
         slopes.append(block)
 
-    moments, samples = [], []
+    moments, samples, mode = [], [], None
     for piece in range(pieces.count):
         low, high = pieces.edges[piece : piece + 2]
         times = _times_within(data, low, high, piece == pieces.count - 1)
-        run = _run(model, starts[piece], high - low)
+        run = _run(model, starts[piece], high - low, mode)
+        _, mode = end_of(run)  # the next piece goes on in it
         flow = _flow(model, run, names, times - low)
         moments += [(low, run, flow, piece)]
         samples += [(times, flow, _columns_of(piece, pieces, count))]
@@ -259,8 +264,8 @@ def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> A
     return times[(times >= low) & ((times <= high) if last else (times < high))]
 
 
-def _run(model: ModelOrAutomaton, start: Array, length: float) -> Trajectory:
-    run = solve(automaton_of(model), length, x0=start, progress=False, source=model)
+def _run(model: ModelOrAutomaton, start: Array, length: float, mode: str | None) -> Trajectory:
+    run = solve_from_end(automaton_of(model), length, start, mode, progress=False, source=model)
     if not run.status.ok:
         raise ValueError(f"a run of the fit ends early: {run.status}")
     return run
@@ -283,11 +288,12 @@ def _differences(
     slopes, end = np.zeros((len(times), n, width)), np.zeros((n, width))
     moved = np.zeros((len(run.raw.event_times), width))
     size = np.maximum(np.abs(run.states).max(axis=0), np.finfo(float).tiny)
+    mode = str(run.modes_at(0.0))
     for d in range(width):
         step = DIFFERENCE_SHARE * (size[d] if d < n else abs(values_of(model)[names[d - n]]) or 1.0)
         shift = step * (np.arange(n) == d)
         changed = model if d < n else model.replace(**{names[d - n]: values_of(model)[names[d - n]] + step})
-        other = _run(changed, start + shift, run.raw.t)
+        other = _run(changed, start + shift, run.raw.t, mode)
         if len(times):
             slopes[:, :, d] = (other(times) - states) / step
         end[:, d] = (other.final_state - run.final_state) / step

@@ -358,3 +358,65 @@ def unresolved_time(code, magnitudes, mode, z, J, bounds):
                 error = max(error, short)
                 longest = min(longest, error / abs(J[a, 1]), math.sqrt(error / abs(J[a, 2])))
     return longest if longest < math.inf else 0.0
+
+
+# Share of the time since the last event: a stop that is so near comes at the end of one step.
+STOP_SHARE = 3e-10
+LEAST_TANGENCY = 0.5  # 4 b0 b2/b1^2 of the square of a norm, which is 1 where that has a double zero ahead
+SHARE_OF_STOP = 0.75  # of the time to a stop: other steps are shorter, as the norm has no series at its zero
+
+
+@inlined
+def base_of_root(code, numbers, mode, slot):
+    """The slot whose square root a slot is; -1 if it is none."""
+    op = code.mode_ops[mode] + slot - code.inputs
+    if slot < code.inputs or code.ops[op, 0] != POWER or numbers.constants[op] != 0.5:
+        return -1
+    return code.ops[op, 1]
+
+
+@inlined
+def time_to_zero_norm(code, numbers, mode, slot, J):
+    """Time in which a norm, the root of a sum of squares, comes to zero; infinite for another function.
+
+    A norm touches zero and rises again.  So does its square, but not the base of another root.
+    """
+    a = base_of_root(code, numbers, mode, slot)
+    if a < 0 or not J[a, 1] < 0.0:
+        return math.inf
+    time = -2.0 * J[a, 0] / J[a, 1]
+    tangency = -2.0 * J[a, 2] * time / J[a, 1]
+    return time if tangency > LEAST_TANGENCY else math.inf
+
+
+@kernel
+def first_stop(code, numbers, mode, J):
+    """Time in which the first of a mode's guards that are norms comes to zero, and the guard; infinite for
+    none."""
+    first, guard = math.inf, code.mode_guards[mode]
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        time = time_to_zero_norm(code, numbers, mode, code.function_slots[g], J)
+        if time < first:
+            first, guard = time, g
+    return first, guard
+
+
+@kernel
+def time_to_stop(code, numbers, mode, J):
+    """Time in which the first of a mode's guards that are norms comes to zero; infinite for none."""
+    return first_stop(code, numbers, mode, J)[0]
+
+
+@kernel
+def truncate_series_at_stop(code, numbers, mode, J):
+    """Make accelerations constant for the step to a stop, where the states have no series, and norms linear.
+
+    The velocity may turn in the step by some angle.  What this leaves out of the way is this angle times that
+    of the step, which is some 1e-17 of the way since the last event.
+    """
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot = code.function_slots[g]
+        time = time_to_zero_norm(code, numbers, mode, slot, J)
+        if time < math.inf:
+            J[slot, 1], J[slot, 2] = -J[slot, 0] / time, 0.0
+    J[:, 3:] = 0.0

@@ -60,16 +60,22 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.kernels.step_length import (
     MIN_USEFUL_ORDER,
+    SHARE_OF_STOP,
+    STOP_SHARE,
     has_base_near_zero,
     lacks_series,
     largest_coefficient,
     measured_function_step,
     step_length,
+    time_to_stop,
     time_to_zero_base,
+    truncate_series_at_stop,
     truncate_series_near_zero,
     unresolved_time,
 )
 
+PAST_STOP = 1.0 + 1e-15  # so that the step to a stop has it inside
+STOP_INSTANTS = 4  # what the clock resolves, in which a stop is reached at once
 SIGN_SAMPLES = 5  # points between two zeros of a section at which its sign is told from rounding
 
 
@@ -171,12 +177,31 @@ def record_crossings(code, section, error, mode, order, h, run, record, scratch)
         place = end
 
 
+@inlined
+def is_stop_near(time, now, since):
+    """Whether a stop is so near that one step of constant accelerations leads to it.
+
+    The time that is left is compared with the time `since` the last event, and with what the clock resolves.
+    """
+    return time <= max(STOP_SHARE * since, STOP_INSTANTS * CLOCK_RESOLUTION * now)
+
+
 @kernel
 def step_series(code, numbers, mode, order, now, h, z, J):
-    """Compute again the jets along which a step of length `h` from `z` was taken at the time `now`."""
+    """Compute again the jets along which a step of length `h` from `z` was taken at the time `now`.
+
+    Returns whether the step led to a stop.
+    """
     mode_jets(code, numbers, mode, order, z, J)
-    if code.powers[mode] and has_base_near_zero(code, order, mode, now, J):
+    if not code.powers[mode]:
+        return False
+    time = time_to_stop(code, numbers, mode, J)
+    stops = is_stop_near(time, now, now) and h > SHARE_OF_STOP * time
+    if stops:
+        truncate_series_at_stop(code, numbers, mode, J)
+    elif has_base_near_zero(code, order, mode, now, J):
         truncate_series_near_zero(code, numbers, mode, order, z, h, J)
+    return stops
 
 
 @kernel
@@ -208,17 +233,21 @@ def record_sizes(start, h, run, J):
 
 
 @kernel
-def power_onset_step(system, truncation, mode, left, run, scratch):
-    """Length of a step in which the base of a power is nearly zero; may change the jets."""
+def power_onset_step(system, truncation, mode, left, stops, run, scratch):
+    """Length of a step in which the base of a power is nearly zero; may change the jets.
+
+    If this is the square of a norm that comes to zero, `stops`, no power counts as constant.
+    """
     code, order, J, z = system.code, truncation.order, scratch.jets, run.state
     scale = time_to_zero_base(code, mode, J)
     hidden = has_zero_series(code, order, mode, J)
-    onset = 0.0
-    if lacks_series(code, order, mode, J):
+    onset = unresolved = 0.0
+    if not stops and lacks_series(code, order, mode, J):
         onset = measured_function_step(system, truncation, mode, left, run, scratch)
         onset = remainder_step(system, truncation, mode, onset, False, hidden, run, scratch)
         onset = onset_step(system, truncation, mode, onset, run, scratch)
-    unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
+    if not stops:
+        unresolved = unresolved_time(code, system.magnitudes, mode, z, J, scratch.bounds)
     h = min(left, max(onset, unresolved, CLOCK_RESOLUTION * run.times[NOW]))
     few = truncate_series_near_zero(code, system.numbers, mode, order, z, h, J)
     if few < MIN_USEFUL_ORDER:
@@ -238,9 +267,14 @@ def take_taylor_step(system, truncation, run, record, scratch):
         for g in range(scratch.leading_zeros.shape[0]):
             scratch.leading_zeros[g] = 0
     counts[JETS_READY] = 0
-    left = remaining_time(run.times)
-    if code.powers[mode] and has_base_near_zero(code, order, mode, run.times[NOW], J):
-        h = power_onset_step(system, truncation, mode, left, run, scratch)
+    left, time = remaining_time(run.times), math.inf
+    if code.powers[mode]:
+        time = time_to_stop(code, system.numbers, mode, J)
+    if is_stop_near(time, run.times[NOW], run.times[NOW] - run.times[ENTERED]):
+        truncate_series_at_stop(code, system.numbers, mode, J)
+        h = min(left, PAST_STOP * time)
+    elif code.powers[mode] and has_base_near_zero(code, order, mode, run.times[NOW], J):
+        h = power_onset_step(system, truncation, mode, left, time < math.inf, run, scratch)
         if not largest_coefficient(J, 0, run.state.shape[0], 1) < math.inf:
             return NOT_FINITE
     else:

@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
-from frictionlab.hybrid.kernels.jets import state_rates
+from frictionlab.hybrid.kernels.jets import state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import BY_VALUES
 from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
 from frictionlab.hybrid.methods.base import ActiveRun, Method
@@ -23,12 +23,14 @@ from frictionlab.hybrid.methods.runge_kutta import (
     NO_GUARD,
     NO_STATE,
     SIMPLE,
+    STOP_ORDER,
     Tableau,
     advance_runge_kutta,
     end_of_cell,
     enter_next_mode,
     enter_next_mode_on_demand,
     failed_guard,
+    guard_at_stop,
     is_full,
     new_scheme,
     record_step,
@@ -122,14 +124,20 @@ class OneStepMethod(Method):
         cursor = run.cursor
         now, goal = cursor.times[NOW], end_of_cell(self.step, cursor)
         h = max(goal - now, 0.0)
-        new, guard = self._try_step(run, h)
-        if guard == NO_STATE:
-            return NOT_FINITE
-        if guard == NO_GUARD:
-            cursor.counts[CELL] += 1
+        about = run.system.code, run.system.numbers, cursor.counts[MODE]
+        guard, time = guard_at_stop(*about, h, cursor.state, run.scratch.jets)
+        if guard != NO_GUARD:
+            h, goal, new = time, now + time, np.empty_like(cursor.state)
+            states_at(run.scratch.jets, STOP_ORDER, h, new)
         else:
-            h, new, guard = self._bisect_event(run, h)
-            goal = now + h
+            new, guard = self._try_step(run, h)
+            if guard == NO_STATE:
+                return NOT_FINITE
+            if guard == NO_GUARD:
+                cursor.counts[CELL] += 1
+            else:
+                h, new, guard = self._bisect_event(run, h)
+                goal = now + h
         record_step(h, goal, new, cursor, record)
         if guard < 0:
             return RUNNING

@@ -14,7 +14,7 @@ import numpy as np
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
-from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates
+from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import (
     ADMITTED,
     BY_VALUES,
@@ -42,8 +42,10 @@ from frictionlab.hybrid.kernels.run_state import (
     STEPS,
     Truncation,
 )
+from frictionlab.hybrid.kernels.step_length import first_stop
 
 BISECTIONS = 50  # halvings of a step: 2^-50 of it is rounding
+STOP_ORDER = 2  # of the series of a step to a stop, in which accelerations are constant
 LARGEST_STATE = 1e300  # beyond, a state counts as not finite
 SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
 NO_GUARD, NO_STATE = -1, -2  # no guard fails; the state is not finite
@@ -225,6 +227,20 @@ def bisect_event(code, numbers, mode, z, h, scheme, J):
     return hi, failed_guard(code, numbers, mode, scheme.new, J)
 
 
+@kernel
+def guard_at_stop(code, numbers, mode, h, z, J):
+    """The guard that is a norm and comes to zero within `h`, at constant accelerations, and when; NO_GUARD
+    for none.
+
+    A norm is not negative anywhere, so that a step does not show it.  Writes the series of the step.
+    """
+    if not code.powers[mode]:
+        return NO_GUARD, h
+    mode_jets(code, numbers, mode, STOP_ORDER, z, J)
+    time, guard = first_stop(code, numbers, mode, J)
+    return (guard, time) if time <= h else (NO_GUARD, h)
+
+
 @inlined
 def take_runge_kutta_step(system, scheme, run, record, scratch):
     """Step to the end of the current cell of the grid, or up to an event within it; the status of the run."""
@@ -232,15 +248,20 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
     times, counts = run.times, run.counts
     mode, goal = counts[MODE], end_of_cell(scheme.step, run)
     h = max(goal - times[NOW], 0.0)
-    runge_kutta_step(code, numbers, mode, run.state, h, scheme, J)
-    guard = failed_guard(code, numbers, mode, new, J)
-    if guard == NO_STATE:
-        return NOT_FINITE
-    if guard == NO_GUARD:
-        counts[CELL] += 1
+    guard, time = guard_at_stop(code, numbers, mode, h, run.state, J)
+    if guard != NO_GUARD:
+        h, goal = time, times[NOW] + time
+        states_at(J, STOP_ORDER, h, new)
     else:
-        h, guard = bisect_event(code, numbers, mode, run.state, h, scheme, J)
-        goal = times[NOW] + h
+        runge_kutta_step(code, numbers, mode, run.state, h, scheme, J)
+        guard = failed_guard(code, numbers, mode, new, J)
+        if guard == NO_STATE:
+            return NOT_FINITE
+        if guard == NO_GUARD:
+            counts[CELL] += 1
+        else:
+            h, guard = bisect_event(code, numbers, mode, run.state, h, scheme, J)
+            goal = times[NOW] + h
     record_step(h, goal, new, run, record)
     if guard < 0:
         return RUNNING

@@ -13,7 +13,9 @@ from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
+from frictionlab.hybrid.kernels.step_length import STOP_SHARE, base_of_root
 from frictionlab.hybrid.methods.base import ActiveRun, Method
+from frictionlab.hybrid.methods.runge_kutta import guard_at_stop
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
@@ -145,21 +147,38 @@ class Guards:
         code, self.mode = run.problem.program.code, int(run.cursor.counts[run_state.MODE])
         self.numbers_of_guards = range(code.mode_guards[self.mode], code.mode_guards[self.mode + 1])
 
+        slots = code.function_slots[self.numbers_of_guards.start : self.numbers_of_guards.stop]
+        roots = [base_of_root(code, run.problem.numbers, self.mode, int(slot)) for slot in slots]
+        self.slots, self.norms = slots, [(i, square) for i, square in enumerate(roots) if square >= 0]
+
     def values(self, z: np.ndarray) -> np.ndarray:
-        run, code = self._run, self._run.native.code
-        state_rates(
-            code, run.problem.numbers, self.mode, np.ascontiguousarray(z), run.scratch.jets, np.empty_like(z)
-        )
-        return run.scratch.jets[
-            code.function_slots[self.numbers_of_guards.start : self.numbers_of_guards.stop], 0
-        ].copy()
+        """Values of the guards.  A norm is positive on both sides of its zero, so twice the inner product of
+        its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2."""
+        values, start = self._slots(z, self.slots), self._run.cursor.state
+        for i, square in self.norms:
+            middle, one, other = (self._slots(at, square) for at in (0.5 * (start + z), start, z))
+            values[i] = 4.0 * middle - one - other
+        return values
+
+    def _slots(self, z: np.ndarray, slots: Any) -> Any:
+        run, jets = self._run, self._run.scratch.jets
+        z = np.ascontiguousarray(z)
+        state_rates(run.native.code, run.problem.numbers, self.mode, z, jets, np.empty_like(z))
+        return jets[slots, 0].copy()
+
+    def near_stop(self, z: np.ndarray, t: float) -> int:
+        """The guard that is a norm, and so near to zero at `z` that steps would come to an end; or -1."""
+        run = self._run
+        share = STOP_SHARE * (t - float(run.cursor.times[run_state.ENTERED]))
+        about = run.native.code, run.problem.numbers, self.mode, share
+        return int(guard_at_stop(*about, np.ascontiguousarray(z), run.scratch.jets)[0])
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Time from the step's start to its first event, and the guard; its whole length and -1 for none."""
         start, end = self._run.cursor.times[run_state.NOW], solver.t
         failing = np.flatnonzero(self.values(solver.y) < 0.0)
         if not failing.size:
-            return end - start, -1
+            return end - start, self.near_stop(solver.y, end)
         dense = solver.dense_output()
         places = [self.root(lambda t, i=i: self.values(dense(t))[i], start, end) for i in failing]
         first = int(np.argmin(places))

@@ -17,6 +17,7 @@ from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
+from frictionlab.hybrid.kernels.step_length import base_of_root
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.run_events import Events
 from frictionlab.hybrid.trajectory import Trajectory, check_run
@@ -143,7 +144,8 @@ def smooth_segments(run: Trajectory) -> Iterator[tuple[slice, int | None]]:
         while last - first > RECORD_CAPACITY:
             yield slice(first, first + RECORD_CAPACITY), None
             first += RECORD_CAPACITY
-        yield slice(first, last), i if i < len(ends) - 1 else None
+        event = i if i < len(ends) - 1 else None
+        yield slice(first, last if event is None or step_to_stop(run, event) is None else last - 1), event
 
 
 def end_rates(run: Trajectory) -> tuple[np.ndarray, np.ndarray]:
@@ -194,6 +196,21 @@ def entry_time(run: Trajectory, i: int) -> float:
     return 0.0
 
 
+def step_to_stop(run: Trajectory, i: int) -> int | None:
+    """The step that ends by an event at which a norm comes to zero, and has no gradient; None for others.
+
+    So short a step changes no tangent vector that the stop leaves.  Both are left out: the saltation is that
+    at its start.
+    """
+    raw, program = run.raw, run.problem.program
+    guard = int(raw.event_codes[i, 0])
+    mode, slot = int(program.guard_modes[guard]), program.code.function_slots[guard]
+    if base_of_root(program.code, run.problem.numbers, mode, slot) < 0:
+        return None
+    step = int(np.searchsorted(raw.step_times[:, 0], raw.event_times[i])) - 1
+    return step if step >= 0 and (i == 0 or raw.event_times[i - 1] < raw.event_times[i]) else None
+
+
 def event_saltation(run: Trajectory, i: int) -> Saltation:
     """Saltation of an event of a run, by its number."""
     raw, problem = run.raw, run.problem
@@ -202,6 +219,8 @@ def event_saltation(run: Trajectory, i: int) -> Saltation:
     if target < 0:
         raise SaltationError(f"no mode was admissible {where}: end the run before")
     before, after = raw.event_states[i]
+    if (last := step_to_stop(run, i)) is not None:
+        before = raw.step_states[last]
     dwell = float(t - entry_time(run, i))
     event = EventCrossing(int(guard), int(target), before, after, dwell)
     try:

@@ -1,9 +1,8 @@
 """Friction in the plane: the regimes of a contact whose v_r has two components, and when it stops.
 
 In slip the friction force is the law's at the speed s = |v_r|, along v_r.  This has a Taylor series while
-s > 0, whose radius is the time that is left before a stop.  So steps shrink with that time.  Slip ends
-LAST_TIME before the stop, and a reset makes v_r zero: with the deceleration a the place errs by
-a LAST_TIME^2/2.
+s > 0, whose radius is the time that is left before a stop.  So steps shrink with that time, until the solver
+takes the last one with constant acceleration (:func:`step_length.first_stop`).
 
 Stick holds both components, until the holding force F leaves the circle |F| <= mu_s F_N.  Then v_r is zero
 and has no direction.  In "breakaway" the friction force has a direction e that has a series.  Slip is along
@@ -11,11 +10,11 @@ e = F/|F| at first, and goes on along F as this turns:
 
     F_k e = F - B^-1 v_r',  v_r' = s' F/|F| + s (F/|F|)',  s' = (|F| - F_k)/(F B^-1 F/F^2),
 
-with B = W^T M^-1 W, and F' by the motion in stick.  With the excess x = 1 - F_k/|F| and the acceleration a by
-|F| alone, slip takes over at the speed 2 NEARNESS sqrt(L a)/x, where L is the distance of the contact's
-coordinates from their origin, but not below LEAST_DISTANCE: so units of time do not matter.  Under a law with
-mu_s = mu_k the excess grows from zero.  Then v_r turns into the direction of F at the rate |F|/s, so fast
-that steps from an earlier instant would be thousands; but it follows F as closely, and that is the above.
+with B = W^T M^-1 W, and F' by the motion in stick.  With the excess x = 1 - F_k/|F|, the acceleration a by
+|F| alone and the time T = |F|/|F'| in which the force changes, slip takes over at the speed 2 NEARNESS a T/x.
+Under a constant force breakaway lasts, along a straight line.  Under a law with mu_s = mu_k the excess grows
+from zero.  Then v_r turns into the direction of F at the rate |F|/s, so fast that steps from an earlier instant
+would be thousands; but it follows F as closely, and that is the above.
 
 The constraint of breakaway is v_r^2 = 0, which is so but for rounding: no motion rests in it.
 """
@@ -47,9 +46,7 @@ from .mechanics import Friction, Mechanics
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
-LAST_TIME = sympy.Float("3e-9")  # s; with less the series of order 32 goes beyond the largest number
-NEARNESS = sympy.Float("3e-9")  # a share of the time in which the motion changes
-LEAST_DISTANCE = sympy.Float("1e-4")  # m
+NEARNESS = sympy.Float("3e-9")  # a share of the time in which the force changes
 NO_FORCE = sympy.Float("1e-200")  # N^2
 STOP = "stop"  # the event at which slip ends
 
@@ -63,23 +60,14 @@ def plane_regimes(contact: Friction, system: LagrangeSystem) -> tuple[ContactReg
 
 
 def _slip(contact: Friction, system: LagrangeSystem) -> ContactRegime:
-    """Slip along v_r, until it stops; what ends it depends on the rate of the speed |v_r|, m/s^2."""
+    """Slip along v_r, until the speed |v_r| is zero."""
     speed, pressing = magnitude(contact.velocities), contact.pressing
     friction = contact.law.kinetic(pressing, speed)
 
-    def ends(rate: Any, _: Any) -> tuple[RegimeEnd, ...]:
-        later = speed if isinstance(rate, tuple) else speed + LAST_TIME * rate
-        stops = RegimeEnd(STOP, later, ("stick", "breakaway"), "stop")
-        return (stops, *ends_of_contact(contact, system))
-
+    stops = RegimeEnd(STOP, speed, ("stick", "breakaway"), "stop")
     force = tuple(friction * one / speed for one in contact.velocities)
-    return ContactRegime("slip", force, (), (), ends, pressing=pressing)
-
-
-def rate_of_speed(contact: Friction, system: LagrangeSystem, accelerations: Sequence[Any]) -> Any:
-    """d|v_r|/dt (m/s^2) of a contact in the plane."""
-    rates = [system.rate_in_motion(one, accelerations) for one in contact.velocities]
-    return _dot(contact.velocities, rates) / magnitude(contact.velocities)
+    leaving = ends_of_contact(contact, system)
+    return ContactRegime("slip", force, (), (), lambda *_: (stops, *leaving), pressing=pressing)
 
 
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -117,15 +105,15 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         direction = _solved(((rate * a + largest, rate * b), (rate * c, rate * d + largest)), drive)
         return tuple(largest * one / _size(direction) for one in direction)
 
-    def ends(holding: Any, _: Any) -> tuple[RegimeEnd, ...]:
+    def ends(holding: Any, rates: Any) -> tuple[RegimeEnd, ...]:
         holding = components(holding)
-        power, size = _dot(holding, velocities), _size(holding)
-        excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / size
-        full = size * _softness(contact, system)  # acceleration by the force alone
-        least = 2 * NEARNESS * size * sympy.sqrt(full * _distance(contact, system))
+        power, force = _dot(holding, velocities), _dot(holding, holding)
+        excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / _size(holding)
+        full = _softness(contact, system)  # acceleration by a unit of the force alone
+        least = 2 * NEARNESS * full * force**2
         return (
             RegimeEnd(STOP, power, ("stick",), "stop"),
-            RegimeEnd("slips", least - power * excess, ("slip",)),
+            RegimeEnd("slips", least - power * excess * _size(rates), ("slip",)),
             *ends_of_contact(contact, system),
         )
 
@@ -152,11 +140,6 @@ def _softness(contact: Friction, system: LagrangeSystem) -> Any:
     """Acceleration by a unit force (1/kg), the mean of all directions."""
     directions = system.direction(contact)
     return (directions.T * system.inverse * directions).trace() / 2
-
-
-def _distance(contact: Friction, system: LagrangeSystem) -> Any:
-    """L, m."""
-    return magnitude((*(system.direction(contact).T * sympy.Matrix(system.q)), LEAST_DISTANCE))
 
 
 def plane_stop(system: LagrangeSystem, contact: Friction) -> Reset:

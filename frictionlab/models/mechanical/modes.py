@@ -40,7 +40,6 @@ from .contact_regimes import (
 )
 from .coupled_masses import HeldVelocities, held_velocities
 from .equations_of_motion import LagrangeSystem, Pair, system_of
-from .friction_in_plane import rate_of_speed
 from .mechanics import AnyContact, Friction, Stop
 
 if TYPE_CHECKING:
@@ -151,7 +150,7 @@ def solve_contact_forces(
     `hold` finds the forces that hold; by default sympy and arithmetic with numbers of coupled masses do.
     """
     slipping_off = [i for i, one in enumerate(chosen) if one.by_holding is not None]
-    would_hold: dict[int, Any] = {}
+    would_hold: dict[int, tuple[Any, Any]] = {}
     if slipping_off:
         would_hold, chosen = _breaking_away(system, chosen, slipping_off, hold)
     names = [regime.name for regime in chosen]
@@ -159,7 +158,7 @@ def solve_contact_forces(
     held = [(i, one) for i in leading for one in chosen[i].held]
     free, balance = (None, None) if hold else _free_forces(system, chosen, held)
     accelerations, forces, solved = hold(chosen, leading) if hold else _hold(system, chosen, held, free)
-    friction, holding = {}, {i: (force, None) for i, force in would_hold.items()}
+    friction, holding = {}, dict[int, tuple[Any, Any]](would_hold)
     for i, (one, *other) in solved.items():
         if system.mechanics.contacts[i].in_plane:
             forces[i] = (one.force, other[0].force)
@@ -171,17 +170,15 @@ def solve_contact_forces(
             friction[i], holding[i] = other[0].force, (one.scaled, other[0].scaled)
         else:
             holding[i] = _with_limit(system, chosen, forces, i, one)
-    for i, contact in enumerate(system.mechanics.contacts):
-        if isinstance(contact, Friction) and contact.in_plane and chosen[i].name == "slip":
-            holding[i] = rate_of_speed(contact, system, accelerations), None
     return ContactForces(accelerations, forces, friction, holding, balance)
 
 
 def _breaking_away(
     system: LagrangeSystem, chosen: Sequence[ContactRegime], which: Sequence[int], hold: Hold | None
-) -> tuple[dict[int, Any], list[ContactRegime]]:
-    """The forces that would hold the contacts `which`, and the regimes, those with the friction by them."""
-    after = list(chosen)
+) -> tuple[dict[int, tuple[Any, Any]], list[ContactRegime]]:
+    """The forces that would hold the contacts `which` and their rates; and the regimes, those with the
+    friction by them."""
+    after, would_hold = list(chosen), dict[int, tuple[Any, Any]]()
     for i in which:
         after[i] = next(one for one in system.regimes[i] if one.name == "stick")
     stuck = solve_contact_forces(system, after, hold)
@@ -190,8 +187,9 @@ def _breaking_away(
         by_holding = chosen[i].by_holding
         assert by_holding is not None
         rates = [system.rate_in_motion(one, stuck.accelerations) for one in forces[i]]
+        would_hold[i] = forces[i], rates
         after[i] = replace(chosen[i], force=by_holding(forces[i], rates))
-    return {i: forces[i] for i in which}, after
+    return would_hold, after
 
 
 def _with_limit(

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
+from frictionlab.models.mechanical.contact_regimes import PHASE
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, in_units_of, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
@@ -151,10 +152,12 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     left = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
     if automaton.on_demand and has_regime(automaton.names, "stick"):
         left = ["stick of any contact"]
+    forced = PHASE in automaton.state_names and sliding
+    still = ", give a load that vanishes the frequency 0 too, as its phase never rests" if forced else ""
     left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
-        f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters, or simulate its motion"
+        f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters{still}, or simulate its motion"
     )
 
 

@@ -341,24 +341,35 @@ def test_a_missing_value_of_pandas_is_refused_by_name(pd):
 
 
 @pytest.mark.parametrize(
-    ("of", "message"),
+    ("of", "kind", "message"),
     [
         (
             lambda t, x: (1e3 * t, x),
-            r"the times of a record are 200 s apart, .* t must be in s, is it in ms\?",
+            ValueError,
+            r"must follow the motion, got times 200 s apart .* give t in s \(is it in ms\?\)",
+        ),
+        (
+            lambda t, x: (50.0 * t, x),
+            RuntimeWarning,
+            r"the times of a record are 10 s apart, .* t must be in s, is it in ms\?",
         ),
         (
             lambda t, x: (t, 1e3 * x),
+            RuntimeWarning,
             r"x ranges over \d+ in a record and over 1\.\d* m .*: values must be in m",
         ),
-        (lambda t, x: (t + 60.0, x), r"a record begins at 60\.2 s, .*: subtract 60\.2 from t"),
+        (
+            lambda t, x: (t + 60.0, x),
+            RuntimeWarning,
+            r"a record begins at 60\.2 s, .*: subtract 60\.2 from t",
+        ),
     ],
 )
-def test_other_units_and_another_start_are_told_before_the_search(of, message, monkeypatch):
+def test_other_units_and_another_start_are_told_before_the_search(of, kind, message, monkeypatch):
     data, _ = record(TRUTH, 20.0, 100)
     t, x = of(data.t, data.values["x"])
     monkeypatch.setattr(fit_module, "_solve", lambda *_: pytest.fail("the search has begun"))
-    with pytest.raises(RuntimeWarning, match=message):
+    with pytest.raises(kind, match=message):
         fl.fit(FIRST, fl.TimeRecord(t, {"x": x}, error=ERROR), ["k"])
 
 

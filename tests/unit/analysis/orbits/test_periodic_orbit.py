@@ -357,6 +357,13 @@ def test_a_motion_with_hysteresis_goes_on_in_its_mode():
     assert branch.periods * branch.values == pytest.approx(2 * np.pi / 3, rel=1e-9)
 
 
+def test_pieces_of_a_fit_go_on_in_their_mode():
+    two, t = hysteresis(), np.linspace(0.1, 6.0, 60)
+    record = fl.TimeRecord(t, {"x": fl.solve(two, 6.1, x0=[5.5, 0.0])(t)[:, 0]}, error=1e-3)
+    found = fl.fit(two.replace(scale=1.1), record, ["scale"], x0=[5.5, 0.0], segments=6)
+    assert found["scale"] == pytest.approx(1.0, rel=1e-9)
+
+
 def test_attractors_at_the_same_states_are_told_apart_by_their_modes():
     times = {"transient": 10.0, "window": 30.0, "progress": False}
     reached = fl.basins(hysteresis(), x=("x", [0.5, 5.5, 6.0]), y=("v", [0.0, 0.1]), **times)
