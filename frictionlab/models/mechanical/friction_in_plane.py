@@ -106,7 +106,7 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         return tuple(largest * one / _size(direction) for one in direction)
 
     def ends(holding: Any, rates: Any) -> tuple[RegimeEnd, ...]:
-        holding = components(holding)
+        holding, rates = components(holding), components(rates)
         power, force = _dot(holding, velocities), _dot(holding, holding)
         excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / _size(holding)
         full = _softness(contact, system)  # acceleration by a unit of the force alone

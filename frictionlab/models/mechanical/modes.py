@@ -186,7 +186,7 @@ def _breaking_away(
     for i in which:
         by_holding = chosen[i].by_holding
         assert by_holding is not None
-        rates = [system.rate_in_motion(one, stuck.accelerations) for one in forces[i]]
+        rates = tuple(system.rate_in_motion(one, stuck.accelerations) for one in forces[i])
         would_hold[i] = forces[i], rates
         after[i] = replace(chosen[i], force=by_holding(forces[i], rates))
     return would_hold, after
