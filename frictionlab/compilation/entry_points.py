@@ -19,7 +19,7 @@ from frictionlab.hybrid.accuracy import StoredSteps, measure_defects, new_defect
 from frictionlab.hybrid.codegen.jet_codegen import KERNELS
 from frictionlab.hybrid.ensemble import lanes
 from frictionlab.hybrid.ensemble.arrays import new_batch
-from frictionlab.hybrid.kernels import jets, mode_selection, taylor_steps
+from frictionlab.hybrid.kernels import jets, mode_selection, step_length, taylor_steps
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.mode_selection import select_combination
@@ -88,6 +88,8 @@ _KERNELS = (
     runge_kutta.enter_next_mode,
     runge_kutta.enter_next_mode_on_demand,
     runge_kutta.failed_guard,
+    runge_kutta.guard_at_stop,
+    step_length.base_of_root,
     jets.run_tape,
     jets.majorant,
     jets.state_rates,
@@ -150,7 +152,7 @@ def _specimens() -> dict[str, Any]:
     vectors = dict.fromkeys(("z", "times", "worst", "dz"), row)
     matrices = dict.fromkeys(("J", "jets", "values", "T", "frame", "starts", "out"), matrix)
     integers = dict.fromkeys(("candidates", "initial", "which", "chosen"), places)
-    whole = dict.fromkeys(("order", "guard", "mode", "rounds"), 0)
+    whole = dict.fromkeys(("order", "guard", "mode", "rounds", "slot"), 0)
     others = {"flow": code.flow[0], "operations": (0, 1), "orders": (0, 1), "sign": -1.0, "h": STEP}
     return of_program | of_runs | vectors | matrices | integers | whole | others
 

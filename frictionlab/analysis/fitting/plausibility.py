@@ -37,8 +37,8 @@ def doubts_about(data: Sequence[Any], run: Trajectory, model: ModelOrAutomaton) 
 def check_times(data: Sequence[Any], run_for: Callable[[float], Trajectory]) -> None:
     """Raise ValueError where the motion goes up and down many times between two times of a record.
 
-    `run_for` gives the model's run of a length, s.  A few times of a record are enough, so that this takes less
-    than one run over all of it.
+    `run_for` gives the model's run of a length, s.  A few times of a record are enough, so that this takes
+    less than one run over all of it.
     """
     for record in of_kind(data, TimeRecord):
         interval = float(np.median(np.diff(record.t))) if len(record.t) > 1 else 0.0

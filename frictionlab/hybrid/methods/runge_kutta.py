@@ -229,16 +229,16 @@ def bisect_event(code, numbers, mode, z, h, scheme, J):
 
 @kernel
 def guard_at_stop(code, numbers, mode, h, z, J):
-    """The guard that is a norm and comes to zero within `h`, at constant accelerations, and when; NO_GUARD
-    for none.
+    """When the first guard that is a norm comes to zero within `h`, at constant accelerations: a
+    :class:`GuardZero`.
 
     A norm is not negative anywhere, so that a step does not show it.  Writes the series of the step.
     """
     if not code.powers[mode]:
-        return NO_GUARD, h
+        return GuardZero(h, NO_GUARD, SIMPLE)
     mode_jets(code, numbers, mode, STOP_ORDER, z, J)
     time, guard = first_stop(code, numbers, mode, J)
-    return (guard, time) if time <= h else (NO_GUARD, h)
+    return GuardZero(time, guard, SIMPLE) if time <= h else GuardZero(h, NO_GUARD, SIMPLE)
 
 
 @inlined
@@ -248,7 +248,7 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
     times, counts = run.times, run.counts
     mode, goal = counts[MODE], end_of_cell(scheme.step, run)
     h = max(goal - times[NOW], 0.0)
-    guard, time = guard_at_stop(code, numbers, mode, h, run.state, J)
+    time, guard, _ = guard_at_stop(code, numbers, mode, h, run.state, J)
     if guard != NO_GUARD:
         h, goal = time, times[NOW] + time
         states_at(J, STOP_ORDER, h, new)

@@ -171,7 +171,7 @@ class Guards:
         run = self._run
         share = STOP_SHARE * (t - float(run.cursor.times[run_state.ENTERED]))
         about = run.native.code, run.problem.numbers, self.mode, share
-        return int(guard_at_stop(*about, np.ascontiguousarray(z), run.scratch.jets)[0])
+        return int(guard_at_stop(*about, np.ascontiguousarray(z), run.scratch.jets).guard)
 
     def first(self, solver: Any) -> tuple[float, int]:
         """Time from the step's start to its first event, and the guard; its whole length and -1 for none."""

@@ -204,7 +204,7 @@ def step_to_stop(run: Trajectory, i: int) -> int | None:
     """
     raw, program = run.raw, run.problem.program
     guard = int(raw.event_codes[i, 0])
-    mode, slot = int(program.guard_modes[guard]), program.code.function_slots[guard]
+    mode, slot = int(program.guard_modes[guard]), int(program.code.function_slots[guard])
     if base_of_root(program.code, run.problem.numbers, mode, slot) < 0:
         return None
     step = int(np.searchsorted(raw.step_times[:, 0], raw.event_times[i])) - 1

@@ -13,8 +13,8 @@ e = F/|F| at first, and goes on along F as this turns:
 with B = W^T M^-1 W, and F' by the motion in stick.  With the excess x = 1 - F_k/|F|, the acceleration a by
 |F| alone and the time T = |F|/|F'| in which the force changes, slip takes over at the speed 2 NEARNESS a T/x.
 Under a constant force breakaway lasts, along a straight line.  Under a law with mu_s = mu_k the excess grows
-from zero.  Then v_r turns into the direction of F at the rate |F|/s, so fast that steps from an earlier instant
-would be thousands; but it follows F as closely, and that is the above.
+from zero.  Then v_r turns into the direction of F at the rate |F|/s, so fast that steps from an earlier
+instant would be thousands; but it follows F as closely, and that is the above.
 
 The constraint of breakaway is v_r^2 = 0, which is so but for rounding: no motion rests in it.
 """
