@@ -34,7 +34,7 @@ class MatrixProduct:
     own : int
         How many factors at the end are those of one mode, where other modes have a product like this one.
     like : MatrixProduct or None
-        Another product of the same matrix, whose terms this one shares.
+        Another product of the same matrix, whose entries this one shares.
     """
 
     matrix: Array
@@ -49,21 +49,9 @@ class MatrixProduct:
         return MatrixProduct(self.matrix, (*self.factors[:first], *factors), len(factors), self)
 
     @cached_property
-    def starts(self) -> NDArray[np.int64]:
-        """(rows + 1,) the range of each row's entries that are not zero, in `columns` and `entries`."""
-        if self.like is not None:
-            return self.like.starts
-        return np.concatenate([[0], np.cumsum((self.matrix != 0.0).sum(axis=1))])
-
-    @cached_property
-    def columns(self) -> NDArray[np.intp]:
-        """Columns of the entries that are not zero, row by row."""
-        return np.nonzero(self.matrix)[1] if self.like is None else self.like.columns
-
-    @cached_property
-    def entries(self) -> Array:
-        """Entries that are not zero, row by row."""
-        return self.matrix[self.matrix != 0.0] if self.like is None else self.like.entries
+    def count(self) -> int:
+        """Number of entries that are not zero."""
+        return int(np.count_nonzero(self.matrix)) if self.like is None else self.like.count
 
     @cached_property
     def symbols(self) -> frozenset[Any]:
@@ -79,20 +67,20 @@ class MatrixProduct:
                 places.setdefault(one, []).append(j)
         return places
 
-    def slots_of_terms(self, slots: Sequence[int]) -> NDArray[np.uint32]:
-        """The slot of each term, row by row, where these are the slots of the factors."""
-        return np.array(slots, dtype=np.uint32)[self.columns]
-
     def rows(self) -> list[Expr]:
         """The rows as expressions; one with a single term is this term."""
         return [self._row(i) for i in range(len(self.matrix))]
 
     def _row(self, i: int) -> Expr:
-        first, last = self.starts[i : i + 2]
-        if last - first > 1:
+        if np.count_nonzero(self.matrix[i]) > 1:
             return MatrixRow(self, i)
-        terms = zip(self.entries[first:last], self.columns[first:last], strict=True)
-        return sum((_times(entry, self.factors[j]) for entry, j in terms), sympy.S.Zero)
+        return sympy.Add(*(_times(*term) for term in self.terms(i)))
+
+    def terms(self, i: int) -> list[tuple[float, Expr]]:
+        """Entries of a row that are not zero, each with its factor."""
+        columns = np.flatnonzero(self.matrix[i])
+        pairs = zip(self.matrix[i, columns].tolist(), columns.tolist(), strict=True)
+        return [(entry, self.factors[j]) for entry, j in pairs]
 
 
 def matrix_rows(matrix: Any, factors: Sequence[Expr]) -> list[Expr]:
@@ -140,10 +128,7 @@ class MatrixRow(sympy.AtomicExpr):
 
     def terms(self) -> list[tuple[float, Expr]]:
         """Entries that are not zero, each with its factor."""
-        product = self.product
-        chosen = slice(*product.starts[self.index : self.index + 2])
-        pairs = zip(product.entries[chosen].tolist(), product.columns[chosen].tolist(), strict=True)
-        return [(entry, product.factors[j]) for entry, j in pairs]
+        return self.product.terms(self.index)
 
     def written_out(self) -> Expr:
         """The sum in sympy's own terms."""

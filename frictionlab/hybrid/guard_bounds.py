@@ -22,6 +22,7 @@ from frictionlab.hybrid.problem import Problem, RunData
 from frictionlab.tape import functions as kinds
 from frictionlab.tape.formulas import ALONG_RUNS
 from frictionlab.tape.intervals import Interval
+from frictionlab.tape.panels import ROWS
 from frictionlab.tape.program import Code, Numbers
 
 Array = Any
@@ -45,7 +46,9 @@ class Tape:
         self._inputs = int(code.inputs)
         rows = code.ops[first:last].tolist()
         self._operations = [(*row, float(numbers.constants[first + i])) for i, row in enumerate(rows)]
-        self._terms = list(zip(code.term_slots.tolist(), numbers.terms.tolist(), strict=True))
+        self._shared, columns = int(code.shared), code.term_slots[code.shared :]
+        slots = np.concatenate([code.term_slots[: code.shared], np.repeat(columns, ROWS)])
+        self._terms = list(zip(slots.tolist(), numbers.terms.tolist(), strict=True))
         self.guards = code.function_slots[code.mode_guards[mode] : code.mode_guards[mode + 1]].tolist()
         held = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
         self.held = code.function_slots[held].tolist()
@@ -61,6 +64,10 @@ class Tape:
             terms = self.magnitudes(states, slots, least)
         return np.where(np.isfinite(terms), terms, 0.0).max(axis=0, initial=0.0)  # in other modes NaN
 
+    def _between(self, a: int, b: int) -> list[tuple[int, float]]:
+        """The terms of a sum: of a row of a panel every ROWS-th."""
+        return self._terms[a:b] if a < self._shared else self._terms[a:b:ROWS]
+
     @property
     def functions(self) -> list[int]:
         """The slots of the guards, then those of the constraints."""
@@ -71,7 +78,7 @@ class Tape:
         known = list(states)
         for kind, a, b, constant in self._operations:
             if kind == kinds.AFFINE:
-                known.append(self._sum(constant, self._terms[a:b], known))
+                known.append(self._sum(constant, self._between(a, b), known))
             elif kind in (kinds.PRODUCT, kinds.SQUARE):
                 known.append(known[a] * known[b])
             elif kind == kinds.QUOTIENT:
@@ -89,7 +96,7 @@ class Tape:
         rates = list(states)
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
-                rates.append(self._sum(0.0, self._terms[a:b], rates))
+                rates.append(self._sum(0.0, self._between(a, b), rates))
             elif kind == kinds.PRODUCT:
                 rates.append(rates[a] * known[b] + known[a] * rates[b])
             elif kind == kinds.SQUARE:
@@ -113,7 +120,7 @@ class Tape:
         hidden: list[Array] = [0.0 * known[0].low] * self._inputs
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
-                terms = (abs(factor) * hidden[slot] for slot, factor in self._terms[a:b] if factor)
+                terms = (abs(factor) * hidden[slot] for slot, factor in self._between(a, b) if factor)
                 hidden.append(sum(terms, hidden[0]))
             elif kind == kinds.PRODUCT:
                 hidden.append(_times(known[a], hidden[b]) + _times(known[b], hidden[a]))
@@ -156,7 +163,7 @@ class Tape:
         sums = list(np.maximum(np.abs(states), least).T)
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
-                terms = (abs(factor) * sums[slot] for slot, factor in self._terms[a:b])
+                terms = (abs(factor) * sums[slot] for slot, factor in self._between(a, b))
                 sums.append(sum(terms, abs(constant) + 0.0 * sums[0]))
             elif kind in (kinds.PRODUCT, kinds.SQUARE):
                 sums.append(sums[a] * sums[b])

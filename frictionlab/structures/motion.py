@@ -377,9 +377,9 @@ class StructureSystem(LagrangeSystem):
 
     @cached_property
     def _by_forces(self) -> MatrixProduct:
-        """The accelerations by those without contacts, and by all normal and friction forces."""
-        factors = (*self._free, *[sympy.S.Zero] * self._pushed.shape[1])
-        return MatrixProduct(np.hstack([np.eye(len(self.q)), self._pushed]), factors)
+        """The accelerations: those without contacts, and what all normal and friction forces add."""
+        factors = (*self.free.factors, *[sympy.S.Zero] * self._pushed.shape[1])
+        return MatrixProduct(np.hstack([self.free.matrix, self._pushed]), factors)
 
     @cached_property
     def _pushed(self) -> Array:

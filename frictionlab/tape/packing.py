@@ -34,6 +34,7 @@ from frictionlab.tape.lowering import (
     slot_array,
     undefined_number,
 )
+from frictionlab.tape.panels import ROWS, panels_of
 from frictionlab.tape.program import (
     NO_RESET,
     Code,
@@ -270,7 +271,10 @@ def shared_ranges(ops: np.ndarray) -> np.ndarray:
 
 
 class SharedTerms:
-    """Terms of products of matrices, once for all tapes on which their factors have the same slots."""
+    """Terms of products of matrices, once for all tapes on which their factors have the same slots.
+
+    They are in panels: a slot for each column of one, and ROWS coefficients.
+    """
 
     def __init__(self) -> None:
         self.slots, self.coefficients = GrowingArray(np.uint32), GrowingArray(np.float64)
@@ -284,19 +288,19 @@ class SharedTerms:
         shared, before = shared_ranges(ops), FIRST_SHARED
         ranges = ops[shared, 1:].copy()
         for one in lowered.tape.products:
-            product, slots = one.product, one.slots
-            inside = (ranges[:, 0] >= before) & (ranges[:, 0] < before + len(slots))
+            product, slots, count = one.product, one.slots, ROWS * len(one.slots)
+            inside = (ranges[:, 0] >= before) & (ranges[:, 0] < before + count)
             moved = ranges[inside] - np.uint32(before - FIRST_SHARED) + np.uint32(self._place(product, slots))
             ops[np.flatnonzero(shared)[inside], 1:] = moved
-            before += len(slots)
+            before += count
         return ops
 
     def _place(self, product: Any, slots: np.ndarray) -> int:
         key = (product.like or product).number, slots.tobytes()
         if key not in self._places:
-            self._places[key] = self.slots.length
+            self._places[key] = ROWS * self.slots.length
             self.slots.extend(slots)
-            self.coefficients.extend(product.entries)
+            self.coefficients.extend(panels_of(product).entries)
         return self._places[key]
 
 
@@ -451,6 +455,7 @@ class Packer:
         return Code(
             inputs=inputs,
             ops=ops,
+            shared=before[-1],
             term_slots=np.concatenate([*(one.slots.array for one in tapes), self.products.slots.array]),
             mode_ops=mode_ops,
             flow=of["flow"],

@@ -50,7 +50,8 @@ class Code(NamedTuple):
 
     inputs: int  # number of states
     ops: np.ndarray  # (operations, 3): kind, a, b
-    term_slots: np.ndarray  # (terms,)
+    shared: int  # number of the first term of products of matrices, which are in panels
+    term_slots: np.ndarray  # (terms before `shared` and columns of panels,)
     mode_ops: np.ndarray  # (modes + 1,) range of each mode's operations
     flow: np.ndarray  # (modes, states) slot that holds a state's derivative
     mode_guards: np.ndarray  # (modes + 1,)

@@ -14,7 +14,9 @@ from copy import copy
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from frictionlab.automaton.expressions import integer_exponent, unsorted_product, within_floats
 from frictionlab.automaton.mode import Expr
@@ -33,6 +35,7 @@ from frictionlab.tape.functions import (
     SQUARE,
     function_table,
 )
+from frictionlab.tape.panels import ROWS, panels_of, range_of_columns
 
 AffineTerms = dict[int, Expr]
 # Of a product of a matrix: the terms of larger ones, and all of a tape with such a one, are shared by tapes.
@@ -64,10 +67,10 @@ class Range(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class ProductTerms:
-    """The terms of all rows of a product of a matrix, with the slots of its factors on a tape."""
+    """The terms of all panels of a product of a matrix, with the slots of its factors on a tape."""
 
     product: Any  # a MatrixProduct, whose module needs sympy
-    slots: Any  # array (terms,)
+    slots: Any  # array (columns of all panels,)
 
     @cached_property
     def distinct(self) -> frozenset[int]:
@@ -79,8 +82,9 @@ class ProductTerms:
 class Tape:
     """Operations in the order of their execution.
 
-    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``, or of
-    those of ``products``, counted from FIRST_SHARED; its constant is ``constants[i]``.  Operation i writes
+    ``ops`` holds (kind, a, b): two slots, or for an affine combination the range [a, b) of ``terms``; its
+    constant is ``constants[i]``.  A row of one of the ``products`` has every ROWS-th term of [a, b), counted
+    from FIRST_SHARED, and the rows of a panel follow each other.  Operation i writes
     slot ``inputs + i``.  A function f(a), and a power
     with the exponent ``constants[i]``, come directly after the rate t a' of their argument; b is the slot of
     f'(a), which may come later, as it is needed only in lower orders.
@@ -97,15 +101,16 @@ class Tape:
         if a < FIRST_SHARED:
             return [slot for slot, _ in self.terms[a:b]]
         number, first = self._product_of(a)
-        return self.products[number].slots[first : first + b - a].tolist()
+        columns = range_of_columns(first, first + b - a)
+        return self.products[number].slots[slice(*columns)].tolist()
 
     def _product_of(self, term: int) -> tuple[int, int]:
         """The number of the product with a shared term, and the place of the term in it."""
         place = term - FIRST_SHARED
         for number, one in enumerate(self.products):
-            if place < len(one.slots):
+            if place < ROWS * len(one.slots):
                 return number, place
-            place -= len(one.slots)
+            place -= ROWS * len(one.slots)
         raise IndexError(f"there is no term number {term}")
 
     @property
@@ -208,6 +213,13 @@ class Tape:
         return {name: kinds.count(kind) for kind, name in OPERATION_NAMES.items()}
 
 
+class PlacedProduct(NamedTuple):
+    """A product of a matrix on a tape: the slots of its factors, and the number of its first shared term."""
+
+    slots: list[int]
+    first: int | None  # None where each row has terms of its own
+
+
 class TapeBuilder:
     """Lowers expressions onto one tape; equal subexpressions share a slot.
 
@@ -224,7 +236,7 @@ class TapeBuilder:
         self._affine: dict[Expr, AffineTerms] = {}
         self._slots: dict[object, int] = {}
         self._constants: dict[Expr, bool] = {}
-        self._first_terms: dict[Any, int] = {}
+        self._products: dict[Any, PlacedProduct] = {}
         self._shared_terms = 0
         self._has_rows = False
 
@@ -240,9 +252,9 @@ class TapeBuilder:
             products=tape.products[:],
         )
         other._affine, other._slots = self._affine.copy(), self._slots.copy()
-        other._constants, other._first_terms = self._constants.copy(), self._first_terms.copy()
+        other._constants, other._products = self._constants.copy(), self._products.copy()
         for product in products:
-            other._first_terms[product] = other._add_product(product)
+            other._products[product] = other._add_product(product)
         return other
 
     def slot(self, expr: Expr) -> int:
@@ -298,27 +310,46 @@ class TapeBuilder:
         raise TapeError(f"the tape has no operation for {expr}: {_cure(expr)}")
 
     def _row(self, row: Any) -> AffineTerms:
-        """A row of a product of a matrix, as one operation."""
+        """A row of a product of a matrix: an operation, or one of those of a panel."""
         product = row.product
-        if product not in self._first_terms:
-            self._first_terms[product] = self._add_product(product)
-        first, (start, end) = self._first_terms[product], product.starts[row.index : row.index + 2].tolist()
-        return {self.tape.emit(AFFINE, first + start, first + end, self.number(0)): sp.S.One}
+        if product not in self._products:
+            self._products[product] = self._add_product(product)
+        slots, first = self._products[product]
+        if first is None:
+            entries = product.matrix[row.index]
+            return {self._sum_of((slots[j], float(entries[j])) for j in np.flatnonzero(entries)): sp.S.One}
+        number, place = divmod(row.index, ROWS)
+        if (product, number) not in self._slots:
+            self._slots[product, number] = self._emit_panel(product, number, first)
+        return {self._slots[product, number] + place: sp.S.One}
 
-    def _add_product(self, product: Any) -> int:
-        """Add the terms of a product to the tape; the number of the first."""
-        slots = [self.slot(within_floats(factor)) for factor in product.factors]
-        if product.own and len(product.columns) > MOST_OWN_TERMS:
+    def _sum_of(self, terms: Iterable[tuple[int, float]]) -> int:
+        first = len(self.tape.terms)
+        self.tape.terms.extend(terms)
+        return self.tape.emit(AFFINE, first, len(self.tape.terms), self.number(0))
+
+    def _emit_panel(self, product: Any, number: int, first: int) -> int:
+        """Emit all rows of a panel; the slot of the first."""
+        start, end = (first + ROWS * column for column in panels_of(product).starts[number : number + 2])
+        rows = range(min(ROWS, len(product.matrix) - ROWS * number))
+        slots = [self.tape.emit(AFFINE, start + row, end, self.number(0)) for row in rows]
+        return slots[0]
+
+    def _add_product(self, product: Any) -> PlacedProduct:
+        """Add the factors of a product to the tape, and its terms where tapes share them."""
+        slots, terms = [self.slot(within_floats(factor)) for factor in product.factors], product.count
+        if product.own and terms > MOST_OWN_TERMS:
             first = len(slots) - product.own
             slots = [*slots[:first], *self._aligned(slots[first:])]
-        slots = product.slots_of_terms(slots)
-        if len(slots) <= MOST_OWN_TERMS and not self.tape.products:
-            first = len(self.tape.terms)
-            self.tape.terms.extend(zip(slots.tolist(), product.entries.tolist(), strict=True))
-            return first
-        first, self._shared_terms = FIRST_SHARED + self._shared_terms, self._shared_terms + len(slots)
-        self.tape.products.append(ProductTerms(product, slots))
-        return first
+        if terms <= MOST_OWN_TERMS and not self.tape.products:
+            return PlacedProduct(slots, None)
+        of_columns = np.array(slots, dtype=np.uint32)[panels_of(product).columns]
+        first, self._shared_terms = (
+            FIRST_SHARED + self._shared_terms,
+            self._shared_terms + ROWS * len(of_columns),
+        )
+        self.tape.products.append(ProductTerms(product, of_columns))
+        return PlacedProduct(slots, first)
 
     def _aligned(self, slots: Sequence[int]) -> list[int]:
         """Copies of slots from a multiple of ALIGNMENT on: mostly there on the tapes of other modes too, so
@@ -326,9 +357,7 @@ class TapeBuilder:
         tape = self.tape
         while tape.slots % ALIGNMENT:
             tape.emit(AFFINE, 0, 0, self.number(0))
-        first = len(tape.terms)
-        tape.terms.extend((slot, 1.0) for slot in slots)
-        return [tape.emit(AFFINE, first + k, first + k + 1, self.number(0)) for k in range(len(slots))]
+        return [self._sum_of([(slot, 1.0)]) for slot in slots]
 
     def _power_of_size(self, expr: Expr, exponent: Expr) -> AffineTerms:
         """|a|^p as the power p/2 of the square of a, which is not negative."""

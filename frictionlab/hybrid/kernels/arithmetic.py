@@ -27,6 +27,7 @@ from frictionlab.tape.elementary.double_double import (
     bits_to_float,
     float_to_bits,
 )
+from frictionlab.tape.panels import ROWS
 
 SIGN_AND_EXPONENT_MASK = 0xFFF
 PARTS = 4  # partial sums of a convolution or a series, independent of each other
@@ -61,6 +62,14 @@ def _plain_states(J, first, order, s, z):
         for k in range(order, PARTS * groups, -1):
             last = last * s + J[i, k]
         z[i] = J[i, 0] + _plain_sum(J, i, groups, last, s)
+
+
+def _plain_panel(terms, slots, first, column, count, k, J, out, rows):
+    for row in range(rows):
+        total = 0.0
+        for t in range(count):
+            total += terms[first + ROWS * t + row] * J[slots[column + t], k]
+        J[out + row, k] = total
 
 
 def _plain_correction(x, coefficients):
@@ -174,6 +183,27 @@ def states_of_four(ir: Any, build: Any, rows: list[Any], order: Any, s: Any) -> 
     return build.fadd(column(whole(0)), build.fmul(total, spread_s))
 
 
+def sums_of_panel(ir: Any, build: Any, entries: Any, slots: Any, count: Any, column: Any, length: Any) -> Any:
+    """Instructions of :func:`write_panel`; returns the sums of all rows as vectors of four.
+
+    `entries` and `slots` are the addresses of the panel's first, `column` of the coefficient of slot 0.
+    """
+    kind, whole = ir.VectorType(ir.DoubleType(), PARTS), count.type
+    shift = whole(ROWS.bit_length() - 1)
+
+    def add_column(t: Any, carried: list[Any]) -> list[Any]:
+        slot = build.zext(build.load(build.gep(slots, [t])), whole)
+        factor = spread(ir, build, build.load(build.gep(column, [build.mul(slot, length)])))
+        place = build.gep(entries, [build.shl(t, shift)])
+        totals = []
+        for i, total in enumerate(carried):
+            four = build.bitcast(build.gep(place, [whole(PARTS * i)]), kind.as_pointer())
+            totals.append(build.fadd(total, build.fmul(build.load(four, align=8), factor)))
+        return totals
+
+    return write_loop(build, count, [ir.Constant(kind, [0.0] * PARTS)] * (ROWS // PARTS), add_column)
+
+
 def _lane_of_each(ir: Any, build: Any, vectors: list[Any], lane: int) -> Any:
     """One lane of four vectors, as a vector."""
     two, four = (ir.VectorType(ir.IntType(32), n) for n in (2, PARTS))
@@ -195,6 +225,7 @@ def spread(ir: Any, build: Any, number: Any) -> Any:
 def _intrinsics() -> tuple[Any, ...]:
     from llvmlite import ir
     from numba import types
+    from numba.core import cgutils
     from numba.extending import intrinsic
 
     def by_address(context, builder, signature, arguments):
@@ -253,7 +284,46 @@ def _intrinsics() -> tuple[Any, ...]:
         builder.store(four, builder.bitcast(place, four.type.as_pointer()), align=8)
         return context.get_dummy_value()
 
+    def panel(context, builder, signature, arguments):
+        (terms, slots, first, at, count, k, J, out, rows), kinds = arguments, signature.args
+        entries, places, jets = (
+            context.make_array(kind)(context, builder, array)
+            for kind, array in ((kinds[0], terms), (kinds[1], slots), (kinds[6], J))
+        )
+        length, column = builder.extract_value(jets.shape, 1), builder.gep(jets.data, [k])
+        sums = sums_of_panel(
+            ir,
+            builder,
+            builder.gep(entries.data, [first]),
+            builder.gep(places.data, [at]),
+            count,
+            column,
+            length,
+        )
+        kept = cgutils.alloca_once(builder, ir.ArrayType(sums[0].type, len(sums)))
+        numbers = builder.bitcast(kept, ir.DoubleType().as_pointer())
+        for i, four in enumerate(sums):
+            place = builder.gep(numbers, [first.type(PARTS * i)])
+            builder.store(four, builder.bitcast(place, four.type.as_pointer()), align=8)
+
+        def write_row(row, _):
+            place = builder.mul(builder.add(out, row), length)
+            builder.store(builder.load(builder.gep(numbers, [row])), builder.gep(column, [place]))
+            return []
+
+        write_loop(builder, rows, [], write_row)
+        return context.get_dummy_value()
+
     number, whole = types.float64, types.int64
+
+    @intrinsic
+    def write_panel(typing_context, terms, slots, first, column, count, k, J, out, rows):
+        """Write coefficient k of the first `rows` rows of a panel of a matrix into `J`, from slot `out` on.
+
+        The panel has `count` columns, from number `column` on, and its entries begin with term `first`.  All
+        sums are computed side by side, as vectors; the arrays must be contiguous.
+        """
+        return types.void(terms, slots, whole, whole, whole, whole, J, whole, whole), panel
 
     @intrinsic
     def write_states(typing_context, J, first, order, s, z):
@@ -295,11 +365,14 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    return call, call_step, sum_of_series, sum_of_magnitudes, add_change, write_states, *of_one
+    sums = sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel
+    return call, call_step, *sums, *of_one
 
 
-_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change, _plain_states
+_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change, _plain_states, _plain_panel
 _PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_log2, _plain_exp2
-call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, write_states, log2, exp2 = (
-    _PLAIN if NUMBA is None else _intrinsics()
-)
+_MADE = _PLAIN if NUMBA is None else _intrinsics()
+call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel = _MADE[
+    :-2
+]
+log2, exp2 = _MADE[-2:]

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import (
     PARTS,
@@ -17,10 +19,12 @@ from frictionlab.hybrid.kernels.arithmetic import (
     exp2,
     sum_of_magnitudes,
     sum_of_series,
+    write_panel,
     write_states,
 )
 from frictionlab.tape.elementary.exponentials import power
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
+from frictionlab.tape.panels import ROWS
 
 MAX_ORDER = 60  # highest order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # not a power of two, by which all rows would fall on few sets of the cache
@@ -119,6 +123,30 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
     return total / (k * base)
 
 
+@inlined
+def term_step(code, a):
+    """By how much the numbers of the terms of one sum go up, from number `a` on."""
+    return ROWS if a >= code.shared else 1
+
+
+@inlined
+def term_slot(code, j):
+    """The slot of term number `j`."""
+    shared = code.shared
+    return code.term_slots[j if j < shared else shared + (j - shared) // ROWS]
+
+
+@inlined
+def panel_coefficients(code, numbers, op, last, k, out, J):
+    """Compute coefficient k of the rows of a panel, of which `op` is the first; returns their number."""
+    a, b, rows = np.int64(code.ops[op, 1]), np.int64(code.ops[op, 2]), 1
+    while rows < ROWS and op + rows < last and code.ops[op + rows, 1] == a + rows:
+        rows += 1
+    column = code.shared + (a - code.shared) // ROWS
+    write_panel(numbers.terms, code.term_slots, a, column, (b - a) // ROWS, k, J, out, rows)
+    return rows
+
+
 @kernel
 def run_tape(code, numbers, operations, orders, flow, sign, values, J):
     """Compute Taylor coefficients, of the `orders` (lowest, highest), of the slots that `operations` write.
@@ -137,13 +165,17 @@ def run_tape(code, numbers, operations, orders, flow, sign, values, J):
             share = 1.0 / k
             for i in range(inputs):
                 J[i, k] = J[flow[i], k - 1] * share
-        for i in range(first, last):
+        i = first
+        while i < last:
             kind = ops[i, 0]
             a = ops[i, 1]
             b = ops[i, 2]
             out = inputs + i - first
             total = 0.0
             if kind == AFFINE:
+                if code.shared <= a < b:
+                    i += panel_coefficients(code, numbers, i, last, k, out, J)
+                    continue
                 if k == 0:
                     total = constants[i]
                 for j in range(a, b):
@@ -166,6 +198,7 @@ def run_tape(code, numbers, operations, orders, flow, sign, values, J):
                     divisor = abs(divisor)
                 total /= divisor
             J[out, k] = total
+            i += 1
 
 
 @inlined
@@ -224,8 +257,8 @@ def first_order_bounds(code, magnitudes, mode, jets, J):
         kind, a, b, out = ops[i, 0], ops[i, 1], ops[i, 2], inputs + i - first
         if kind == AFFINE:
             total = magnitudes.constants[i]
-            for j in range(a, b):
-                total += magnitudes.terms[j] * J[code.term_slots[j], 0]
+            for j in range(a, b, term_step(code, a)):
+                total += magnitudes.terms[j] * J[term_slot(code, j), 0]
             J[out, 0] = total
         elif kind == PRODUCT:
             J[out, 0] = abs(jets[a, 0]) * J[b, 0] + J[a, 0] * abs(jets[b, 0])
@@ -358,8 +391,8 @@ def slot_gradients(code, numbers, mode, z, J, T):
         for i in range(inputs):
             if kind == AFFINE:
                 T[out, i] = 0.0
-                for j in range(a, b):
-                    T[out, i] += numbers.terms[j] * T[code.term_slots[j], i]
+                for j in range(a, b, term_step(code, a)):
+                    T[out, i] += numbers.terms[j] * T[term_slot(code, j), i]
             elif kind == PRODUCT:
                 T[out, i] = J[a, 0] * T[b, i] + J[b, 0] * T[a, i]
             elif kind == SQUARE:

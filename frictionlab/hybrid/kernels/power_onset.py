@@ -15,7 +15,7 @@ import math
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
-from frictionlab.hybrid.kernels.jets import has_series, series_range
+from frictionlab.hybrid.kernels.jets import has_series, series_range, term_slot, term_step
 from frictionlab.hybrid.kernels.remainder import REACH, REST, infinite_if_nan, operation_range, power_range
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, END
 from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR, largest_coefficient
@@ -35,8 +35,9 @@ def multiple(factor, bound):
 def bound_affine_onset(code, magnitudes, op, order, h, J, bounds):
     """Bounds of an affine combination: how far it goes in a step, and how far from its polynomial."""
     reach = rest = 0.0
-    for j in range(code.ops[op, 1], code.ops[op, 2]):
-        slot = code.term_slots[j]
+    first = code.ops[op, 1]
+    for j in range(first, code.ops[op, 2], term_step(code, first)):
+        slot = term_slot(code, j)
         reach += multiple(magnitudes.terms[j], bounds[slot, REACH])
         rest += multiple(magnitudes.terms[j], bounds[slot, REST])
     return reach, rest

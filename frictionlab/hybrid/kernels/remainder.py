@@ -17,7 +17,7 @@ import math
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.arithmetic import exp2, log2
-from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range
+from frictionlab.hybrid.kernels.jets import has_series, majorant, series_range, term_slot, term_step
 from frictionlab.hybrid.kernels.run_state import CLOCK_RESOLUTION, NOW
 from frictionlab.hybrid.kernels.step_length import (
     FUNCTION_TOL_FACTOR,
@@ -99,8 +99,9 @@ def infinite_if_nan(bound):
 def bound_affine(code, magnitudes, op, out, order, radius, J, bounds):
     """Bounds of an affine combination of slots.  For BOTH its own series bounds it too: terms may cancel."""
     reach = rest = 0.0
-    for j in range(code.ops[op, 1], code.ops[op, 2]):
-        slot = code.term_slots[j]
+    first = code.ops[op, 1]
+    for j in range(first, code.ops[op, 2], term_step(code, first)):
+        slot = term_slot(code, j)
         if magnitudes.terms[j] > 0.0:
             reach += magnitudes.terms[j] * bounds[slot, REACH]
             rest += magnitudes.terms[j] * bounds[slot, REST]

@@ -24,7 +24,15 @@ import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.native_cache import interpreted_code
-from frictionlab.hybrid.kernels.jets import copy_vector, has_series, mode_operations, run_tape, states_at
+from frictionlab.hybrid.kernels.jets import (
+    copy_vector,
+    has_series,
+    mode_operations,
+    run_tape,
+    states_at,
+    term_slot,
+    term_step,
+)
 from frictionlab.hybrid.kernels.step_length import step_length
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE
 from frictionlab.tape.program import Numbers, Program
@@ -72,8 +80,8 @@ def operation_tangent(code, numbers, op, out, k, J, T):
     for d in range(total.shape[0]):
         total[d] = 0.0
     if kind == AFFINE:
-        for j in range(a, b):
-            add_multiple(numbers.terms[j], T[code.term_slots[j], k], total)
+        for j in range(a, b, term_step(code, a)):
+            add_multiple(numbers.terms[j], T[term_slot(code, j), k], total)
     elif kind == PRODUCT:
         add_convolution(1.0, J, a, T, b, 0, k, total)
         add_convolution(1.0, J, b, T, a, 0, k, total)

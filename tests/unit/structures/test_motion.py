@@ -87,13 +87,13 @@ def test_pads_on_one_body_share_its_friction():
     np.testing.assert_allclose(2 * other.friction_force_1, other.friction_force_2, atol=1e-12)
 
 
-def chain(contacts: int = 2) -> fl.Structure:
-    """Four masses in a chain, coupled in both directions, the last ones pressed on a belt."""
+def chain(contacts: int = 2, n: int = 4) -> fl.Structure:
+    """Masses in a chain, coupled in both directions, pressed on a belt."""
     rng = np.random.default_rng(7)
-    basis = np.linalg.qr(rng.standard_normal((4, 4)))[0]
-    K = basis @ np.diag([1.0, 2.0, 3.5, 5.0]) @ basis.T
-    M = np.eye(4) + 0.1 * np.ones((4, 4))
-    rows = rng.standard_normal((2, contacts, 4))
+    basis = np.linalg.qr(rng.standard_normal((n, n)))[0]
+    K = basis @ np.diag([1.0, 2.0, 3.5, 5.0, *np.linspace(6.0, 9.0, n - 4)]) @ basis.T
+    M = np.eye(n) + 0.1 * np.ones((n, n))
+    rows = rng.standard_normal((2, contacts, n))
     sliding = fl.SlidingContacts(
         rows[0],
         0.3 * rows[1],
@@ -200,9 +200,12 @@ class EventByEvent:
 
 
 @pytest.mark.slow(reason="DOP853 takes seconds; models of the library and the motion agree in the fast ones")
-def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event():
-    structure = chain()
-    x0 = np.array([0.5, -0.3, 0.4, 0.2, 0.3, 0.0, -0.2, 0.1])
+@pytest.mark.parametrize("n", [4, 20])  # 20 rows are two panels, and no two contacts change at one instant
+def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event(n):
+    structure = chain(n=n)
+    x0 = np.zeros((2, n))
+    x0[:, :4] = [[0.5, -0.3, 0.4, 0.2], [0.3, 0.0, -0.2, 0.1]]
+    x0 = x0.ravel()
     run = fl.simulate(structure, 12.0, x0=x0, progress=False)
     times, end = EventByEvent(structure).run(x0, 12.0)
     words = {word for name in run.events.target for word in name.split(" | ")}

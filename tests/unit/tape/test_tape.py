@@ -10,6 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import frictionlab as fl
+from frictionlab.automaton.matrix_rows import matrix_rows
 from frictionlab.hybrid.kernels.jets import majorant, mode_jets
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Numbers, Section
@@ -102,6 +103,21 @@ def test_jets_of_a_quotient_flow_to_order_thirty():
     with mpmath.workdps(60):
         exact = mpmath.taylor(lambda s: mpmath.sqrt(mpmath.mpf(9) / 16 + 2 * s), 0, 30)
     assert jet == pytest.approx(np.array([float(c) for c in exact]), rel=1e-12)
+
+
+@pytest.mark.plain_python
+def test_rows_of_a_matrix_are_sums_in_the_sequence_of_its_columns():
+    """x' = A x: coefficient k + 1 is A x_k / (k + 1), to the last bit, with rows summed side by side."""
+    n, rng = 37, np.random.default_rng(3)  # more than two panels, with zeros
+    A = rng.standard_normal((n, n)) * (rng.random((n, n)) < 0.5)
+    states = sp.symbols(f"x:{n}", real=True)
+    automaton = fl.HybridAutomaton(states, (fl.Mode("only", tuple(matrix_rows(A, states))),))
+    program, numbers = program_of(automaton)
+    J, exact = np.zeros((program.slots, ORDER + 1)), [rng.standard_normal(n)]
+    mode_jets(program.code, numbers, 0, ORDER, exact[0], J)
+    for k in range(ORDER):
+        exact.append(np.cumsum(A * exact[k], axis=1)[:, -1] * (1.0 / (k + 1)))
+    np.testing.assert_array_equal(J[:n].T, exact)
 
 
 @pytest.mark.plain_python
