@@ -23,9 +23,8 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 SMALLEST_EIGENVALUE = 1e-280  # taken for the largest where all are zero
 NEUTRAL_RTOL = 1e-10  # growth rates below this share of the largest eigenvalue count as zero
 SLOW_RTOL = 1e-5  # share of the largest eigenvalue: rounding may be NEUTRAL_RTOL of one that is slower
-EQUAL_RTOL = (
-    1e-10  # share of the largest eigenvalue, or of a frequency, by which rounding may separate equal ones
-)
+# Share of the largest eigenvalue, or of a frequency, by which rounding may separate equal ones.
+EQUAL_RTOL = 1e-10
 MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
 BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
@@ -175,7 +174,11 @@ def eigenvalue_order(values: ComplexArray) -> NDArray[np.intp]:
     rank[ascending] = np.cumsum(
         np.diff(frequencies[ascending], prepend=0.0) > EQUAL_RTOL * frequencies[ascending]
     )
-    return np.lexsort((values.imag, values.real, rank))
+    half = np.sign(values.imag)
+    by_half = np.lexsort((frequencies, values.real, rank, half))
+    place = np.empty(len(values), dtype=int)  # in its half plane: the same for the two of a pair
+    place[by_half] = np.arange(len(values)) - np.searchsorted(half[by_half], half[by_half])
+    return np.lexsort((values.imag, place, values.real, rank))
 
 
 def is_neutral(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bool_]:

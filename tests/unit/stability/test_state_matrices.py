@@ -8,6 +8,7 @@ from scipy.linalg import matrix_balance
 from frictionlab.stability.state_matrices import (
     balanced,
     eigenpairs_of_matrices,
+    eigenvalue_order,
     eigenvalues_of_matrices,
     growth_rates,
     is_neutral,
@@ -95,3 +96,16 @@ def test_bodies_that_nothing_holds_have_eigenvalues_of_zero():
     assert np.count_nonzero(values == 0.0) == 3
     np.testing.assert_allclose(np.sort(values.real)[4:5], -1e-2, rtol=1e-5)
     assert np.abs(np.sort(values.real)[5:]).max() == 0.0
+
+
+@pytest.mark.parametrize(
+    "values", [[2j, -2j, 2j, -2j], [-1 - 2j, 2j, -1 + 2j, -2j, -1 - 2j, -1 + 2j], [1, 0, -3]]
+)
+def test_the_two_of_a_pair_are_neighbours(values):
+    values = np.array(values, dtype=complex)
+    random = np.random.default_rng(0)
+    for shuffled in (random.permutation(values) for _ in range(20)):
+        ordered = shuffled[eigenvalue_order(shuffled)]
+        of_pairs = ordered[ordered.imag != 0.0]
+        assert (of_pairs[::2] == of_pairs[1::2].conj()).all()
+        assert (np.diff(ordered.real[ordered.imag >= 0.0]) >= 0.0).all()
