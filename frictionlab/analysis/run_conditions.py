@@ -33,6 +33,7 @@ MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
 HALVINGS = 30  # by which the time of a violation is found
 SAMPLES_OF_SIZES = 2000
 VIOLATION_WITHOUT_TOLERANCE = 1e-6  # share of a condition's size, for methods whose tolerance is not known
+ROUNDING_MARGIN = 10.0  # times the rounding errors of a state: what moves less is at rest
 STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relative velocity zero
 
 
@@ -64,21 +65,26 @@ def largest_violation(run: Trajectory) -> float:
 def judged_size(run: Trajectory) -> Array:
     """Size of a motion in each state, by which conditions are judged.
 
-    It is at least the size of which the rounding errors of the rates are the share by which a condition may
-    be broken: bodies at rest on several contacts have velocities of 1e-16 m/s, which are no motion.
+    Bodies at rest on several contacts have velocities of 1e-16 m/s, which are no motion.
     """
     return np.maximum(motion_size(run), _sizes_of_rounding(run))
 
 
 def _sizes_of_rounding(run: Trajectory) -> Array:
+    """Sizes of the states that move by no more than rounding errors of the rates, summed over the run.
+
+    Of such a size these errors are the share by which a condition may be broken.  Those of other states are
+    zero, as a motion is judged by its own size.
+    """
     n, modes = run.automaton.coordinates, run.raw.step_modes
     rates = np.zeros(len(run.names))
     for mode in np.unique(modes):
         tape = Tape(run.problem.program.code, run.problem.numbers, int(mode))
         rates = np.maximum(rates, tape.sizes(run.raw.step_states[modes == mode], tape.flow))
-    sizes = RESIDUAL_ROUNDING / largest_violation(run) * run.raw.t * rates
-    sizes[:n] = sizes[n : 2 * n] * run.raw.t
-    return sizes
+    rounding = RESIDUAL_ROUNDING * run.raw.t * rates
+    rounding[:n] = rounding[n : 2 * n] * run.raw.t
+    only_rounding = motion_size(run) <= ROUNDING_MARGIN * rounding
+    return np.where(only_rounding, rounding / largest_violation(run), 0.0)
 
 
 def evenly_spread(count: int, most: int) -> Array:

@@ -61,6 +61,18 @@ def test_a_velocity_that_a_reset_takes_away():
 
 
 @ONCE
+def test_a_long_run_is_judged_by_its_motion():
+    """Rounding errors of the rates over 1e4 periods, summed twice, come to 7e-6 of the motion."""
+    stop, blind = (
+        automaton(Mode("swing", (V, -X), (Event("hit", X + reach, ("swing",), Reset({V: -V})),)))
+        for reach in (1 - 1e-6, 2.0)
+    )
+    run = fl.solve(blind, 6e4, x0=[1.0, 0.0], method=fl.Taylor(tol=1e-13), progress=False)
+    assert broken_condition(run) == ""
+    assert "beyond zero, in the worst case by 5e-07 of its size" in broken_condition(as_run_of(stop, run))
+
+
+@ONCE
 @pytest.mark.parametrize("tol", [1e-15, 1e-6])
 def test_sound_runs_break_none(tol):
     method = fl.Taylor(tol=tol)
