@@ -55,7 +55,9 @@ WORKS = (
 # rounding.
 PIECE_NODES, PIECE_WEIGHTS = np.polynomial.legendre.leggauss(10)
 PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
-WORK_ROUNDING = 1e-15  # share of the largest work below which one is rounding, as of resets that begin stick
+WORK_ROUNDING = (
+    1e-15  # share of the energy turned over up to which a work is rounding, as of resets that begin stick
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -494,12 +496,15 @@ class EnergyAudit(Drawable):
         """Largest residual as a share of the energy turned over; rounding, for the exact solver."""
         return float(np.abs(self.residual).max(initial=0.0) / (self.turned_over or 1.0))
 
+    @property
+    def works_above_rounding(self) -> dict[str, Array]:
+        """The works (N,) that become more than rounding of the energy turned over, J."""
+        least = WORK_ROUNDING * self.turned_over
+        return {name: work for name, work in self.works.items() if not np.abs(work).max() <= least}
+
     def __repr__(self) -> str:
-        done = {name: float(work[-1]) for name, work in self.works.items()}
-        least = WORK_ROUNDING * max(map(abs, done.values()), default=0.0)
-        ends = shorten(
-            f"{name} {work:+.4g} {self.unit}" for name, work in done.items() if not abs(work) <= least
-        )
+        done = self.works_above_rounding.items()
+        ends = shorten(f"{name} {work[-1]:+.4g} {self.unit}" for name, work in done)
         return f"EnergyAudit(0 to {self.t[-1]:g} s, {ends or 'no work'}, error {self.error:.1g})"
 
 

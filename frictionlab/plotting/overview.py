@@ -538,7 +538,7 @@ def plot_energies(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> li
 
 def plot_works(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[Line2D]:
     """Draw the work of every contribution from 0 to t, and dashed their sum, the energy that the system
-    gained.
+    gained.  What is rounding is left out.
 
     Parameters
     ----------
@@ -551,7 +551,7 @@ def plot_works(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[
     Returns
     -------
     list of Line2D
-        One for every contribution, then the sum.
+        One for every contribution that is more than rounding, then the sum.
 
     Examples
     --------
@@ -565,7 +565,7 @@ def plot_works(audit: EnergyAudit, ax: Axes | None = None, **line: Any) -> list[
         _draw_contributions(
             audit,
             ax,
-            audit.works,
+            audit.works_above_rounding,
             WORK_COLOURS,
             audit.total - audit.total[0],
             f"work from 0 to $t$ ({audit.unit})",
