@@ -11,7 +11,7 @@ arrays and symbols; its parameters have a meaning and a range; its repr and its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from typing import Any
 
@@ -24,6 +24,7 @@ from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, Parameter, parameters_of, structure_of
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
@@ -44,6 +45,7 @@ CONTINUITY_RTOL = 1e-9  # of a law, between relative velocities of this size and
 LAW_RTOL = 1e-12
 COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
+SAMPLE_COUNT, MAX_MISS = 400, 1e-9  # of the outputs of a motion, and by which share they may miss a rule
 PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
 
 
@@ -230,7 +232,8 @@ def check_model(model: Model, t_end: float = 1.0) -> Trajectory:
     functions and constraints of its modes, agrees with that of another integrator, and is one of what a
     :class:`MechanicalModel` states, as :func:`frictionlab.verify` judges it: with at most 12 coordinates it
     keeps Lagrange's equations, whose derivatives are then differences of numbers; its contacts do not pull,
-    hold no more than they can and no less, and their impacts keep momentum, energy and law.
+    hold no more than they can and no less, and their impacts keep momentum, energy and law.  Of other models
+    the outputs are judged: v_r = 0 in stick, friction along v_r, F_N >= 0, no F_N in flight.
 
     Parameters
     ----------
@@ -265,6 +268,35 @@ def _check_motion(model: Model, run: Trajectory) -> None:
         fail(model, f"a motion of {run.t[-1]:g} s must come to its end", run.status)
     if broken := broken_condition(run) or broken_statement(run):
         fail(model, "a motion must be one of its modes, and of what the model states", broken)
+    for rule, worst in () if isinstance(model, MechanicalModel) else _misses_of_outputs(run):
+        if not worst <= MAX_MISS:
+            fail(model, f"its outputs must keep the rule: {rule}", f"a miss of {worst:.2g}")
+
+
+def _misses_of_outputs(run: Trajectory) -> Iterator[tuple[str, float]]:
+    """Rules of one contact and by how much outputs of a model that states no mechanics miss them, as shares.
+
+    Modes are known by their names.  Without a flight, contact is bilateral, and F_N may have either sign.
+    """
+    t = np.unique(np.concatenate([np.linspace(0.0, run.raw.t, SAMPLE_COUNT), run.t, run.events.t]))
+    modes, visited = run.modes_at(t), [run.automaton.mode(name) for name in run.mode_names]
+    values = {
+        name: run.output(name, t)
+        for name in ("relative_velocity", "friction_force", "normal_force")
+        if all(name in mode.outputs for mode in visited)
+    }
+    shares = {name: x / (np.abs(x).max() or 1.0) for name, x in values.items()}
+    flight, unilateral = modes == "separation", "separation" in run.automaton.names
+    v_r, friction, normal = map(shares.get, ("relative_velocity", "friction_force", "normal_force"))
+    if v_r is not None:
+        held = [mode.name for mode in visited if mode.name == "stick" and mode.holds]
+        yield "v_r = 0 in stick", np.abs(v_r[np.isin(modes, held)]).max(initial=0.0)
+        if friction is not None and unilateral:
+            slip = np.isin(modes, ["slip+", "slip-"])
+            yield "friction along v_r in slip", (-np.sign(v_r) * friction)[slip].max(initial=0.0)
+    if normal is not None and unilateral:
+        yield "no normal force in flight", np.abs(normal[flight]).max(initial=0.0)
+        yield "F_N >= 0 in contact", -normal[~flight].min(initial=0.0)
 
 
 def _check_equations(model: Model) -> None:

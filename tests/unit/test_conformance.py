@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
 from frictionlab.components import StickSlip
 from frictionlab.components.functions import exp
+from frictionlab.models.symbols import symbol
 from tests.helpers.cases import slow_but
 
 LAWS = [
@@ -162,3 +164,31 @@ def test_what_is_wrong_is_named(law, rule):
 def test_a_model_is_no_law():
     with pytest.raises(TypeError, match="law must be a ContactLaw, FrictionLaw or ImpactLaw"):
         fl.testing.check_law(fl.SliderOnBelt())
+
+
+@fl.model
+class Bouncer(fl.Model):
+    """A ball on a spring that lets go once it pulls with some force, as an automaton."""
+
+    pull: float = fl.parameter(0.0, unit="N", meaning="pull", range=(0.0, 9.0))
+    coordinates = ("x",)
+
+    def release(self):
+        """Above the ground."""
+        return {"x": 0.5}
+
+    def derive(self):
+        """Contact and flight."""
+        states = x, v = symbol("x"), symbol("x'")
+        force = -100 * x
+        let_go = fl.Event("F_N", force + self.pull, ("separation",))
+        contact = fl.Mode("slip+", (v, force - 10), (let_go,), outputs={"normal_force": force})
+        land = fl.Event("gap", x, ("slip+",))
+        flight = fl.Mode("separation", (v, sp.Integer(-10)), (land,), outputs={"normal_force": sp.S.Zero})
+        return fl.HybridAutomaton(states, (flight, contact), {}, 1)
+
+
+def test_the_outputs_of_a_model_by_its_automaton_are_judged():
+    fl.testing.check_model(Bouncer())
+    with pytest.raises(AssertionError, match=r"F_N >= 0 in contact, got 'a miss of"):
+        fl.testing.check_model(Bouncer(pull=5.0))
