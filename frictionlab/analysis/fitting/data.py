@@ -308,8 +308,8 @@ def _check_order(t: Any, values: Mapping[str, Any]) -> None:
         own = np.asarray(_labels(column, labels))
         if own.shape == labels.shape and (own != labels).any() and set(own.tolist()) == set(labels.tolist()):
             raise ValueError(
-                f"values[{abbreviate(name)}] must be in the order of t, got its index in another: sort both, "
-                "as by sort_index()"
+                f"values[{abbreviate(name)}] must be in the order of t, got its index in another: give the "
+                "values in the order of t, as by .loc[t.index]"
             )
 
 
