@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import frictionlab as fl
-from frictionlab.components import ContactLaw
+from frictionlab.components import ContactLaw, FrictionLaw
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from tests.helpers.cases import slow_but
 from tests.helpers.laws import Hertz, Saturating
@@ -31,6 +31,23 @@ class Exponential(ContactLaw):
     def force(self, gap):
         """An exponential function."""
         return self.top * (sympy.exp(self.per * gap) - 1)
+
+
+@dataclass(frozen=True)
+class Stribeck(FrictionLaw):
+    """Falls with the speed."""
+
+    mu_k: float = 0.3
+    mu_s: float = 0.9
+    v_s: float = 0.5
+
+    def kinetic(self, normal_force, speed):
+        """Stribeck."""
+        return (self.mu_k + (self.mu_s - self.mu_k) * sympy.exp(-speed / self.v_s)) * normal_force
+
+    def static_limit(self, normal_force):
+        """At rest."""
+        return self.mu_s * normal_force
 
 
 def one_by_one(model, changes):
@@ -104,7 +121,7 @@ LAWS = [
     {"contact": Saturating()},
     {"contact": Exponential()},
     {"friction": DECAY},
-    {"contact": Hertz(), "friction": DECAY},
+    {"contact": Hertz(), "friction": Stribeck()},
 ]
 
 
