@@ -6,6 +6,7 @@ velocities and others, as each group has a unit of its own.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import floor, log10
 from typing import Any, NamedTuple
 
@@ -114,9 +115,12 @@ def oscillation_period(source: ModelOrAutomaton | None) -> float:
     return source.period if isinstance(source, (Model, MovingSystem)) else DEFAULT_PERIOD
 
 
-def shortest_period(run: Trajectory) -> float:
-    """Mean time in which the fastest of the states goes up and down, s; inf where none does twice."""
-    states = run.states
+def shortest_period(run: Trajectory, of: Iterable[str] | None = None) -> float:
+    """Mean time in which the fastest of the states, all or some by name, goes up and down, s.
+
+    It is inf where none does twice.
+    """
+    states = run.states[:, [run.names.index(name) for name in (run.names if of is None else of)]]
     middle, size = 0.5 * (states.max(axis=0) + states.min(axis=0)), np.ptp(states, axis=0)
     turns = 0
     for column in ((states - middle) / np.where(size > 0.0, size, 1.0)).T:

@@ -22,29 +22,31 @@ Array = NDArray[np.float64]
 MAX_SIZE_RATIO = 100.0  # of a state's range in the record and in the run: a larger one is rather one of units
 PROBED_TIMES = 10  # times of a record over which its spacing is compared with the motion
 MOST_PERIODS = 10.0  # of the motion between two times: with more, no search by single times can find its way
+MILLISECOND = 1e-3  # s
 MAX_LEAD = 10.0  # times the samples' distance: a record that begins later leaves out the motion's start
 
 
 def doubts_about(data: Sequence[Any], run: Trajectory, model: ModelOrAutomaton) -> Iterator[str]:
     """What is odd about time records, each in a sentence; `run` is the model's where the search begins."""
-    shortest = shortest_period(run)
     for record in of_kind(data, TimeRecord):
-        yield from _doubts_about_times(record.t, shortest)
+        yield from _doubts_about_times(record.t, shortest_period(run, record.values))
         for name, column in record.values.items():
             yield from _doubts_about_size(name, column, run, unit_of_state(model, name))
 
 
 def check_times(data: Sequence[Any], run_for: Callable[[float], Trajectory]) -> None:
-    """Raise ValueError where the motion goes up and down many times between two times of a record.
+    """Raise ValueError where what a record measures goes up and down many times between two of its times.
 
+    Only where times in ms would follow the motion: other records may be of single times on purpose.
     `run_for` gives the model's run of a length, s.  A few times of a record are enough, so that this takes
     less than one run over all of it.
     """
     for record in of_kind(data, TimeRecord):
         interval = float(np.median(np.diff(record.t))) if len(record.t) > 1 else 0.0
         if len(record.t) > PROBED_TIMES:
-            shortest = shortest_period(run_for(PROBED_TIMES * interval))
-            if interval > MOST_PERIODS * shortest:
+            run = run_for(PROBED_TIMES * interval)
+            shortest = shortest_period(run, record.values)
+            if run.status.ok and MILLISECOND * interval < shortest < interval / MOST_PERIODS:
                 raise ValueError(
                     f"the times of a record must follow the motion, got times {interval:g} s apart where the "
                     f"model moves up and down within {shortest:.3g} s: give t in s (is it in ms?), or fit a "

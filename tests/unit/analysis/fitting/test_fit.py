@@ -1,16 +1,20 @@
 """Fits of synthetic measurements: the truth is recovered through stick and impacts, and errors are right."""
 
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from importlib import import_module
 from itertools import pairwise
 from zoneinfo import ZoneInfo
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.optimize import least_squares
 
 import frictionlab as fl
+from frictionlab.analysis.fitting.plausibility import check_times
 from frictionlab.analysis.fitting.predictions import Segments, motion_misfit
+from tests.helpers.automata import V, X
 from tests.helpers.cases import slow_but
 
 fit_module = import_module("frictionlab.analysis.fitting.fit")
@@ -371,6 +375,18 @@ def test_other_units_and_another_start_are_told_before_the_search(of, kind, mess
     monkeypatch.setattr(fit_module, "_solve", lambda *_: pytest.fail("the search has begun"))
     with pytest.raises(kind, match=message):
         fl.fit(FIRST, fl.TimeRecord(t, {"x": x}, error=ERROR), ["k"])
+
+
+def test_times_are_judged_by_what_the_record_measures():
+    """A temperature every 20 s, beside a vibration of 1 Hz that takes twenty steps and more."""
+    warm = sp.Symbol("warm", real=True)
+    flow = (V, -((2 * sp.pi) ** 2) * X, (1 - warm) / 100)
+    heated, t = fl.HybridAutomaton((X, V, warm), (fl.Mode("on", flow),), {}, 1), 20.0 * np.arange(40)
+    motion = partial(fl.solve, heated, x0=[1.0, 0.0, 0.0], progress=False)
+    check_times([fl.TimeRecord(t, {"warm": 1 - np.exp(-t / 100)})], motion)
+    check_times([fl.TimeRecord(t, {"x": t})], partial(motion, method=fl.Taylor(max_steps=20)))
+    with pytest.raises(ValueError, match="is it in ms"):
+        check_times([fl.TimeRecord(t, {"x": t})], motion)
 
 
 def test_what_does_not_fit_says_so():
