@@ -80,17 +80,22 @@ class Axis { // from data to pixels, and back
 const withPower = (label, power) => !power ? label : label.endsWith(")")
   ? label.replace(/\(([^()]*)\)$/, `(10${raised(power)} $1)`) : `${label} (10${raised(power)})`;
 
-// A line breaks where a number is not finite.  Of points within a pixel, and of those on a level, the last is painted.
+// A line breaks where a number is not finite.  Of points within a pixel, and of those on a level in one direction, the
+// last is painted.
 function paintLine(c, x, y, X, Y) {
-  let [px, py, begun, left] = [0, 0, false, -1]; // the last point that is painted; the one that was left out
-  const paint = (u, v) => { begun ? c.lineTo(u, v) : c.moveTo(u, v); [px, py, begun, left] = [u, v, true, -1]; };
-  const catchUp = () => { if (left >= 0) paint(X.at(x[left]), Y.at(y[left])); };
+  let [px, py, begun, lu, lv] = [0, 0, false, NaN, NaN]; // the last point that is painted; the one that was left out
+  const paint = (u, v) => {
+    begun ? c.lineTo(u, v) : c.moveTo(u, v);
+    [px, py, begun, lu, lv] = [u, v, true, NaN, NaN];
+  };
+  const catchUp = () => { if (Number.isFinite(lu)) paint(lu, lv); };
   c.beginPath();
   for (let i = 0; i < x.length; i++) {
-    const u = X.at(x[i]), v = Y.at(y[i]), near = Math.abs(u - px) < 1 && Math.abs(v - py) < 1;
-    if (!Number.isFinite(u + v)) { catchUp(); begun = false; }
-    else if (begun && (near || v === py)) left = i;
-    else { if (left >= 0 && y[left] === y[left - 1]) catchUp(); paint(u, v); }
+    const u = X.at(x[i]), v = Y.at(y[i]);
+    if (!Number.isFinite(u + v)) { catchUp(); begun = false; continue; }
+    if (lv === py && (v !== py || Math.abs(lu - px) >= 1 && (u - lu) * (lu - px) < 0)) catchUp();
+    const near = Math.abs(u - px) < 1 && Math.abs(v - py) < 1;
+    if (begun && (near || v === py)) [lu, lv] = [u, v]; else paint(u, v);
   }
   catchUp();
   c.stroke();
