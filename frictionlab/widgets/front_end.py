@@ -108,9 +108,10 @@ def result_data(
 
     While a slider moves it is not complete: the spectrum and what the words say of the run are left out.
     """
-    model, known = result.model, result.eigenvalues
-    point = None if known is None else known.equilibrium
+    model = result.model
     shown = run_data(result) if needs_run else _without_run(model)
+    known = result.eigenvalues  # after the run, whose error names the parameter that has no value
+    point = None if known is None else known.equilibrium
     if needs_run and complete:
         shown |= facts(result) | {"spectrum": spectrum_data(result) if needs_spectrum else None}
     data: Data = {

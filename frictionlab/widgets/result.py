@@ -182,7 +182,7 @@ class Result:
     def eigenvalues(self) -> Eigenvalues | None:
         try:
             return eigenvalues(self.model)
-        except (ValueError, ArithmeticError):  # without an equilibrium the motion is still shown
+        except ValueError:  # without an equilibrium the motion is still shown
             return None
 
     @cached_property

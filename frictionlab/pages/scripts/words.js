@@ -5,15 +5,15 @@ const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest,
   + "stable or unstable.";
 const QUIET = /falls silent$|dies away$/;
 const CLOCKS = ["t", "phase"]; // states that stand for time
-const RUNS_OUT = "what moves the bodies changes with time.";
-const NOT_FOUND = "there is no equilibrium with F_N > 0 in which something slides.";
+const DRIVEN = "There is no steady sliding, as what moves the bodies changes with time.";
+const NOT_FOUND = "No equilibrium in which something slides was found.";
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
 function verdict(result) {
   const happens = runText(result), values = result.eigenvalues;
   if (!values) {
-    const what = happens ? ` ${sentence(happens)}.` : "", { slides, states } = result.structure;
-    return `${slides ? `No steady sliding: ${states.includes("t") ? RUNS_OUT : NOT_FOUND}` : NOTHING_SLIDES}${what}`;
+    const { slides, states } = result.structure, driven = states.some((name) => CLOCKS.includes(name));
+    return `${!slides ? NOTHING_SLIDES : driven ? DRIVEN : NOT_FOUND}${happens ? ` ${sentence(happens)}.` : ""}`;
   }
   const text = stabilityText(values), joint = text === "stable" && !QUIET.test(happens) ? "but" : "and";
   return `${sentence(steadyMotion(result))} is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;

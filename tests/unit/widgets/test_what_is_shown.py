@@ -37,7 +37,8 @@ def test_beside_a_stable_equilibrium_stands_what_this_run_does():
     assert words(explorer) == does
     assert {"stick", "separation"} <= set(explorer.result.modes)
     explorer.controls["start"].value = "near"
-    assert words(explorer).startswith("Steady sliding is stable, and from near the equilibrium this run ")
+    does = "Steady sliding is stable, and from near the equilibrium this run dies away."
+    assert words(explorer) == does
 
 
 def test_a_run_that_decays_to_a_stable_equilibrium_dies_away():
