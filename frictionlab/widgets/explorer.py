@@ -66,7 +66,7 @@ class Explorer:
         for panel in panels.values():
             self.controls |= getattr(panel, "controls", {})
         self.initial = self.values()
-        self.scheduler = UpdateScheduler(self._update)
+        self.scheduler = UpdateScheduler(self._update, self._fail)
         self.widget = widget or FrontEnd()
         abouts = [control.about for control in self.controls.values()]
         scene = scene_data(settings.model, abouts, list(panels)) | {"initial": self.initial} | about
@@ -155,6 +155,7 @@ class Explorer:
             self._fail(KeyboardInterrupt())
 
     def _update(self) -> None:
+        self.widget.computing = True
         asked = self.widget.state
         try:
             model = chosen_model(self.start_model, self.controls)
@@ -167,11 +168,6 @@ class Explorer:
         except Exception as error:  # any error of a user's law is shown, not lost in a log
             self._fail(error)
             return
-        except KeyboardInterrupt as stop:  # "interrupt the kernel" stops this computation, not what follows
-            self._fail(stop)
-            if not has_event_loop():
-                raise
-            return
         for name, data in picture["drawings"].items():
             data["pick"] = getattr(self.panels[name], "pick", None)
         picture["drawings"] |= {name: {"image": image} for name, image in self._images.items()}
@@ -181,7 +177,7 @@ class Explorer:
         self.updates += 1
         self.widget.run = result.run if picture.get("samples") else None
         with self.widget.hold_sync():
-            self.widget.error, self.widget.picture = "", picture
+            self.widget.error, self.widget.picture, self.widget.computing = "", picture, False
             if self.widget.state == asked:  # else the browser has moved on, and an update follows
                 self.widget.state = self.values()
         if self.progress and (self.widget.shown or not has_event_loop()):
@@ -206,6 +202,7 @@ class Explorer:
         self.error, self.progress = error, None
         with self.widget.hold_sync():
             self.widget.error, self.widget.limits = error_text(error), self._limits()
+            self.widget.computing = False
 
     def _limits(self) -> dict[str, float]:
         """The last value at which the model's rules hold, of a single parameter that was moved beyond it."""

@@ -49,6 +49,9 @@ class FrontEnd(anywidget.AnyWidget):
         Whether a slider moves: what takes long waits until it stops.
     shown : bool
         Whether a browser shows it.
+    computing : bool
+        Whether a result is being computed.  Only then does the button "stop" interrupt the kernel, which may
+        run a cell.
     """
 
     _esm = script_text((*FRONT_END, "python_engine"))
@@ -60,6 +63,7 @@ class FrontEnd(anywidget.AnyWidget):
     limits = traitlets.Dict().tag(sync=True)
     sliding = traitlets.Bool(False).tag(sync=True)
     shown = traitlets.Bool(False).tag(sync=True)
+    computing = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self) -> None:
         super().__init__()

@@ -9,13 +9,14 @@ the cells, as JupyterLab receives messages of widgets in other threads and matpl
 from __future__ import annotations
 
 import asyncio
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from frictionlab.interruption import HeededInterrupts
+from frictionlab.interruption import HeededInterrupts, InterruptCounter
 
 EVENT_LOOP_PAUSE = 0.01  # seconds in which the event loop handles messages from the browser
 PAUSE_AFTER_CHANGE = 0.15  # seconds: a slider that moves on should not wait for a long update
@@ -47,10 +48,13 @@ class UpdateScheduler:
     Parameters
     ----------
     update : callable
+    stopped : callable
+        Called with the error where ctrl-C stops an update.  Where no event loop runs, as in a script, the
+        error is raised again; it would end a loop.
     """
 
-    def __init__(self, update: Callable[[], None]) -> None:
-        self._update = update
+    def __init__(self, update: Callable[[], None], stopped: Callable[[KeyboardInterrupt], None]) -> None:
+        self._update, self._stopped = update, stopped
         self._lock = threading.Lock()
         self._busy = self._asked = False
         self._timer: asyncio.TimerHandle | None = None
@@ -70,6 +74,14 @@ class UpdateScheduler:
             with HeededInterrupts():
                 while self._next():
                     self._update()
+        except KeyboardInterrupt as stop:
+            self._busy = False
+            with InterruptCounter(sys.maxsize):  # further presses have nothing to stop
+                self._stopped(stop)
+            if not has_event_loop():
+                raise
+            if self._asked:
+                self.request()
         except BaseException:
             self._busy = False
             raise

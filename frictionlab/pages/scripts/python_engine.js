@@ -21,7 +21,7 @@ class PythonEngine {
 
   stop() { // what is done in parts stops by a message, a computation that hears none by ctrl-C
     this.model.send({ stop: true });
-    this.model.widget_manager?.kernel?.interrupt();
+    if (this.model.get("computing")) this.model.widget_manager?.kernel?.interrupt(); // it may run a cell
   }
 
   python() { return this.model.get("picture").python; }

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.pages.export import text_of
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.widgets.result import QUICK_METHOD
 from tests.helpers.cases import slow_but
 from tests.helpers.explorers import columns, curve, made, words
+from tests.unit.pages.test_javascript import run_in_node
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,31 @@ def test_interrupting_a_script_ends_it_and_is_told():
     assert explorer.widget.error.startswith("The computation was stopped")
     explorer.controls["c"].value = 0.1
     assert explorer.widget.error == ""
+
+
+def test_the_stop_button_interrupts_the_kernel_only_while_the_widget_computes():
+    def seen(result):
+        stops.append(explorer.widget.computing if explorer else None)
+        if result.model.c == 0.3:
+            raise ValueError("broken")
+        return Drawing("x", "y", {})
+
+    stops, explorer = [], None
+    explorer = fl.explore(fl.MassOnBelt(c=0.1), panels=[seen])
+    for c in (0.2, 0.3):
+        explorer.controls["c"].value = c
+        assert stops.pop() is True
+        assert explorer.widget.computing is False
+    assert run_in_node(
+        f"""{text_of("python_engine.js").replace("export default", "void")}
+        const counts = [false, true].map((computing) => {{
+          let count = 0;
+          const kernel = {{ interrupt: () => {{ count += 1; }} }};
+          new PythonEngine({{ get: () => computing, send: () => {{}}, widget_manager: {{ kernel }} }}).stop();
+          return count;
+        }});
+        console.log(JSON.stringify(counts));"""
+    ) == [0, 1]
 
 
 def test_what_takes_long_waits_until_a_slider_stops():

@@ -1,6 +1,7 @@
 """The last value wins, and nothing is computed twice at once."""
 
 import asyncio
+import signal
 import threading
 
 import pytest
@@ -8,6 +9,10 @@ import pytest
 from frictionlab.widgets.update_scheduler import UpdateScheduler, in_this_thread
 
 pytestmark = pytest.mark.plain_python
+
+
+def nothing(_):
+    pass
 
 
 def test_changes_within_an_update_lead_to_one_more():
@@ -19,7 +24,7 @@ def test_changes_within_an_update_lead_to_one_more():
             for value[0] in range(1, 6):
                 scheduler.request()
 
-    scheduler = UpdateScheduler(update)
+    scheduler = UpdateScheduler(update, nothing)
     scheduler.request()
     assert seen == [0, 5]
 
@@ -32,7 +37,7 @@ def test_changes_from_another_thread_lead_to_one_more():
         began.set()
         assert go_on.wait(60)
 
-    scheduler = UpdateScheduler(update)
+    scheduler = UpdateScheduler(update, nothing)
     worker = threading.Thread(target=scheduler.request)
     worker.start()
     assert began.wait(60)
@@ -48,7 +53,7 @@ def test_changes_that_other_threads_hear_while_a_cell_runs_are_one_update_in_its
     seen = []
 
     async def cell():
-        scheduler = UpdateScheduler(lambda: seen.append(threading.get_ident()))
+        scheduler = UpdateScheduler(lambda: seen.append(threading.get_ident()), nothing)
         for _ in range(5):
             worker = threading.Thread(target=scheduler.request)
             worker.start()
@@ -80,16 +85,38 @@ def test_an_update_that_fails_does_not_end_all_updates():
         if len(calls) == 1:
             raise KeyboardInterrupt
 
-    scheduler = UpdateScheduler(update)
+    scheduler = UpdateScheduler(update, nothing)
     with pytest.raises(KeyboardInterrupt):
         scheduler.request()
     scheduler.request()
     assert len(calls) == 2
 
 
+def test_ctrl_c_between_and_after_updates_does_not_end_the_event_loop():
+    calls, told = [], []
+
+    def update():
+        calls.append(None)
+        if len(calls) == 1:
+            scheduler.request()  # a newer value is computed all the same
+            raise KeyboardInterrupt
+
+    def stopped(error):
+        signal.raise_signal(signal.SIGINT)  # a second click
+        told.append(error)
+
+    async def kernel():
+        scheduler.request_later()
+        await asyncio.sleep(0.1)
+
+    scheduler = UpdateScheduler(update, stopped)
+    asyncio.run(kernel())
+    assert (len(calls), len(told)) == (2, 1)
+
+
 def test_changes_that_are_held_count_as_one():
     calls = []
-    scheduler = UpdateScheduler(lambda: calls.append(None))
+    scheduler = UpdateScheduler(lambda: calls.append(None), nothing)
     with scheduler.batch():
         scheduler.request()
         scheduler.request()
