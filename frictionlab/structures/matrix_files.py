@@ -275,7 +275,10 @@ def _read_pch(file: Path, variable: str | None) -> Any:
     """
     cards = [fields for name, fields in _cards(file.read_text()) if name.rstrip("*") == "DMIG"]
     try:
-        headers = {fields[0]: (int(fields[2]), int(fields[3])) for fields in cards if fields[1] == "0"}
+        heads = [[*fields, "", ""][:6] for fields in cards if fields[1] == "0"]
+        headers = {
+            name: (int(form), int(kind), int(polar or 0) > 0) for name, _, form, kind, _, polar in heads
+        }
         read: dict[str, list[Any]] = {name: [] for name in headers}
         for name, node, direction, _, *terms in (fields for fields in cards if fields[1] != "0"):
             column = _freedom(node, direction)
@@ -283,6 +286,12 @@ def _read_pch(file: Path, variable: str | None) -> Any:
             read[name] += [(_freedom(*term[:2]), column, *map(_number, term[2:])) for term in groups]
     except (KeyError, ValueError, IndexError) as error:
         raise TypeError(f"of its DMIG entries one is not as in the guide: {error!r}") from None
+    names = [head[0] for head in heads]
+    if len(headers) < len(names):
+        raise ValueError(
+            f"matrices of {file.name} must have different names, got {abbreviate(names)}: punch each subcase "
+            "to a file of its own"
+        )
     every = {name: np.array(entries).reshape(-1, 4) for name, entries in read.items()}
     named = np.unique(np.concatenate([np.zeros(0), *(entries[:, :2].ravel() for entries in every.values())]))
     if variable is None and len(every) == 1:
@@ -290,13 +299,16 @@ def _read_pch(file: Path, variable: str | None) -> Any:
     if variable not in every:
         hint = did_you_mean_or_known(variable, list(every)) if every else ", as none is there"
         raise ValueError(f"variable must name a matrix of {file.name}, got {abbreviate(variable)}{hint}")
-    (form, kind), entries = headers[variable], every[variable]
+    (form, kind, polar), entries = headers[variable], every[variable]
     if form not in (SQUARE, SYMMETRIC):
         raise ValueError(
             f"{variable} of {file.name} must be square or symmetric, got the form {form}: {CURE}"
         )
     rows, columns = entries[:, 0].astype(int), entries[:, 1].astype(int)
-    values = entries[:, 2] + 1j * entries[:, 3] if kind in COMPLEX_TYPES else entries[:, 2]
+    values = entries[:, 2]
+    if kind in COMPLEX_TYPES:
+        phase = np.exp(1j * np.radians(entries[:, 3]))
+        values = values * phase if polar else values + 1j * entries[:, 3]
     if form == SYMMETRIC:  # one triangle
         aside = rows != columns
         rows, columns = np.append(rows, columns[aside]), np.append(columns, rows[aside])
@@ -312,7 +324,8 @@ def _cards(text: str) -> Iterator[tuple[str, list[str]]]:
             continue
         parts = [part.strip() for part in line.split(",")]
         if len(parts) == 1:
-            width = LARGE_FIELD if line[:SMALL_FIELD].rstrip().endswith("*") else SMALL_FIELD
+            large = line.startswith("*") or line[:SMALL_FIELD].rstrip().endswith("*")
+            width = LARGE_FIELD if large else SMALL_FIELD
             ends = range(SMALL_FIELD, 9 * SMALL_FIELD, width)
             parts = [line[:SMALL_FIELD].strip(), *(line[end : end + width].strip() for end in ends)]
         if parts[0][:1] in ("", "*", "+"):

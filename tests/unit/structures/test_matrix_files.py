@@ -149,6 +149,14 @@ def test_punched_matrices_of_nastran(tmp_path):
     assert fl.read_freedoms(path, "MAAX").tolist() == [[7, 1], [9, 0]]
     with pytest.raises(ValueError, match=r"variable must name a matrix of brake\.pch, got None.*KAAX"):
         fl.read_matrix(path)
+    path.write_text(PUNCH.replace("\n*  ", "\n*K1"))  # continuations have labels
+    assert (fl.read_matrix(path, "KAAX") != stiffness).nnz == 0
+    path.write_text(PUNCH.replace("1       3       0", "1       3       0       1").replace(".25", "90."))
+    polar = fl.read_matrix(path, "FAAX").toarray()  # amplitude and phase
+    np.testing.assert_allclose(polar, [[0.0, 0.0], [0.5j, 0.0]], atol=1e-16)
+    path.write_text(PUNCH + PUNCH)  # of two subcases
+    with pytest.raises(ValueError, match=r"brake\.pch must have different names, got .*: punch each subcase"):
+        fl.read_matrix(path, "KAAX")
     path.write_text(PUNCH.replace("9               0-1", "9               x-1"))
     with pytest.raises(ValueError, match=r"brake\.pch must hold a matrix.*DMIG"):
         fl.read_matrix(path, "KAAX")
