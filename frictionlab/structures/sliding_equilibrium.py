@@ -247,7 +247,8 @@ def newton_of_many(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Equilibria (N, n) of structures with full K (N, n, n) from one start (n,), and which were found (N,).
 
-    Newton's method with whole steps; one that does not lower the residual, or opens all contacts, ends it.
+    Newton's method with whole steps; one that does not lower the residual, opens all contacts or meets a
+    singular tangent ends it.
     """
     q, columns = np.tile(start, (len(K), 1)), {name: each[:, None] for name, each in values.items()}
     found, going = np.zeros((2, len(K)), dtype=bool)
@@ -267,9 +268,11 @@ def newton_of_many(
                 break
             tangents = K + sum(one.stiffness(f) for one, f in zip(contacts, forces, strict=True))
             try:
-                q[going] -= np.linalg.solve(tangents[going], left_over[going][..., None])[..., 0]
-            except np.linalg.LinAlgError:  # one of them is singular
-                break
+                steps = np.linalg.solve(tangents[going], left_over[going][..., None])
+            except np.linalg.LinAlgError:  # one of them is singular, and the others are not
+                going &= np.linalg.slogdet(tangents)[0] != 0.0
+                steps = np.linalg.solve(tangents[going], left_over[going][..., None])
+            q[going] -= steps[..., 0]
             size = new
     return q, found
 

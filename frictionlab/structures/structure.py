@@ -17,7 +17,7 @@ from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import MovingSystem
-from frictionlab.presentation import SI, count, shorten
+from frictionlab.presentation import SI, OwnUnits, count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
 from frictionlab.stability.eigenproblems.root_locus import RootLocus
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
@@ -65,7 +65,7 @@ LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only
 
 @explains_fields
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
+class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
     """M q'' + (C + G) q' + (K + N) q = load + forces of contacts, a structure with n freedoms.
 
     It moves little about a state in which all contacts slide steadily, or are open.
@@ -440,7 +440,11 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem):
         start, q, found = None, np.zeros_like(forces), np.zeros(len(C), dtype=bool)
         with suppress(ValueError):  # its own values may have no equilibrium where others have one
             start = self.displacements
-            q, found = newton_of_many(K, forces, contacts, values, start)
+        if start is not None:
+            rubs = any(one.friction is not None for one in contacts)
+            slides = values["v"] != 0.0 if rubs else np.ones(len(C), dtype=bool)
+            columns = {name: column[slides] for name, column in values.items()}
+            q[slides], found[slides] = newton_of_many(K[slides], forces[slides], contacts, columns, start)
         for i in np.flatnonzero(~found):
             point = {name: float(column[i]) for name, column in values.items()}
             try:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.structures.sliding_equilibrium import Statics, newton_of_many
 from tests.helpers.finite_elements import beam
 
 
@@ -292,7 +293,7 @@ def test_groups_of_contacts():
         structure.replace(mu_k=4.0)
 
 
-def test_many_values_at_once_are_as_each():
+def test_many_values_at_once_are_as_each(monkeypatch):
     """A load opens one contact, or both; then, and beside a counterpart at rest, there is no equilibrium."""
     contacts = fl.SlidingContacts(
         [[1.0, 0.0], [1.0, 0.3]],
@@ -304,8 +305,12 @@ def test_many_values_at_once_are_as_each():
     load, springs = [("F", [0.0, 1.0])], [[1.125, 0.21650635], [0.21650635, 0.375]]
     structure = fl.Structure(np.eye(2), springs, contacts=contacts, load=load, parameters={"F": 2.0})
     points = {"F": np.array([2.0, 0.1, -1.0, 9.0, 2.0]), "v": np.array([1.0, 0.2, 1.0, -0.4, 0.0])}
-    known = 0
-    for F, v, *parts in zip(*points.values(), *structure.stacks(points), strict=True):
+    known, alone, solve = 0, [], Statics.solve
+    with monkeypatch.context() as patch:
+        patch.setattr(Statics, "solve", lambda self, *at: alone.append(self.values["F"]) or solve(self, *at))
+        stacks = structure.stacks(points)
+    assert 0.1 not in alone  # Newton's method finds it beside a counterpart at rest
+    for F, v, *parts in zip(*points.values(), *stacks, strict=True):
         try:
             expected = structure.at_values({"F": F, "v": v}).pencil.parts
         except ValueError:
@@ -315,3 +320,13 @@ def test_many_values_at_once_are_as_each():
         for part, each in zip(parts, expected, strict=True):
             np.testing.assert_allclose(part, each.toarray(), rtol=1e-12, atol=1e-14)
     assert known == 3
+
+
+def test_a_singular_tangent_ends_the_search_at_its_point_alone():
+    """The first structure has no stiffness along the belt, where no friction is."""
+    contacts = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=1.0), friction=None)
+    K = np.array([np.diag([k, 3.0]) for k in (0.0, 2.0, 1.0)])
+    loads, start = np.tile([1.0, 4.0], (3, 1)), np.array([0.0, 0.5])
+    q, found = newton_of_many(K, loads, (contacts.full(),), {"k2": np.ones(3)}, start)
+    assert found.tolist() == [False, True, True]
+    np.testing.assert_allclose(q[1:], [[0.5, 1.0], [1.0, 1.0]], rtol=1e-15)
