@@ -9,7 +9,7 @@ do not import `frictionlab.plotting`, which draws their results; only `Drawable`
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from html import escape
 from importlib import import_module
@@ -63,6 +63,12 @@ class FrozenMapping(Mapping[str, Value], Generic[Value]):
         return repr(self._items)
 
 
+class OwnUnits:
+    """Base of what names its units of length and of force; `units` of a model is a field as any other."""
+
+    units: Any = SI
+
+
 class Kind(StrEnum):
     """Base of kinds: each member equals its text, and is shown as that text in results."""
 
@@ -102,12 +108,17 @@ def output_unit(name: str, source: Any) -> str:
 
 def in_units_of(source: Any, text: str) -> str:
     """A unit of SI, or a text that ends with one in brackets, in a structure's units of length and force."""
-    length, force = getattr(source, "units", SI)
+    return in_units(source.units if isinstance(source, OwnUnits) else SI, text)
+
+
+def in_units(units: Sequence[str], text: str) -> str:
+    """As :func:`in_units_of`, by the units of length and force themselves."""
+    length, force = units
     if (length, force) == SI:
         return text
     own = {"m": length, "N": force, "J": f"{force} {length}", "W": f"{force} {length}/s"}
     words, bracket, unit = text.rpartition("(")
-    return words + bracket + re.sub(r"\b[mNJW]\b", lambda found: own[found[0]], unit)
+    return words + bracket + re.sub(r"\b[mNJW](?![^\W²])", lambda found: own[found[0]], unit)
 
 
 def shorten(items: Iterable[str], most: int = MAX_LISTED, separator: str = ", ") -> str:

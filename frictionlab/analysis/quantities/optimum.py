@@ -199,7 +199,7 @@ def optimum(
         )
     return Optimum(
         model=problem.at(u),
-        quantity=quantity.label,
+        quantity=quantity.label_of(problem.model),
         value=float(problem.gradient(quantity, u)[0]),
         parameters=problem.names,
         at=problem.values(u),
@@ -295,5 +295,5 @@ def _active(problem: _ScaledProblem, u: Array, sizes: Sequence[float]) -> tuple[
     for limit, size in zip(problem.limits, sizes):
         value = problem.gradient(limit.quantity, u)[0]
         if min(abs(value - limit.low), abs(value - limit.high)) < ACTIVE_RTOL * size:
-            active.append(limit.quantity.label)
+            active.append(limit.quantity.label_of(problem.model))
     return tuple(active)

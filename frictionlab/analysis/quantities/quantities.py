@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.models.model import automaton_of
-from frictionlab.presentation import Drawable, dataframe, state_unit, text_table
+from frictionlab.presentation import Drawable, dataframe, in_units_of, state_unit, text_table
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import EquilibriumDerivatives
@@ -54,7 +54,11 @@ class Quantity(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Name of the quantity, with its unit."""
+        """Name of the quantity, with its unit in SI."""
+
+    def label_of(self, model: ModelOrAutomaton) -> str:
+        """The label in the units of a structure."""
+        return in_units_of(model, self.label) if self.label.endswith(")") else self.label
 
     @abstractmethod
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
@@ -380,4 +384,4 @@ def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
     slopes = np.array([gradient.derivatives[name] for name in names], dtype=float)
     order = np.argsort(-np.abs(np.nan_to_num(at * slopes)), kind="stable")
     chosen = tuple(names[i] for i in order)
-    return Sensitivity(model, quantity.label, gradient.value, chosen, at[order], slopes[order])
+    return Sensitivity(model, quantity.label_of(model), gradient.value, chosen, at[order], slopes[order])

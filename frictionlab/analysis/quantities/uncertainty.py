@@ -384,7 +384,7 @@ def _check_study(
     n = check_number("n", n, integer=True, least=least, most=MOST, cure="give a power of two such as 1024")
     if n & (n - 1):
         raise ValueError(f"n must be a power of two, got {n}: give {1 << (n.bit_length() - 1)} or its double")
-    label = quantity.label if isinstance(quantity, Quantity) else own_name(quantity)
+    label = quantity.label_of(model) if isinstance(quantity, Quantity) else own_name(quantity)
     return _Study(model, quantity, check_distributions(model, distributions), label, n, seed_of(rng))
 
 

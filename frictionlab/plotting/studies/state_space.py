@@ -40,7 +40,7 @@ from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set
 from frictionlab.plotting.labels import state_label, with_unit
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.plotting.time_histories import check_run_with_coordinates
-from frictionlab.presentation import state_unit
+from frictionlab.presentation import SI, in_units, state_unit
 from frictionlab.validation import check_choice
 
 if TYPE_CHECKING:
@@ -323,8 +323,9 @@ def _attractor(basins: Basins, attractor: Any, ax: Axes) -> list[Line2D]:
 
 
 def _initial_state_label(basins: Basins, name: str) -> str:
-    known = "automaton" not in basins.specification["model"]
-    return f"initial {state_label(name)}{f' ({state_unit(name)})' if known else ''}"
+    about = basins.specification["model"]  # a structure's has its units beside its parameters
+    unit = "" if "automaton" in about else in_units(about.get("units", SI), state_unit(name))
+    return f"initial {with_unit(name, unit)}"
 
 
 def _handles(basins: Basins, colours: list[str], empty: str) -> list[Any]:

@@ -103,3 +103,16 @@ def test_states_of_an_automaton_have_no_unit_that_nobody_states():
     assert run.to_dataframe().attrs["units"] == run.events.to_dataframe().attrs["units"] == {"t": "s"}
     motor = fl.simulate(fl.MotorAndCart(), 0.1, progress=False).to_dataframe().attrs["units"]
     assert "i" not in motor
+
+
+def test_a_model_may_have_a_field_named_units():
+    @fl.model
+    class Pendulum(fl.MechanicalModel):
+        units: float = 2.0
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2, self.units * q.x**2 / 2)
+
+    run = fl.simulate(Pendulum(), 1.0, x0=[0.1, 0.0], progress=False)
+    assert run.to_dataframe().attrs["units"] == {"t": "s", "x": "m", "x'": "m/s"}

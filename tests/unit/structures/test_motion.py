@@ -412,6 +412,15 @@ def test_units_are_those_of_the_matrices():
     assert {"displacement (mm)", "contact force (kN)"} <= {*labels}
     assert plot_rates(run)[0].axes.get_ylabel() == "velocity (mm/s)"
     assert repr(fl.equilibrium(structure)).endswith(" kN)")
+    grids = {"x": ("q1", [0.0, 0.1]), "y": ("q2'", [0.0, 0.1])}
+    axes = fl.basins(structure, **grids, transient=1.0, window=1.0, progress=False).plot()
+    assert [axes.get_xlabel()[-4:], axes.get_ylabel()[-6:]] == ["(mm)", "(mm/s)"]
+    quantities = fl.OrbitAmplitude("q1"), fl.OrbitIntensity(), fl.CriticalValue("N", (0, 1))
+    assert [one.label_of(structure) for one in quantities] == [
+        "amplitude of q1 (mm)",
+        "L_s (mm²)",
+        "critical N",
+    ]
     assert "kN mm" in repr(fl.energy_audit(run))
     assert fl.Structure.from_dict(structure.to_dict()).units == ("mm", "kN")
     with pytest.raises(ValueError, match="units must be two texts"):
