@@ -289,8 +289,7 @@ class Method(ABC):
 
     def _begin(self, problem: Problem) -> ActiveRun:
         program, order = problem.program, self.order_of(problem.program)
-        spare = SPARE_RUNS.take((program, order), lambda: new_run(problem, order))
-        run = spare if spare.problem is problem else spare.for_problem(problem)
+        run = SPARE_RUNS.take((program, order), lambda: new_run(problem, order)).for_problem(problem)
         begin_run(run.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         mode, missing = initial_mode(run)
         while missing != NO_MODE:

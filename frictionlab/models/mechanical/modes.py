@@ -359,9 +359,9 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     if end.jump == "impact":
         return Event(label, end.function, targets, *system.impact_resets(contact))
     if end.jump == "project":
-        return Event(label, end.function, targets, _projection(system, combination, contact))
+        return Event(label, end.function, targets, _projection(system, combination, i))
     if end.jump == "stop":  # where its function jumps to need not be asked: what follows depends on v_r alone
-        alone = _projection(system, combination, contact)
+        alone = _projection(system, combination, i)
         return Event(label, end.function, targets, Reset(alone.jump, {**alone.vanishing, end.function: 0}))
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
@@ -378,13 +378,13 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     return Event(label, end.function, targets)
 
 
-def _projection(system: LagrangeSystem, combination: Combination, contact: AnyContact) -> Reset:
-    """The reset to v_r = 0 of a contact, after which all other contacts hold what they held.
+def _projection(system: LagrangeSystem, combination: Combination, i: int) -> Reset:
+    """The reset to v_r = 0 of contact `i`, after which all other contacts hold what they held.
 
     It removes rounding errors only.  So it may leave such errors in what the others hold, and none is more.
     """
-    alone, zero = system.stick_reset(contact), _zeros_of_mode(system, combination)
-    zero = {**zero, **_zeros_that_follow(system, combination, system.mechanics.contacts.index(contact))}
+    alone = system.stick_reset(system.mechanics.contacts[i])
+    zero = {**_zeros_of_mode(system, combination), **_zeros_that_follow(system, combination, i)}
     return Reset(alone.jump, {**zero, **alone.vanishing}) if zero else alone
 
 

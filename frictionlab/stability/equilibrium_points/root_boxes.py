@@ -320,7 +320,7 @@ def _scales(matrix: Array) -> tuple[Array, Array]:
         rows = (there * (sizes - columns)).sum(axis=1) / counts[1]
         columns = (there * (sizes - rows[:, None])).sum(axis=0) / counts[0]
     columns = np.round(columns)
-    rows = np.where(there, sizes - columns, -np.inf).max(axis=1, initial=-np.inf)
+    rows = np.ceil(np.where(there, sizes - columns, -np.inf).max(axis=1, initial=-np.inf))
     return np.exp2(rows), np.exp2(columns)
 
 
