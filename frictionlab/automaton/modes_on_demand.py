@@ -244,10 +244,16 @@ class ModesOnDemand(Sequence[Mode]):
 
     def samples(self) -> list[Mode]:
         """Some modes that have all regimes between them, as far as they are modes; they are not kept."""
-        longest = max(map(len, self.parts), default=1)
+        longest, allows = max(map(len, self.parts), default=1), self.names.allows
         some = {tuple(min(i, len(part) - 1) for part in self.parts) for i in range(longest)}
+        some = set(filter(allows, some))
+        for place, part in enumerate(self.parts):
+            for i in {*range(len(part))}.difference(one[place] for one in some):
+                choices = [range(len(each) - 1, -1, -1) for each in self.parts]  # apart before at rest
+                choices[place] = range(i, i + 1)
+                some.update(islice(filter(allows, islice(product(*choices), MOST_REMEMBERED)), 1))
         with self._one_at_a_time:
-            return [self._derive(one) for one in sorted(some) if self.names.allows(one)]
+            return [self._derive(one) for one in sorted(some)]
 
     def chosen(self, names: Sequence[str]) -> KnownModes:
         """As :meth:`known`, but only the modes of these names, in this order."""

@@ -9,7 +9,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
-from functools import cache, cached_property
+from functools import cache
 from inspect import Parameter as Argument
 from inspect import get_annotations, signature
 from math import isfinite
@@ -269,9 +269,9 @@ class Component:
         component itself."""
         return self
 
-    @cached_property
+    @property
     def structure_key(self) -> StructureKey:
-        """Its structure, or that of the simpler law that it equals."""
+        """Its structure as it is now, or that of the simpler law that it equals."""
         reduced = self.reduced()
         kind = type(reduced)
         roles = getattr(kind, "roles", {})
@@ -281,9 +281,6 @@ class Component:
             tuple(value.structure_key if name in roles else value for name, value in values.items()),
             surroundings_of(kind),
         )
-
-    def __getstate__(self) -> dict[str, Any]:  # a later version may reduce laws in another way
-        return {name: value for name, value in vars(self).items() if name != "structure_key"}
 
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))

@@ -9,28 +9,36 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dis import get_instructions
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property, partial
 from hashlib import sha256
 from numbers import Number
 from types import CodeType, FunctionType
 from typing import Any
 
-DIGEST_LENGTH = 24  # characters
 PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
+# What holds functions and values, and where.
+HOLDERS = {
+    property: ("fget",),
+    cached_property: ("func",),
+    classmethod: ("__func__",),
+    staticmethod: ("__func__",),
+    partial: ("func", "args", "keywords"),
+}
 
 
 def surroundings_of(kind: type) -> str:
     """Digest of the methods of a class and its bases, and of the numbers, texts and arrays that they use.
 
-    Empty for classes of the library.  Functions of the same module are followed, other modules are not.
+    Empty for classes of the library.  Functions of the same module and those that a decorator wraps are
+    followed, other modules are not.
     """
     found: dict[str, Any] = {}
-    seen: set[CodeType] = set()
+    seen: set[FunctionType] = set()
     for cls in _own_classes(kind):
         for name, value in vars(cls).items():
             if not name.startswith("__"):
                 _note(f"{cls.__qualname__}.{name}", value, found, seen)
-    return sha256(repr(found).encode()).hexdigest()[:DIGEST_LENGTH] if found else ""
+    return sha256(repr(found).encode()).hexdigest() if found else ""
 
 
 @cache
@@ -40,17 +48,16 @@ def _own_classes(kind: type) -> tuple[type, ...]:
     )
 
 
-def _note(name: str, value: Any, found: dict[str, Any], seen: set[CodeType]) -> None:
+def _note(name: str, value: Any, found: dict[str, Any], seen: set[FunctionType]) -> None:
     """Note a value, or a function and what it uses."""
-    if isinstance(value, (property, classmethod, staticmethod)):
-        value = value.fget if isinstance(value, property) else value.__func__
+    for each in HOLDERS.get(type(value), ()):
+        _note(f"{name}.{each}", getattr(value, each), found, seen)
     if isinstance(value, FunctionType):
-        if value.__code__ not in seen:
-            seen.add(value.__code__)
+        if value not in seen:
+            seen.add(value)
             found[name] = _instructions(value.__code__)
             for each, used in _used(value):
-                if not isinstance(used, FunctionType) or used.__globals__ is value.__globals__:
-                    _note(f"{name}.{each}", used, found, seen)
+                _note(f"{name}.{each}", used, found, seen)
     elif (plain := _plain(value)) is not None:
         found[name] = plain
 
@@ -71,8 +78,9 @@ def _used(function: FunctionType) -> Iterator[tuple[str, Any]]:
         except ValueError:  # it has no value yet
             continue
     for name in _names(function.__code__):
-        if name in function.__globals__:
-            yield name, function.__globals__[name]
+        used = function.__globals__.get(name)
+        if getattr(used, "__globals__", function.__globals__) is function.__globals__:
+            yield name, used
 
 
 @cache
@@ -89,8 +97,10 @@ def _plain(value: Any) -> Any:
         return type(value), value
     if isinstance(value, (tuple, list)):
         return type(value), tuple(map(_plain, value))
+    if isinstance(value, (set, frozenset)):
+        return type(value), sorted(map(repr, map(_plain, value)))
     if isinstance(value, dict):
         return dict, tuple((name, _plain(each)) for name, each in value.items())
     if type(value).__module__ == "numpy" and hasattr(value, "tobytes") and not value.dtype.hasobject:
-        return value.dtype.str, value.shape, value.tobytes()
+        return value.dtype.str, value.shape, sha256(value.tobytes()).hexdigest()
     return None

@@ -10,11 +10,12 @@ import inspect
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component, is_decorated, parameters_of, value_repr
+from frictionlab.components.component import Component, StructureKey, is_decorated, parameters_of, value_repr
 from frictionlab.models.mechanical.mechanics import SlidingStatics
 from frictionlab.presentation import CLOCK, TIME
 from frictionlab.validation import abbreviate, unknown_parameter
@@ -44,7 +45,8 @@ if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
-AUTOMATON, REST = NOTES = "_automaton", "_state_at_rest"  # what a model notes of itself, as it never changes
+AUTOMATON, REST = "_automaton", "_state_at_rest"
+NOTES = AUTOMATON, REST, "structure_key"  # what a model notes of itself, as it never changes
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 
@@ -301,11 +303,16 @@ class Model(Component):
             vars(self)[AUTOMATON] = automaton_of_model(self)
         return vars(self)[AUTOMATON]
 
+    @cached_property
+    def structure_key(self) -> StructureKey:
+        """Its structure as it was when first asked for: a model never changes."""
+        return super().structure_key
+
     def _check_mechanics(self) -> None:
         """Raise ValueError where masses or contacts are impossible at the values of the parameters."""
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name not in NOTES}
+        return {name: value for name, value in vars(self).items() if name not in NOTES}
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.

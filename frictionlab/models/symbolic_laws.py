@@ -7,7 +7,7 @@ an error that says so.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import cache, wraps
 from inspect import signature
@@ -15,6 +15,7 @@ from typing import Any
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
 from frictionlab.components.component import Component, StructureKey, parameters_of, structure_of
+from frictionlab.components.surroundings import surroundings_of
 from frictionlab.lazy_names import sympy
 from frictionlab.models.symbols import parameter_symbols, symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
@@ -33,11 +34,31 @@ LAW_METHODS = (
     "impulse",
     "friction",
 )
+# How numpy, math and sympy begin their errors where a number is wanted of a symbol.
+NO_NUMBER = (
+    "loop of ufunc does not support",
+    "ufunc '",
+    "Cannot convert",
+    "Cannot cast array data",
+    "cannot determine truth value",
+)
 MAY_BE_NONE = "rates_in_separation", "state_limit"
 
 
 def symbolic_copy(key: StructureKey) -> Any:
-    """A component of this structure, with symbols as values of its parameters."""
+    """A component of this structure, with symbols as values of its parameters.
+
+    Raises
+    ------
+    ValueError
+        If its class uses numbers or methods that have changed since: they would give the equations of another
+        structure.
+    """
+    if surroundings_of(key.component) != key.surroundings:
+        raise ValueError(
+            f"a {key.component.__name__} must be as it was when this model was made, but it uses numbers or "
+            "methods that have changed: make the model anew"
+        )
     copy = object.__new__(key.component)
     for name in parameters_of(key.component):
         object.__setattr__(copy, name, symbol(name))
@@ -71,8 +92,8 @@ def _doubtful_parts(key: StructureKey) -> tuple[list[Any], Formulas]:
     derivations = derivations_of(key)
 
     def parts() -> list[tuple[str, Any]]:
-        known = frozenset(parameter_symbols(key))
-        return [(place, part) for place, law in _law_formulas(key) for part in doubtful_parts(law, known)]
+        known, laws = frozenset(parameter_symbols(key)), symbolic_copy(key).components.values()
+        return [(place, part) for place, law in law_formulas(laws) for part in doubtful_parts(law, known)]
 
     words = derivations.value(
         "laws", lambda: [[place, str(part), sorted(map(str, part.free_symbols))] for place, part in parts()]
@@ -83,10 +104,10 @@ def _doubtful_parts(key: StructureKey) -> tuple[list[Any], Formulas]:
     return words, values
 
 
-def _law_formulas(key: StructureKey) -> tuple[tuple[str, Any], ...]:
-    """What the methods of the laws return, each with its name, such as "Coulomb.kinetic"."""
+def law_formulas(laws: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
+    """What the methods of symbolic copies of laws return, each with its name, such as "Coulomb.kinetic"."""
     formulas: list[tuple[str, Any]] = []
-    for law in symbolic_copy(key).components.values():
+    for law in laws:
         for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
             with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
                 method = getattr(law, name)
@@ -113,6 +134,8 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
         try:
             value = method(*arguments)
         except (TypeError, AttributeError) as error:
+            if not wants_number(error):
+                raise
             raise TypeError(
                 f"{law}.{name} must be a formula that takes symbols too, and fails with them "
                 f"({error}): write it with + - * / ** and fl.functions (exp, tanh, ...), without if, min, "
@@ -135,6 +158,13 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
         return value
 
     return explained
+
+
+def wants_number(error: TypeError | AttributeError) -> bool:
+    """Whether an error is one of numpy, math or sympy, which want a number and were given a symbol."""
+    if isinstance(error, AttributeError):
+        return hasattr(error.obj, "free_symbols")
+    return str(error).startswith(NO_NUMBER)
 
 
 def _is_formula(given: Any) -> bool:

@@ -12,7 +12,9 @@ import numpy as np
 from scipy import sparse
 
 from frictionlab.components.component import Component
+from frictionlab.models.kept_structures import is_of_library
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
+from frictionlab.models.symbolic_laws import law_formulas, symbolic_copy
 from frictionlab.structures.parametric_matrix import Matrix, ParametricMatrix
 from frictionlab.structures.sliding_contacts import SlidingContacts
 
@@ -26,13 +28,19 @@ ROWS = ("normal", "tangential")
 
 
 def structure_to_data(structure: Structure) -> Data:
-    """The matrices, contacts and parameters: equal structures have equal data."""
+    """The matrices, contacts and parameters: equal structures have equal data.
+
+    There are the formulas of laws of one's own: a class may change until the file is read.
+    """
+    laws = [law for one in structure.contacts for law in (one.contact, one.friction, one.impact) if law]
+    own = [symbolic_copy(key) for law in laws if not is_of_library(key := law.structure_key)]
     return {
         "sums": {name: _sum_to_data(getattr(structure, name)) for name in SUMS},
         "contacts": [_contacts_to_data(one) for one in structure.contacts],
         "parameters": dict(structure.parameters),
         "window": structure.window and list(structure.window),
         "units": list(structure.units),
+        **({"formulas": str(law_formulas(own))} if own else {}),
     }
 
 

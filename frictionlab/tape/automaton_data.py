@@ -15,10 +15,10 @@ from typing import Any
 
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
+from frictionlab.cache_folder import DIGEST_LENGTH
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.functions import FUNCTIONS
 
-DIGEST_LENGTH = 24  # characters
 DERIVED_FROM = "derived from"  # the key of what modes on demand are derived from
 
 

@@ -16,7 +16,7 @@ from frictionlab.automaton import Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
 from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
-from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import expand_products, gradient, symbol
 
 from .common_directions import RUBBING, CommonDirection, common_directions
@@ -38,15 +38,6 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 Row = tuple[Any, ...]
-# How numpy, math and sympy begin their errors where a number is wanted of a symbol.
-NO_NUMBER = (
-    "loop of ufunc does not support",
-    "ufunc '",
-    "Cannot convert expression",
-    "cannot determine truth value",
-    *(f"'{kind}' object has no attribute" for kind in ("Symbol", "Add", "Mul", "Pow")),
-)
-
 # Cofactors of more rows have too many terms: 24 in a determinant of 4.
 MOST_ROWS_BY_COFACTORS = 3
 
@@ -432,7 +423,7 @@ def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further:
     try:
         return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model))
     except (TypeError, AttributeError) as error:
-        if not str(error).startswith(NO_NUMBER):
+        if not wants_number(error):
             raise
         raise TypeError(
             f"{type(model).__name__}.mechanics must be a formula of symbols, and fails with them ({error}): "

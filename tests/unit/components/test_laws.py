@@ -117,6 +117,17 @@ class OfTwoNumbers(fl.Coulomb):
         return self.mu_k * normal_force * np.arctan2(speed, 0.1)
 
 
+@dataclass(frozen=True)
+class Mistyped(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.muk * normal_force
+
+
+def test_a_typing_mistake_is_told_as_it_is():
+    with pytest.raises(AttributeError, match="muk"):
+        fl.simulate(fl.SliderOnBelt(friction=Mistyped()), 0.1)
+
+
 @pytest.mark.parametrize(
     ("role", "law"), [("contact", Branching()), ("friction", OfNumpy()), ("friction", OfTwoNumbers())]
 )

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.components.surroundings import surroundings_of
 from frictionlab.models.model import data_of
 
 GRAVITY = 9.0
@@ -46,6 +52,71 @@ def test_numbers_and_methods_that_change_give_new_equations(monkeypatch):
     assert fallen(ball) == pytest.approx(5.0)
     ball.mechanics = lambda self, q, v: fl.Mechanics(self.m * v.y**2 / 2, self.m * q.y)
     assert fallen(ball) == pytest.approx(1.0)
+
+
+@dataclass(frozen=True)
+class Dry(fl.FrictionLaw):
+    def _times(factor):
+        return lambda self, normal_force, *speed: factor * GRAVITY * normal_force
+
+    kinetic, static_limit = _times(0.02), _times(0.03)
+
+
+@fl.model
+class Slider(fl.MechanicalModel):
+    m: float = 1.0
+    friction: fl.FrictionLaw = Dry()
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(self.m * v.x**2 / 2, contacts=(fl.Friction(1.0 - v.x, self.m, self.friction),))
+
+
+def accelerated():
+    return fl.simulate(Slider(), 1.0, x0=[0.0, 0.0], progress=False).final_state[1]
+
+
+def test_a_law_that_changes_gives_new_equations(monkeypatch):
+    assert accelerated() == pytest.approx(0.18)
+    structure = fl.Structure(
+        [[1.0]], [[1.0]], contacts=fl.SlidingContacts([[1.0]], N=1.0, v=1.0, friction=Dry())
+    )
+    data = data_of(structure)
+    assert data == data_of(structure)
+    monkeypatch.setitem(globals(), "GRAVITY", 4.0)
+    assert accelerated() == pytest.approx(0.08)
+    assert data_of(structure) != data
+
+
+def test_a_model_first_derived_after_a_change_refuses(monkeypatch):
+    ball = falling(2.0)
+    before = ball()
+    assert before.structure_key.surroundings
+    monkeypatch.setitem(globals(), "GRAVITY", 4.0)
+    with pytest.raises(ValueError, match="that have changed: make the model anew"):
+        fallen(lambda: before)
+    monkeypatch.undo()
+    assert fallen(ball) == pytest.approx(7.0)
+
+
+HOLDERS = {
+    "second of one code": lambda n: {"one": _returns(2), "other": _returns(n)},
+    "cached property": lambda n: {"one": cached_property(_returns(n))},
+    "partial": lambda n: {"one": partial(max, n)},
+    "wrapper of another module": lambda n: {"one": contextmanager(_returns(n))},
+    "set": lambda n: {"one": frozenset({n})},
+    "array": lambda n: {"one": np.full(3, n)},
+}
+
+
+def _returns(n):
+    return lambda self: n
+
+
+@pytest.mark.parametrize("held", HOLDERS.values(), ids=HOLDERS)
+def test_a_number_is_found_where_it_is_held(held):
+    digests = [surroundings_of(type("Own", (), held(n))) for n in (2, 3, 3)]
+    assert digests[0] != digests[1] == digests[2]
 
 
 def test_a_digest_of_equations_leaves_modes_to_runs():

@@ -10,7 +10,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.automaton import Mode
-from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime
+from frictionlab.automaton.modes_on_demand import ModesOnDemand, Regime, names_of_parts
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.hybrid.solve import problem_of
@@ -233,6 +233,14 @@ def test_names_are_a_sequence_made_as_they_are_read():
     assert names != others
     assert hash(names) == hash(fresh(TWO[0]).names)
     assert repr(names) == "stick/slip+/slip- | stick/slip+/slip-"
+
+
+def test_samples_have_all_regimes_of_modes():
+    part = tuple(map(Regime, "abc"))
+    names = names_of_parts((part, part), lambda combination: combination not in {(0, 0), (2, 2)})
+    modes = ModesOnDemand((part, part), lambda combination: Mode(names.name_of(combination), ()), names)
+    pairs = [mode.name.split(" | ") for mode in modes.samples()]
+    assert [{*some} for some in zip(*pairs, strict=True)] == [{*"abc"}] * 2
 
 
 def test_threads_are_given_one_mode():
