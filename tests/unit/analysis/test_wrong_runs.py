@@ -16,6 +16,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab import Event, HybridAutomaton, Mode, Reset
 from frictionlab.analysis.independent_method import IndependentMethod
+from frictionlab.analysis.stated_conditions import broken_statement
 from frictionlab.analysis.verify import RunSetup, verification_of
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
@@ -134,6 +135,13 @@ def block(q, v):
     return Mechanics(v.x**2 / 2, q.x**2 / 2, contacts=(Friction(0.5 - v.x, 1.0, fl.Coulomb(0.3, 0.6)),))
 
 
+@model("x", "y", start={"x'": 1.0, "y'": 0.5})
+def puck(q, v):
+    """A puck on an inclined plane."""
+    rub = Friction((-v.x, -v.y), 1.0, fl.Coulomb(0.3, 0.4))
+    return Mechanics((v.x**2 + v.y**2) / 2, -q.x / 10, contacts=(rub,))
+
+
 def with_flow(mode, name, rate):
     """The mode with another rate, as a function of the old one, of a coordinate's velocity."""
     velocities = 1 if len(mode.flow) < 4 else 2
@@ -162,6 +170,16 @@ def early(event):
     return replace(event, function=event.function - 0.4) if event.name.startswith("cone") else event
 
 
+def weak(event):
+    """The event that ends stick at two thirds of the limit."""
+    return replace(event, function=event.function - 0.2) if event.name.startswith("cone") else event
+
+
+def abrupt(event):
+    """The event at which slip ends before v_r is zero."""
+    return replace(event, function=event.function - 0.1) if event.name == "stop" else event
+
+
 def closing(event):
     """The event with the plastic reset."""
     return event if event.accumulation is None else replace(event, reset=event.accumulation)
@@ -180,6 +198,8 @@ FAULTS = {
     "no phase": lambda mode: with_flow(mode, "x", lambda a: -x / (1 + 0.3 * sp.cos(phase))),
     "dead": lambda mode: with_events(mode, deleted),
     "early": lambda mode: with_events(mode, early),
+    "weak": lambda mode: with_events(mode, weak),
+    "abrupt": lambda mode: with_events(mode, abrupt),
     "plastic": lambda mode: with_events(mode, closing),
     "pulls": lambda mode: with_events(mode, lambda e: None if e.name == "F_N" else e),
     "frictionless": lambda mode: with_flow(mode, "x", lambda a: -x),
@@ -204,6 +224,7 @@ def verified(right, start):
         (washer, "no phase", "Lagrange's equation of 'x' is not kept"),
         (crank, "dead", "the reset of event 'v_r' takes away"),
         (pads, "early", "leaves stick, though static friction holds it"),
+        (puck, "abrupt", "velocities jump where no contact is closed"),
         (cradle, "plastic", "an elastic impact takes the energy"),
         (clapper, "plastic", "an impact of contact 1 is not that of its law"),
         (damped, "pulls", "the normal force pulls at contact 1"),
@@ -220,6 +241,21 @@ def test_motions_that_the_statement_forbids(made, fault, words):
     found = fl.verify(kind(fault=fault), 12.0, x0=start or "rest", **QUIET)
     assert not found.ok
     assert words in str(found)
+
+
+def test_stick_that_is_left_too_early_for_an_instant_of_another_slip():
+    run = fl.simulate(block[0](fault="weak"), 6.0, x0={"x'": 0.5}, **QUIET)
+    raw, slip = run.raw, {name: run.mode_names.index(name) for name in ("slip+", "slip-")}
+    leaves, ends = 0, list(run.problem.program.guard_modes).index(slip["slip-"])
+    raw = raw._replace(
+        event_times=raw.event_times[[0, 0]],
+        event_states=raw.event_states[[0, 0]],
+        event_codes=np.array([[leaves, slip["slip-"], 0], [ends, slip["slip+"], 0]]),
+    )
+    about = {"description": run.description, "source": run.source}
+    twice = Trajectory(run.automaton, run.problem, raw, run.samples, **about)
+    assert twice.events.target.tolist() == ["slip-", "slip+"]
+    assert "leaves stick, though static friction" in broken_statement(twice)
 
 
 X, U, W = sp.symbols("x u w")
