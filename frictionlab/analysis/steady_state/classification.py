@@ -59,6 +59,7 @@ MIN_RATE_RATIO = 0.5
 SINGLE_RATE_RATIO = 0.99
 SIGNIFICANT_SHARE = 1e-6  # share of the motion's square above which a part of it has to decay as well
 REST_AMPLITUDE_RTOL = 1e-3  # a decaying motion smaller than this share of the coordinates counts as at rest
+ABOUT_ZERO = 0.25  # share of its range up to which the mean of a motion about zero may differ from that
 MIN_DECAY_FACTOR = 1.4  # by which factor it has to shrink from the first quarter of the window to the last
 EVEN_SAMPLES = 8001
 
@@ -361,15 +362,16 @@ def _at_rest(of: Comparison) -> bool | None:
 
 
 def _decays_to_zero(of: Comparison) -> bool:
-    """Whether a motion without events has shrunk to a thousandth of what it was, and decays evenly.
+    """Whether a motion without events about zero has shrunk to a thousandth of what it was, and decays
+    evenly.
 
     Where the equilibrium is at zero, as that of a structure without loads, coordinates are no measure.
     """
     run, x = of.run, _even_samples(of.run)
-    size = float(np.abs(x[:, : run.automaton.coordinates or None]).max(initial=0.0))
-    return (
-        not len(run.events) and size < REST_AMPLITUDE_RTOL * of.reach and all_parts_decay(x, state_ranges(x))
-    )
+    places = x[:, : run.automaton.coordinates or None]
+    about_zero = np.abs(places.mean(axis=0)).max() < ABOUT_ZERO * state_ranges(places).max()
+    small = np.abs(places).max() < REST_AMPLITUDE_RTOL * of.reach
+    return bool(not len(run.events) and about_zero and small and all_parts_decay(x, state_ranges(x)))
 
 
 def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
