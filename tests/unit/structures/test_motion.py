@@ -162,7 +162,7 @@ class EventByEvent:
 
     def run(self, x0, t_end):
         """Times of the events, and the state at the end."""
-        t, x, times, fresh = 0.0, np.array(x0), [], -1
+        t, x, times, fresh = 0.0, np.array(x0), [], set()
         open_ones = self.G @ x[: len(x) // 2] + self.gap < 0.0
         regimes = [None if o else int(np.sign(s)) for o, s in zip(open_ones, self.speed(x), strict=True)]
         while True:
@@ -171,7 +171,7 @@ class EventByEvent:
             for i, _, guard in known:
                 # v_r is zero where slip begins, and rises from there
 
-                def function(s, y, new=i == fresh, guard=guard, begins=t):
+                def function(s, y, new=i in fresh, guard=guard, begins=t):
                     return 1.0 if new and s < begins + 1e-6 else guard(y)
 
                 function.terminal, function.direction = True, -1
@@ -191,16 +191,21 @@ class EventByEvent:
                 return times, x
             times.append(t)
             i, follows, _ = known[hit]
-            before, fresh = regimes[i], i
+            before, fresh = regimes[i], {i}
             regimes[i] = int(np.sign(self.speed(x)[i])) if follows == "slip" else follows
             if follows == 0:
                 pressing, friction, _ = self.forces(x, regimes)
                 if abs(friction[i]) > self.p["mu_s"] * pressing[i]:
                     regimes[i] = -int(before or 0)
+            pressing, friction, _ = self.forces(x, regimes)
+            for k in range(len(regimes)):  # a contact that stuck before may have to let go at this instant
+                if k != i and regimes[k] == 0 and abs(friction[k]) > self.p["mu_s"] * pressing[k]:
+                    regimes[k] = int(np.sign(friction[k]))
+                    fresh.add(k)
 
 
 @pytest.mark.slow(reason="DOP853 takes seconds; models of the library and the motion agree in the fast ones")
-@pytest.mark.parametrize("n", [4, 20])  # 20 rows are two panels, and no two contacts change at one instant
+@pytest.mark.parametrize("n", [4, 18])  # 18 rows are two panels; one contact sticks as the other lets go
 def test_a_motion_of_many_regimes_agrees_with_dop853_from_event_to_event(n):
     structure = chain(n=n)
     x0 = np.zeros((2, n))
