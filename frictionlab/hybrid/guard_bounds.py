@@ -65,8 +65,8 @@ class Tape:
         return np.where(np.isfinite(terms), terms, 0.0).max(axis=0, initial=0.0)  # in other modes NaN
 
     def _between(self, a: int, b: int) -> list[tuple[int, float]]:
-        """The terms of a sum: of a row of a panel every ROWS-th."""
-        return self._terms[a:b] if a < self._shared else self._terms[a:b:ROWS]
+        """The terms of a sum that are not zero: of a row of a panel every ROWS-th."""
+        return [term for term in self._terms[a : b : 1 if a < self._shared else ROWS] if term[1]]
 
     @property
     def functions(self) -> list[int]:
@@ -120,7 +120,7 @@ class Tape:
         hidden: list[Array] = [0.0 * known[0].low] * self._inputs
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
-                terms = (abs(factor) * hidden[slot] for slot, factor in self._between(a, b) if factor)
+                terms = (abs(factor) * hidden[slot] for slot, factor in self._between(a, b))
                 hidden.append(sum(terms, hidden[0]))
             elif kind == kinds.PRODUCT:
                 hidden.append(_times(known[a], hidden[b]) + _times(known[b], hidden[a]))
@@ -181,9 +181,8 @@ class Tape:
     def _sum(constant: float, terms: list[tuple[int, float]], known: list[Any]) -> Any:
         total: Any = constant
         for slot, factor in terms:
-            if factor:
-                total = known[slot] * factor + total
-        return total if any(factor for _, factor in terms) else known[0] * 0.0 + constant
+            total = known[slot] * factor + total
+        return total if terms else known[0] * 0.0 + constant
 
 
 def _power(base: Any, exponent: float) -> Any:

@@ -8,8 +8,8 @@ as if it stood alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ class Panels:
     entries: NDArray[np.float64]  # ROWS for each of these
 
 
+_MADE: WeakKeyDictionary[Any, Panels] = WeakKeyDictionary()  # of products that are in use
+
+
 def range_of_columns(a: int, b: int) -> tuple[int, int]:
     """The range of the columns of a panel, where a row of it has every ROWS-th term of [a, b)."""
     return a // ROWS, b // ROWS + (b % ROWS > a % ROWS)
@@ -33,12 +36,14 @@ def range_of_columns(a: int, b: int) -> tuple[int, int]:
 
 def panels_of(product: Any) -> Panels:
     """The panels of the matrix of a product (:class:`~frictionlab.automaton.matrix_rows.MatrixProduct`)."""
-    return _panels(product if product.like is None else product.like)
+    owner = product if product.like is None else product.like
+    if owner not in _MADE:
+        _MADE[owner] = _panels(owner.matrix)
+    return _MADE[owner]
 
 
-@lru_cache(maxsize=64)
-def _panels(product: Any) -> Panels:
-    blocks = [product.matrix[first : first + ROWS] for first in range(0, len(product.matrix), ROWS)]
+def _panels(matrix: NDArray[np.float64]) -> Panels:
+    blocks = [matrix[first : first + ROWS] for first in range(0, len(matrix), ROWS)]
     columns = [np.flatnonzero(block.any(axis=0)) for block in blocks]
     entries = np.zeros((sum(map(len, columns)), ROWS))
     starts = [0]

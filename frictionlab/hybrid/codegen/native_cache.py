@@ -149,7 +149,7 @@ class NativeCode:
         """Start the compilation of the lane steps of these modes."""
         for mode in modes if machine_code.HAS_MACHINE_CODE else ():
             known = self.code.lanes[mode] or self.code.powers[mode] or ~mode in self.requested
-            if not known and free_memory() > ROOM_TO_COMPILE:
+            if not known and not self.tapes[mode].tape.products and free_memory() > ROOM_TO_COMPILE:
                 self.requested[~mode] = _worker().submit(self.compile_step, mode)
 
 

@@ -136,14 +136,28 @@ def term_slot(code, j):
     return code.term_slots[j if j < shared else shared + (j - shared) // ROWS]
 
 
+@kernel
+def row_without_zeros(terms, slots, first, column, count, k, J):
+    """As :func:`write_panel`, of one row, whose zeros are left out: zero times infinity is no term."""
+    total = 0.0
+    for t in range(count):
+        if terms[first + ROWS * t] != 0.0:
+            total += terms[first + ROWS * t] * J[slots[column + t], k]
+    return total
+
+
 @inlined
 def panel_coefficients(code, numbers, op, last, k, out, J):
     """Compute coefficient k of the rows of a panel, of which `op` is the first; returns their number."""
-    a, b, rows = np.int64(code.ops[op, 1]), np.int64(code.ops[op, 2]), 1
-    while rows < ROWS and op + rows < last and code.ops[op + rows, 1] == a + rows:
+    ops, terms, slots, rows = code.ops, numbers.terms, code.term_slots, 1
+    a, b = np.int64(ops[op, 1]), np.int64(ops[op, 2])
+    while rows < ROWS and op + rows < last and ops[op + rows, 0] == AFFINE and ops[op + rows, 1] == a + rows:
         rows += 1
-    column = code.shared + (a - code.shared) // ROWS
-    write_panel(numbers.terms, code.term_slots, a, column, (b - a) // ROWS, k, J, out, rows)
+    column, count = code.shared + (a - code.shared) // ROWS, (b - a) // ROWS
+    write_panel(terms, slots, a, column, count, k, J, out, rows)
+    for row in range(rows):
+        if J[out + row, k] != J[out + row, k]:  # NaN, maybe of a zero and an infinite coefficient
+            J[out + row, k] = row_without_zeros(terms, slots, a + row, column, count, k, J)
     return rows
 
 
@@ -258,7 +272,8 @@ def first_order_bounds(code, magnitudes, mode, jets, J):
         if kind == AFFINE:
             total = magnitudes.constants[i]
             for j in range(a, b, term_step(code, a)):
-                total += magnitudes.terms[j] * J[term_slot(code, j), 0]
+                if magnitudes.terms[j] != 0.0:
+                    total += magnitudes.terms[j] * J[term_slot(code, j), 0]
             J[out, 0] = total
         elif kind == PRODUCT:
             J[out, 0] = abs(jets[a, 0]) * J[b, 0] + J[a, 0] * abs(jets[b, 0])
@@ -392,7 +407,8 @@ def slot_gradients(code, numbers, mode, z, J, T):
             if kind == AFFINE:
                 T[out, i] = 0.0
                 for j in range(a, b, term_step(code, a)):
-                    T[out, i] += numbers.terms[j] * T[term_slot(code, j), i]
+                    if numbers.terms[j] != 0.0:
+                        T[out, i] += numbers.terms[j] * T[term_slot(code, j), i]
             elif kind == PRODUCT:
                 T[out, i] = J[a, 0] * T[b, i] + J[b, 0] * T[a, i]
             elif kind == SQUARE:

@@ -38,8 +38,9 @@ def bound_affine_onset(code, magnitudes, op, order, h, J, bounds):
     first = code.ops[op, 1]
     for j in range(first, code.ops[op, 2], term_step(code, first)):
         slot = term_slot(code, j)
-        reach += multiple(magnitudes.terms[j], bounds[slot, REACH])
-        rest += multiple(magnitudes.terms[j], bounds[slot, REST])
+        if magnitudes.terms[j] != 0.0:
+            reach += multiple(magnitudes.terms[j], bounds[slot, REACH])
+            rest += multiple(magnitudes.terms[j], bounds[slot, REST])
     return reach, rest
 
 

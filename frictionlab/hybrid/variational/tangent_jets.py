@@ -81,7 +81,8 @@ def operation_tangent(code, numbers, op, out, k, J, T):
         total[d] = 0.0
     if kind == AFFINE:
         for j in range(a, b, term_step(code, a)):
-            add_multiple(numbers.terms[j], T[term_slot(code, j), k], total)
+            if numbers.terms[j] != 0.0:
+                add_multiple(numbers.terms[j], T[term_slot(code, j), k], total)
     elif kind == PRODUCT:
         add_convolution(1.0, J, a, T, b, 0, k, total)
         add_convolution(1.0, J, b, T, a, 0, k, total)

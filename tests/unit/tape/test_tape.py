@@ -1,6 +1,8 @@
 """Lowered tapes compute what their expressions say, to any order, and a scene's tape skips what it lacks."""
 
+import gc
 from itertools import chain, combinations
+from weakref import ref
 
 import mpmath
 import numpy as np
@@ -10,9 +12,19 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import frictionlab as fl
-from frictionlab.automaton.matrix_rows import matrix_rows
-from frictionlab.hybrid.kernels.jets import majorant, mode_jets
+from frictionlab.automaton.matrix_rows import MatrixProduct, matrix_rows
+from frictionlab.hybrid.guard_bounds import Tape
+from frictionlab.hybrid.kernels.jets import (
+    first_order_bounds,
+    majorant,
+    mode_jets,
+    mode_operations,
+    slot_gradients,
+)
+from frictionlab.hybrid.kernels.power_onset import bound_affine_onset
+from frictionlab.hybrid.variational.tangent_jets import TangentScratch, tangent_jets
 from frictionlab.tape.packing import program_of
+from frictionlab.tape.panels import panels_of
 from frictionlab.tape.program import Numbers, Section
 from frictionlab.tape.tape import TapeError
 
@@ -106,18 +118,71 @@ def test_jets_of_a_quotient_flow_to_order_thirty():
 
 
 @pytest.mark.plain_python
-def test_rows_of_a_matrix_are_sums_in_the_sequence_of_its_columns():
-    """x' = A x: coefficient k + 1 is A x_k / (k + 1), to the last bit, with rows summed side by side."""
-    n, rng = 37, np.random.default_rng(3)  # more than two panels, with zeros
-    A = rng.standard_normal((n, n)) * (rng.random((n, n)) < 0.5)
+@pytest.mark.parametrize(("rows", "n"), [(37, 37), (17, 40), (3, 200), (1, 500)])
+def test_rows_of_a_matrix_are_sums_in_the_sequence_of_its_columns(rows, n):
+    """x' = A x: coefficient k + 1 is A x_k / (k + 1), to the last bit, with rows summed side by side.
+
+    A product x y follows, whose operands have the slots `rows` and `rows` + 1; no term is before the matrix.
+    """
+    rng = np.random.default_rng(3)
+    A = rng.standard_normal((rows, n)) * (rng.random((rows, n)) < 0.5)
+    A[:, 7] = A[5:6] = 0.0
     states = sp.symbols(f"x:{n}", real=True)
-    automaton = fl.HybridAutomaton(states, (fl.Mode("only", tuple(matrix_rows(A, states))),))
-    program, numbers = program_of(automaton)
+    product = [states[rows] * states[rows + 1]] if rows < n else []
+    flow = *matrix_rows(A, states), *product, *(sp.S.Zero for _ in range(n - rows - len(product)))
+    program, numbers = program_of(fl.HybridAutomaton(states, (fl.Mode("only", flow),)))
+    assert program.code.shared == 0 < len(numbers.terms)
     J, exact = np.zeros((program.slots, ORDER + 1)), [rng.standard_normal(n)]
     mode_jets(program.code, numbers, 0, ORDER, exact[0], J)
     for k in range(ORDER):
-        exact.append(np.cumsum(A * exact[k], axis=1)[:, -1] * (1.0 / (k + 1)))
+        rates = np.zeros(n)
+        rates[:rows] = np.cumsum(A * exact[k], axis=1)[:, -1]
+        if product:
+            rates[rows] = exact[k][rows] * exact[0][rows + 1]
+        exact.append(rates * (1.0 / (k + 1)))
     np.testing.assert_array_equal(J[:n].T, exact)
+
+
+@pytest.mark.plain_python
+def test_a_zero_of_a_matrix_leaves_out_what_is_infinite():
+    """1/x at x = 0: jets, their bounds and slopes are finite in the rows without it, though not in others."""
+    n, rng = 17, np.random.default_rng(3)
+    A, x = rng.standard_normal((n, n)), rng.standard_normal(n)
+    A[::2, 0] = x[0] = 0.0
+    states = sp.symbols(f"x:{n}", real=True)
+    flow = tuple(matrix_rows(A, (1 / states[0], *states[1:])))
+    program, numbers = program_of(fl.HybridAutomaton(states, (fl.Mode("only", flow),)))
+    code, sizes, slots = program.code, Numbers(*map(np.abs, numbers)), program.code.flow[0]
+    J, bounds, T = (np.zeros((program.slots, width)) for width in (1, 1, n))
+    reach = np.ones((program.slots, 2))
+    with np.errstate(all="ignore"):
+        mode_jets(code, numbers, 0, 0, x, J)
+        majorant(code, sizes, 0, 0, x, J, bounds)
+        sharper = bounds.copy()
+        first_order_bounds(code, sizes, 0, J, sharper)
+        reach[np.isinf(J[:, 0])] = np.inf
+        onset = [bound_affine_onset(code, sizes, slot - n, 0, 1.0, J, reach)[0] for slot in slots]
+        slot_gradients(code, numbers, 0, x, J, T)
+        scratch = TangentScratch(J, np.zeros((program.slots, 1, n)))
+        scratch.T[np.arange(n), 0, np.arange(n)] = 1.0
+        tangent_jets(code, numbers, mode_operations(code, 0), 0, code.flow[0], scratch)
+        terms = Tape(code, numbers, 0).magnitudes(x[None], slots.tolist())[0]
+    rest = np.abs(A[:, 1:])
+    found = [J[slots, 0], *(each[slots, 0] for each in (bounds, sharper)), onset, terms]
+    exact = [A[:, 1:] @ x[1:], *[rest @ np.abs(x[1:])] * 2, rest.sum(axis=1), rest @ np.abs(x[1:])]
+    np.testing.assert_allclose(np.array(found)[:, ::2], np.array(exact)[:, ::2], rtol=1e-13)
+    assert not np.isfinite(np.array(found)[:, 1::2]).any()
+    for slopes in (T, scratch.T[:, 0]):
+        np.testing.assert_array_equal(slopes[slots[::2]], A[::2])
+
+
+def test_panels_are_forgotten_with_their_matrix():
+    product = MatrixProduct(np.ones((2, 2)), (X, Y))
+    assert panels_of(product) is panels_of(product.with_own((A,)))
+    known = ref(product)
+    del product
+    gc.collect()
+    assert known() is None
 
 
 @pytest.mark.plain_python

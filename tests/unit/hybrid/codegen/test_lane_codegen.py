@@ -6,6 +6,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.automaton import Event, HybridAutomaton, Mode
+from frictionlab.automaton.matrix_rows import matrix_rows
 from frictionlab.compilation import machine_code
 from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen import native_cache
@@ -111,3 +112,11 @@ def fine_and_shortened(automaton, methods):
                 np.testing.assert_array_equal(lanes.z[:, lane], end)
                 fine, shortened = fine + 1, shortened + (h < suggested)
     return fine, shortened
+
+
+def test_a_mode_with_a_large_matrix_is_not_compiled():
+    states = sp.symbols("x:17", real=True)
+    rows = tuple(matrix_rows(np.ones((17, 17)), states))
+    native = native_cache.native_code(program_of(HybridAutomaton(states, (Mode("m", rows),)))[0])
+    native.share([0])
+    assert not native.requested
