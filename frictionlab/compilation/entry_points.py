@@ -93,6 +93,7 @@ _KERNELS = (
     jets.run_tape,
     jets.majorant,
     jets.state_rates,
+    jets.states_at,
     jets.slot_gradients,
     measure_defects,
     lanes.begin_runs,
@@ -153,8 +154,9 @@ def _specimens() -> dict[str, Any]:
     matrices = dict.fromkeys(("J", "jets", "values", "T", "frame", "starts", "out"), matrix)
     integers = dict.fromkeys(("candidates", "initial", "which", "chosen"), places)
     whole = dict.fromkeys(("order", "guard", "mode", "rounds", "slot"), 0)
-    others = {"flow": code.flow[0], "operations": (0, 1), "orders": (0, 1), "sign": -1.0, "h": STEP}
-    return of_program | of_runs | vectors | matrices | integers | whole | others
+    others = {"flow": code.flow[0], "operations": (0, 1), "orders": (0, 1), "sign": -1.0}
+    lengths = {"h": STEP, "s": STEP}
+    return of_program | of_runs | vectors | matrices | integers | whole | others | lengths
 
 
 def _demand() -> Demand:

@@ -14,7 +14,7 @@ import numpy as np
 
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
-from frictionlab.hybrid.kernels.jets import state_rates
+from frictionlab.hybrid.kernels.jets import state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import BY_VALUES
 from frictionlab.hybrid.kernels.run_state import CELL, END, FINISHED, MODE, NOT_FINITE, NOW, RUNNING
 from frictionlab.hybrid.methods.base import ActiveRun, Method
@@ -125,19 +125,23 @@ class OneStepMethod(Method):
         now, goal = cursor.times[NOW], end_of_cell(self.step, cursor)
         h = max(goal - now, 0.0)
         about = run.system.code, run.system.numbers, cursor.counts[MODE]
-        time, guard, _ = guard_at_stop(*about, h, cursor.state, run.scratch.jets)
-        if guard != NO_GUARD:
-            h, goal = time, now + time
-            new = run.scratch.jets[: len(cursor.state), : STOP_ORDER + 1] @ h ** np.arange(STOP_ORDER + 1)
+        h, stop, _ = guard_at_stop(*about, h, cursor.state, run.scratch.jets)
+        if stop != NO_GUARD:
+            new = np.empty_like(cursor.state)
+            states_at(run.scratch.jets, STOP_ORDER, h, new)
+            guard = failed_guard(*about, new, run.scratch.jets)
         else:
             new, guard = self._try_step(run, h)
-            if guard == NO_STATE:
-                return NOT_FINITE
-            if guard == NO_GUARD:
-                cursor.counts[CELL] += 1
-            else:
-                h, new, guard = self._bisect_event(run, h)
-                goal = now + h
+        if guard == NO_STATE:
+            return NOT_FINITE
+        if guard == NO_GUARD:
+            guard = stop
+        else:
+            h, new, guard = self._bisect_event(run, h)
+        if guard == NO_GUARD:
+            cursor.counts[CELL] += 1
+        else:
+            goal = now + h
         record_step(h, goal, new, cursor, record)
         if guard < 0:
             return RUNNING

@@ -42,9 +42,10 @@ from frictionlab.hybrid.kernels.run_state import (
     STEPS,
     Truncation,
 )
-from frictionlab.hybrid.kernels.step_length import first_stop
+from frictionlab.hybrid.kernels.step_length import base_of_root, first_stop
 
 BISECTIONS = 50  # halvings of a step: 2^-50 of it is rounding
+LARGEST_TANGENCY = 1.01  # 4 b0 b2/b1^2 of |v_r|^2; 1 + (w/v)^2 where it comes from v to w only
 STOP_ORDER = 2  # of the series of a step to a stop, in which accelerations are constant
 LARGEST_STATE = 1e300  # beyond, a state counts as not finite
 SIMPLE = 1  # multiplicity of a zero that bisection finds: the guard's sign changes there
@@ -238,7 +239,11 @@ def guard_at_stop(code, numbers, mode, h, z, J):
         return GuardZero(h, NO_GUARD, SIMPLE)
     mode_jets(code, numbers, mode, STOP_ORDER, z, J)
     time, guard = first_stop(code, numbers, mode, J)
-    return GuardZero(time, guard, SIMPLE) if time <= h else GuardZero(h, NO_GUARD, SIMPLE)
+    if time <= h:
+        square = base_of_root(code, numbers, mode, code.function_slots[guard])
+        if 4.0 * J[square, 0] * J[square, 2] < LARGEST_TANGENCY * J[square, 1] ** 2:
+            return GuardZero(time, guard, SIMPLE)
+    return GuardZero(h, NO_GUARD, SIMPLE)
 
 
 @inlined
@@ -248,20 +253,22 @@ def take_runge_kutta_step(system, scheme, run, record, scratch):
     times, counts = run.times, run.counts
     mode, goal = counts[MODE], end_of_cell(scheme.step, run)
     h = max(goal - times[NOW], 0.0)
-    time, guard, _ = guard_at_stop(code, numbers, mode, h, run.state, J)
-    if guard != NO_GUARD:
-        h, goal = time, times[NOW] + time
+    h, stop, _ = guard_at_stop(code, numbers, mode, h, run.state, J)
+    if stop != NO_GUARD:
         states_at(J, STOP_ORDER, h, new)
     else:
         runge_kutta_step(code, numbers, mode, run.state, h, scheme, J)
-        guard = failed_guard(code, numbers, mode, new, J)
-        if guard == NO_STATE:
-            return NOT_FINITE
-        if guard == NO_GUARD:
-            counts[CELL] += 1
-        else:
-            h, guard = bisect_event(code, numbers, mode, run.state, h, scheme, J)
-            goal = times[NOW] + h
+    guard = failed_guard(code, numbers, mode, new, J)
+    if guard == NO_STATE:
+        return NOT_FINITE
+    if guard == NO_GUARD:
+        guard = stop
+    else:
+        h, guard = bisect_event(code, numbers, mode, run.state, h, scheme, J)
+    if guard == NO_GUARD:
+        counts[CELL] += 1
+    else:
+        goal = times[NOW] + h
     record_step(h, goal, new, run, record)
     if guard < 0:
         return RUNNING

@@ -19,6 +19,7 @@ from frictionlab.hybrid.methods.runge_kutta import guard_at_stop
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
+SMALL = 0.1  # of v_r at the start of a step: more is left where v_r only turns
 CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
@@ -153,11 +154,12 @@ class Guards:
 
     def values(self, z: np.ndarray) -> np.ndarray:
         """Values of the guards.  A norm is positive on both sides of its zero, so twice the inner product of
-        its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2."""
+        its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2; for another root
+        its base, where that is less."""
         values, start = self._slots(z, self.slots), self._run.cursor.state
         for i, square in self.norms:
             middle, one, other = (self._slots(at, square) for at in (0.5 * (start + z), start, z))
-            values[i] = 4.0 * middle - one - other
+            values[i] = min(4.0 * middle - one - other, other)
         return values
 
     def _slots(self, z: np.ndarray, slots: Any) -> Any:
@@ -165,6 +167,13 @@ class Guards:
         z = np.ascontiguousarray(z)
         state_rates(run.native.code, run.problem.numbers, self.mode, z, jets, np.empty_like(z))
         return jets[slots, 0].copy()
+
+    def only_turned(self, i: int, z: np.ndarray) -> bool:
+        """Whether a guard is a norm whose vector at `z`, at right angles to the first, is not small."""
+        square = dict(self.norms).get(i)
+        if square is None:
+            return False
+        return bool(self._slots(z, square) > SMALL**2 * self._slots(self._run.cursor.state, square))
 
     def near_stop(self, z: np.ndarray, t: float) -> int:
         """The guard that is a norm, and so near to zero at `z` that steps would come to an end; or -1."""
@@ -180,9 +189,12 @@ class Guards:
         if not failing.size:
             return end - start, self.near_stop(solver.y, end)
         dense = solver.dense_output()
-        places = [self.root(lambda t, i=i: self.values(dense(t))[i], start, end) for i in failing]
-        first = int(np.argmin(places))
-        return places[first] - start, self.numbers_of_guards.start + int(failing[first])
+        places = {int(i): self.root(lambda t, i=i: self.values(dense(t))[i], start, end) for i in failing}
+        places = {i: t for i, t in places.items() if not self.only_turned(i, dense(t))}
+        if not places:
+            return end - start, self.near_stop(solver.y, end)
+        first = min(places, key=places.__getitem__)
+        return places[first] - start, self.numbers_of_guards.start + first
 
     def root(self, function: Any, start: float, end: float) -> float:
         """Zero between the start, where the guard is positive, and the end, where it is negative."""

@@ -17,8 +17,9 @@ from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen.native_cache import interpreted_code
 from frictionlab.hybrid.kernels.jets import copy_vector
 from frictionlab.hybrid.kernels.run_state import StepData, Truncation
-from frictionlab.hybrid.kernels.step_length import base_of_root
+from frictionlab.hybrid.kernels.step_length import SHARE_OF_STOP
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
+from frictionlab.hybrid.methods.runge_kutta import STOP_ORDER, guard_at_stop
 from frictionlab.hybrid.run_events import Events
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.hybrid.variational.tangent_jets import (
@@ -204,11 +205,13 @@ def step_to_stop(run: Trajectory, i: int) -> int | None:
     """
     raw, program = run.raw, run.problem.program
     guard = int(raw.event_codes[i, 0])
-    mode, slot = int(program.guard_modes[guard]), int(program.code.function_slots[guard])
-    if base_of_root(program.code, run.problem.numbers, mode, slot) < 0:
-        return None
     step = int(np.searchsorted(raw.step_times[:, 0], raw.event_times[i])) - 1
-    return step if step >= 0 and (i == 0 or raw.event_times[i - 1] < raw.event_times[i]) else None
+    if step < 0 or (i > 0 and not raw.event_times[i - 1] < raw.event_times[i]):
+        return None
+    about = interpreted_code(program), run.problem.numbers, int(program.guard_modes[guard])
+    longest, J = raw.step_times[step, 1] / SHARE_OF_STOP, np.zeros((program.slots, STOP_ORDER + 1))
+    stop = guard_at_stop(*about, longest, raw.step_states[step].copy(), J).guard
+    return step if stop == guard else None
 
 
 def event_saltation(run: Trajectory, i: int) -> Saltation:

@@ -110,7 +110,7 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
         power, force = _dot(holding, velocities), _dot(holding, holding)
         excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / _size(holding)
         full = _softness(contact, system)  # acceleration by a unit of the force alone
-        least = 2 * NEARNESS * full * force**2
+        least = 2 * NEARNESS * full * force * _size(holding)
         return (
             RegimeEnd(STOP, power, ("stick",), "stop"),
             RegimeEnd("slips", least - power * excess * _size(rates), ("slip",)),

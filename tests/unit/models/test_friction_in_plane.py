@@ -37,13 +37,15 @@ class Coupled(fl.MechanicalModel):
     v: float = 0.2
     w: float = 0.0
     f: float = 0.1
+    scale: float = 1.0  # of mass and force
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=1.0)
     coordinates = ("x", "y")
 
     def mechanics(self, q, v):
-        springs = 1.5 * q.x**2 + q.y**2 + 0.4 * q.x * q.y
-        rubbing = fl.Friction((self.v - v.x, self.w - v.y), 1.0, self.friction)
-        return fl.Mechanics(self.m * (v.x**2 + v.y**2) / 2, springs, contacts=(rubbing,), loads={"y": self.f})
+        one, springs = self.scale, 1.5 * q.x**2 + q.y**2 + 0.4 * q.x * q.y
+        rubbing = fl.Friction((self.v - v.x, self.w - v.y), one, self.friction)
+        energy, loads = one * self.m * (v.x**2 + v.y**2) / 2, {"y": one * self.f}
+        return fl.Mechanics(energy, one * springs, contacts=(rubbing,), loads=loads)
 
 
 @fl.model
@@ -207,6 +209,37 @@ def test_slip_begins_alike_in_other_units_of_time(time):
     assert run.stats["steps"] < 300
     assert run.final_state[:2] == pytest.approx(one.final_state[:2], rel=1e-13)
     assert run.final_state[2:] * time == pytest.approx(one.final_state[2:], rel=1e-12)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_slip_begins_alike_in_other_units_of_force(unit):
+    states = []
+    for scale in (1.0, unit):
+        model = Coupled(scale=scale, mu_k=1.0, mu_s=1.0)
+        run = fl.simulate(model, 1.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False)
+        assert run.events.source.tolist() == ["stick", "breakaway"]
+        states.append([*run.events.t, *run.final_state])
+    assert states[1] == pytest.approx(states[0], rel=1e-12)
+
+
+@fl.model
+class Turning(fl.MechanicalModel):
+    """A heavy body on a belt that turns, with hardly any friction."""
+
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=1e-3, mu_s=1e-3)
+    coordinates = ("x", "y", "turn")
+
+    def mechanics(self, q, v):
+        cos, sin = fl.functions.cos, fl.functions.sin
+        rubbing = fl.Friction((cos(q.turn) - v.x, sin(q.turn) - v.y), 1.0, self.friction)
+        return fl.Mechanics((v.x**2 + v.y**2 + v.turn**2) / 2, contacts=(rubbing,))
+
+
+def test_slip_that_only_turns_within_a_step_goes_on():
+    method = fl.Scipy("RK45", rtol=1e-3, atol=1e-2)
+    run = fl.simulate(Turning(), 20.0, x0=[0, 0, 0, 0, 0, 1.0], method=method, progress=False)
+    assert run.stats["steps"] < 10  # one step is more than half a turn
+    assert not len(run.events)
 
 
 @fl.model
