@@ -241,7 +241,7 @@ def guard_at_stop(code, numbers, mode, h, z, J):
     time, guard = first_stop(code, numbers, mode, J)
     if time <= h:
         square = base_of_root(code, numbers, mode, code.function_slots[guard])
-        if 4.0 * J[square, 0] * J[square, 2] < LARGEST_TANGENCY * J[square, 1] ** 2:
+        if 4.0 * J[square, 0] * J[square, 2] < LARGEST_TANGENCY * J[square, 1] * J[square, 1]:
             return GuardZero(time, guard, SIMPLE)
     return GuardZero(h, NO_GUARD, SIMPLE)
 
