@@ -274,7 +274,7 @@ def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
     places = {name: f"_{i}" for i, name in enumerate(dict.fromkeys(names_in(text)))}
     source = NAME_PATTERN.sub(lambda name: places[name[0]], " ".join(text.split()))
     try:
-        tree = ast.parse(source, mode="eval").body
+        tree = ast.parse(source.replace("\0", "?"), mode="eval").body  # a null is a ValueError before 3.11.4
         return _value(tree, {place: symbols[name] for name, place in places.items() if name in symbols})
     except (SyntaxError, RecursionError, MemoryError):
         raise ValueError(ARITHMETIC) from None
