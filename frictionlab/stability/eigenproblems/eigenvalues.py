@@ -152,7 +152,7 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
     --------
     >>> import frictionlab as fl
     >>> fl.eigenvalues(fl.ModeCoupling())
-    Eigenvalues(stable: -0.00323/s at 0.1894 Hz, -0.0968/s at 0.1894 Hz)
+    Eigenvalues(stable: -0.0968/s at 0.1894 Hz, -0.00323/s at 0.1894 Hz)
     >>> fl.eigenvalues(fl.TwoBlocks())  # without damping
     Eigenvalues(marginal: 0/s at 0.1592 Hz, 0/s at 0.2935 Hz)
     >>> modes = fl.eigenvalues(fl.SliderOnBelt(mu_k=1.4))
