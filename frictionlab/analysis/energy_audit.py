@@ -55,9 +55,8 @@ WORKS = (
 # rounding.
 PIECE_NODES, PIECE_WEIGHTS = np.polynomial.legendre.leggauss(10)
 PIECES_PER_CHUNK = 20_000  # intervals of the run computed at once
-WORK_ROUNDING = (
-    1e-15  # share of the energy turned over up to which a work is rounding, as of resets that begin stick
-)
+# Share of the energy turned over up to which a work is rounding, as of resets that begin stick.
+WORK_ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, eq=False)

@@ -465,10 +465,8 @@ class _StatementCheck:
         rows = []
         for e in np.flatnonzero(continuous & (events.source != "") & (events.target != ""))[:MOST_EVENTS]:
             old, new = self.regimes[index[events.source[e]]], self.regimes[index[events.target[e]]]
-            left = [
-                i for i, (a, b) in enumerate(zip(old, new, strict=True)) if a == "stick" and b in SLIPPING
-            ]
-            if any(self._moves(contacts[i], e + 1) for i in left):
+            pairs = zip(contacts, old, new, strict=True)
+            if any(a == "stick" and b in SLIPPING and self._moves(c, e + 1) for c, a, b in pairs):
                 rows.append((events.t[e], events.before[e], index[events.target[e]], "leaves stick"))
         first = self.regimes[self.run.raw.step_modes[0]]
         if any(word in SLIPPING and self._moves(c, 0) for word, c in zip(first, contacts, strict=True)):

@@ -158,16 +158,13 @@ class RecordList:
         except MemoryError:
             parts, copied = [array[:n] for array, n in zip(record, lengths)], False
         self._parts.append(parts)
+        self._bytes += sum(part.nbytes for part in parts)
         self.steps += steps
         self.events += events
         return copied
 
     def fills_memory(self) -> bool:
-        """Whether memory would soon run out; asked after each record.
-
-        To work with the run takes as much memory again as it holds.
-        """
-        self._bytes += sum(array.nbytes for array in self._parts[-1])
+        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
         if self._bytes < self._next_look:
             return False
         growth = min(self._bytes, BYTES_BETWEEN_LOOKS)

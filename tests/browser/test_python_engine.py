@@ -23,6 +23,9 @@ from tests.browser.servers import (
 LIVE = ".live"
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
+needs_voila = pytest.mark.skipif(
+    find_spec("voila") is None, reason="voila, which shows the app, is not installed"
+)
 
 
 @pytest.fixture(scope="module", params=["voila", "jupyterlab"])
@@ -61,9 +64,8 @@ def test_showing_the_controls_changes_nothing(page):
     settled(page, LIVE)
 
 
+@needs_voila
 def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila shows the explorer; it is not installed")
     port = free_port()
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_page()
@@ -80,9 +82,8 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
         page.close()
 
 
+@needs_voila
 def test_a_long_run_is_stopped(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila shows the explorer; it is not installed")
     port = free_port()
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_page()
@@ -99,9 +100,8 @@ def test_a_long_run_is_stopped(browser, tmp_path):
         page.close()
 
 
+@needs_voila
 def test_pages_of_models_need_no_kernel(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila serves the pages; it is not installed")
     before, port = running_kernels(), free_port()
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_context().new_page()
@@ -118,9 +118,8 @@ def test_pages_of_models_need_no_kernel(browser, tmp_path):
         page.context.close()
 
 
+@needs_voila
 def test_a_page_has_one_kernel_as_long_as_it_is_open(browser, tmp_path):
-    if find_spec("voila") is None:
-        pytest.skip("voila shows the explorer; it is not installed")
     before, port = running_kernels(), free_port()
     with serving(app(tmp_path, port), port, tmp_path) as address:
         page = browser.new_page()  # nothing intercepts what it says as it closes
