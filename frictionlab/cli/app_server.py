@@ -73,8 +73,8 @@ class LinkIdentity(IdentityProvider):
 
     async def get_user_token(self, handler: Any) -> Any:
         """The user who gave the token; the time of comparing does not tell how much of it was right."""
-        given = self.get_token(handler) or ""
-        if not hmac.compare_digest(given.encode(), str(self.token).encode()):
+        token = self.get_token(handler) or ""
+        if not hmac.compare_digest(token.encode(), str(self.token).encode()):
             return None
         return self.get_user_cookie(handler) or self.generate_anonymous_user(handler)
 

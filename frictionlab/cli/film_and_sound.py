@@ -133,11 +133,11 @@ def _checked_run(
         parser.error(str(error))
 
 
-def _write(made: Any, args: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
+def _write(result: Any, args: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
     path = Path(args.output)
     options = {} if path.suffix.lower() in (".wav", ".html") else {"writer": "pillow"}
     try:
-        made.save(path, **options)
+        result.save(path, **options)
     except OSError as error:
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED

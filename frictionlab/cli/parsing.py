@@ -94,8 +94,8 @@ def unknown_option_text(words: Sequence[str], parser: argparse.ArgumentParser) -
     if not word.startswith("-"):
         return f"unexpected argument {word!r}: values follow their option, as in --set mu_k=1.4"
     option = word.partition("=")[0]
-    known = [name for action in parser._actions for name in action.option_strings]
-    bare = {name.lstrip("-"): name for name in known}  # similarity without the dashes, which all options have
+    options = [name for action in parser._actions for name in action.option_strings]
+    bare = {name.lstrip("-"): name for name in options}  # without the dashes, which all options have
     near = nearest_name(option.lstrip("-"), bare)
     parameters = "; parameters are --set mu_k=1.4" if "set" in bare else ""
     hint = f"see {parser.prog} --help{parameters}" if near is None else f"did you mean {bare[near]!r}?"
@@ -169,8 +169,8 @@ def add_json(group: Any) -> None:
 def model_from_options(args: argparse.Namespace) -> Any:
     """The model with its laws and values; raises ValueError or TypeError as the model does."""
     model = model_of(args.model)
-    given = SHOWN.get(args.model, {}) | values_of(args.values)
-    return model.without(*args.without).replace(**given) if args.without else model.replace(**given)
+    values = SHOWN.get(args.model, {}) | values_of(args.values)
+    return model.without(*args.without).replace(**values) if args.without else model.replace(**values)
 
 
 def values_of(words: list[str]) -> dict[str, float]:
@@ -200,10 +200,10 @@ def model_of(text: str) -> Any:
     from frictionlab.models.library.catalogue import CLASSICS
     from frictionlab.validation import did_you_mean
 
-    name, known = text.partition("(")[0].strip().removeprefix("fl."), model_names(CLASSICS)
-    if name not in known and name not in (known := model_names()):  # only now the zoo is loaded
-        listed = ", ".join(known)
-        hint = did_you_mean(name, known) or ": `frictionlab models` says what each is"
+    name, names = text.partition("(")[0].strip().removeprefix("fl."), model_names(CLASSICS)
+    if name not in names and name not in (names := model_names()):  # only now the zoo is loaded
+        listed = ", ".join(names)
+        hint = did_you_mean(name, names) or ": `frictionlab models` says what each is"
         raise ValueError(f"--model must be one of {listed}, got {name!r}{hint}")
     try:
         node = ast.parse(text if "(" in text else f"{text}()", mode="eval").body

@@ -105,8 +105,8 @@ def method_from_options(args: argparse.Namespace) -> Any:
     if args.tol is not None and fixed:
         raise ValueError("--tol is no option of --method rk4, which has a fixed step: give --step instead")
     tolerance = "tol" if method.name == "taylor" else "rtol"
-    given = {"step": args.step, tolerance: args.tol, "max_steps": args.max_steps}
-    return type(method)(**_method_settings(method) | {k: v for k, v in given.items() if v is not None})
+    options = {"step": args.step, tolerance: args.tol, "max_steps": args.max_steps}
+    return type(method)(**_method_settings(method) | {k: v for k, v in options.items() if v is not None})
 
 
 def _method_settings(method: Any) -> dict[str, Any]:
@@ -186,10 +186,10 @@ def run_command(args: argparse.Namespace, parser: OneLineParser) -> int:
         raise stopped or KeyboardInterrupt
     print_json(run_data(run, args)) if args.json else print(after(run), flush=True)
     with _without_collection():
-        written = _write_files(run, args, parser)
+        exit_status = _write_files(run, args, parser)
     if stopped:
         raise stopped
-    return written if run.status.ok else EXIT_FAILED
+    return exit_status if run.status.ok else EXIT_FAILED
 
 
 @contextmanager

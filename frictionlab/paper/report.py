@@ -226,10 +226,10 @@ def _save_picture(picture: Any, path: Path) -> None:
     """Save a PNG with a palette, by pillow, which is installed with matplotlib."""
     from PIL import Image
 
-    drawn = BytesIO()
-    picture.savefig(drawn, dpi=DPI)
+    buffer = BytesIO()
+    picture.savefig(buffer, dpi=DPI)
     with write_file(path) as beside:
-        Image.open(drawn).convert("RGB").quantize(COLOURS).save(beside, optimize=True)
+        Image.open(buffer).convert("RGB").quantize(COLOURS).save(beside, optimize=True)
 
 
 def _head_text(setting: Setting, minutes: float) -> str:
@@ -249,8 +249,8 @@ def _claims_text(table: Claims) -> str:
     return f"## Claims\n\n{claim_summary(table)}\n\n{claim_blocks(table)}\n## Figures\n"
 
 
-def _figures_text(drawn: list[tuple[Any, Path]]) -> str:
-    return "".join(_figure_text(*each) for each in drawn)
+def _figures_text(pictures: list[tuple[Any, Path]]) -> str:
+    return "".join(_figure_text(*each) for each in pictures)
 
 
 def _figure_text(result: Any, path: Path) -> str:

@@ -380,10 +380,10 @@ def claims(
     for name in names:
         if name not in EVERY_CLAIM and name != "all":
             raise ValueError(f"a claim must be one of {', '.join(EVERY_CLAIM)} or all, got {name!r}")
-    chosen = tuple(EVERY_CLAIM) if "all" in names else names or tuple(CLAIMS)
+    selection = tuple(EVERY_CLAIM) if "all" in names else names or tuple(CLAIMS)
     folder = None if resume is None else Path(resume)
     setting = Setting(quick=quick, workers=workers, progress=progress, resume=folder)
-    return Claims(tuple(check(name, setting) for name in chosen))
+    return Claims(tuple(check(name, setting) for name in selection))
 
 
 def check(name: str, setting: Setting) -> Claim:

@@ -364,15 +364,15 @@ def _range_text(values: list[float]) -> str:
 
 
 def _share_text(sweep: Bifurcation, kind: str) -> str:
-    chosen = is_kind(sweep, kind)
-    values = sweep.values[chosen]
-    return f"{kind} at {count(chosen)} values ({_range_text(values.tolist())})"
+    of_kind = is_kind(sweep, kind)
+    values = sweep.values[of_kind]
+    return f"{kind} at {count(of_kind)} values ({_range_text(values.tolist())})"
 
 
 def regimes(sweep: Bifurcation) -> list[tuple[str, int]]:
     """Kind of every motion that has settled, and the onsets of stick in its period if it has one."""
-    settled = is_vibration(sweep) | is_kind(sweep, MotionKind.EQUILIBRIUM)
-    return [(kind, int(n)) for kind, n, known in zip(sweep.kinds, sweep.onsets, settled) if known]
+    steady = is_vibration(sweep) | is_kind(sweep, MotionKind.EQUILIBRIUM)
+    return [(kind, int(n)) for kind, n, is_steady in zip(sweep.kinds, sweep.onsets, steady) if is_steady]
 
 
 def regime_changes(sweep: Bifurcation) -> int:

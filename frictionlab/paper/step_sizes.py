@@ -106,12 +106,12 @@ def step_study(setting: Setting, steps: Sequence[float] = STUDY_STEPS) -> StepSt
 
 
 def _series(step: float | None, impact: str, values: Array, setting: Setting) -> StepSeries:
-    chosen = replace(setting, algorithm="exact" if step is None else "paper", impact=impact)
-    method = chosen.method if step is None else RK4(step=step)
-    times = scenes.times_of(chosen.adapt_model(scenes.USUAL), chosen) if step is None else STUDY_TIMES
-    study = partial(_steady_motion, method=method, tolerance=RETURN_TOLERANCES[chosen.algorithm], times=times)
+    own = replace(setting, algorithm="exact" if step is None else "paper", impact=impact)
+    method = own.method if step is None else RK4(step=step)
+    times = scenes.times_of(own.adapt_model(scenes.USUAL), own) if step is None else STUDY_TIMES
+    study = partial(_steady_motion, method=method, tolerance=RETURN_TOLERANCES[own.algorithm], times=times)
     name = f"step study {method.describe()} {times}"
-    rows = sweep_results(name, study, scenes.USUAL, {"mu_k": values}, chosen).results
+    rows = sweep_results(name, study, scenes.USUAL, {"mu_k": values}, own).results
     kinds = tuple(row["kind"] for row in rows)
     return StepSeries(step, impact, kinds, _values_of(rows, "intensity"), _values_of(rows, "strongest"))
 

@@ -346,8 +346,8 @@ def cycled_style(index: int) -> dict[str, Any] | None:
 
 def line_width(width: float = LINE_WIDTH) -> float:
     """A width in points: as given, or scaled so that lines of LINE_WIDTH have the user's width."""
-    chosen = rcParams["lines.linewidth"]
-    return width if chosen == rcParamsDefault["lines.linewidth"] else width * chosen / LINE_WIDTH
+    own = rcParams["lines.linewidth"]
+    return width if own == rcParamsDefault["lines.linewidth"] else width * own / LINE_WIDTH
 
 
 def font_size(size: float) -> float:
@@ -456,9 +456,9 @@ def crowding() -> float:
 
 def figure_size(width: float = PANEL_SIZE[0], height: float = PANEL_SIZE[1]) -> tuple[float, float]:
     """Size of a figure in inches: as given, scaled in a style of the package, or the user's own."""
-    chosen = tuple(rcParams["figure.figsize"])
-    if chosen == tuple(rcParamsDefault["figure.figsize"]):
+    size = tuple(rcParams["figure.figsize"])
+    if size == tuple(rcParamsDefault["figure.figsize"]):
         return width, height
-    if chosen in [settings.get("figure.figsize") for settings in STYLES.values()]:
-        return width * chosen[0] / PANEL_SIZE[0], height * chosen[1] / PANEL_SIZE[1]
-    return chosen
+    if size in [settings.get("figure.figsize") for settings in STYLES.values()]:
+        return width * size[0] / PANEL_SIZE[0], height * size[1] / PANEL_SIZE[1]
+    return size

@@ -160,8 +160,8 @@ class RunFigure(Figure):
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
         if isinstance(fname, (str, PathLike)) and options.get("format") is None and Path(fname).suffix:
-            known = [f".{kind}" for kind in self.canvas.get_supported_filetypes()]
-            check_path("fname", fname, known)
+            suffixes = [f".{kind}" for kind in self.canvas.get_supported_filetypes()]
+            check_path("fname", fname, suffixes)
         with write_file(fname) as beside:
             # An Agg canvas that the figure has already may draw in its own way, so it is used.
             if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):

@@ -132,12 +132,12 @@ def plot_phase_plane(
         For a name that is not a coordinate, or a window outside the run.
     """
     check_run_with_coordinates(run)
-    shown: str = run.automaton.shown_state if name is None else name
-    check_choice("name", shown, run.names[: run.automaton.coordinates])
+    state: str = run.automaton.shown_state if name is None else name
+    check_choice("name", state, run.names[: run.automaton.coordinates])
     start, stop = window_limits(run, window)
     ax = axes_or_new(ax, (5.0, 4.5))
     t = sample_times(start, stop, 12001)
-    column, n = run.names.index(shown), run.automaton.coordinates
+    column, n = run.names.index(state), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
     lines = []
@@ -145,8 +145,8 @@ def plot_phase_plane(
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
             lines += ax.plot(x, rate, label=mode, **pen_of_mode)
-    title = f"Phase plane of {state_label(shown)}, {window_text(run, start, stop)}"
-    label_phase_plane(ax, run.source, shown, title)
+    title = f"Phase plane of {state_label(state)}, {window_text(run, start, stop)}"
+    label_phase_plane(ax, run.source, state, title)
     ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
 
@@ -235,10 +235,10 @@ def label_phase_plane(ax: Axes, source: Any, name: str, title: str) -> None:
     set_title(ax, title)
 
 
-def _masked_states(states: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+def _masked_states(states: np.ndarray, samples: np.ndarray) -> np.ndarray:
     """The two columns, NaN outside the chosen samples and the one after each, so that lines meet."""
-    shown = chosen | np.append(False, chosen[:-1])
-    return np.where(shown[:, None], states, np.nan).T
+    with_next = samples | np.append(False, samples[:-1])
+    return np.where(with_next[:, None], states, np.nan).T
 
 
 def plot_spectrum(
@@ -269,13 +269,13 @@ def plot_spectrum(
         The spectrum; empty where the run is too short for one, as the panel then says.
     """
     check_run(run)
-    shown: str = run.automaton.shown_state if name is None else name
+    state: str = run.automaton.shown_state if name is None else name
     f_max = f_max or highest_frequency_of_run(run)
-    spectrum = amplitude_spectrum(run, shown, f_max=f_max)
+    spectrum = amplitude_spectrum(run, state, f_max=f_max)
     ax = axes_or_new(ax)
     if spectrum is None:
-        _label_spectrum(ax, state_with_unit(run.source, shown), f_max)
-        set_title(ax, f"Spectrum of {state_label(shown)}")
+        _label_spectrum(ax, state_with_unit(run.source, state), f_max)
+        set_title(ax, f"Spectrum of {state_label(state)}")
         ax.text(
             0.5, 0.5, "the run is too short\nfor a spectrum", ha="center", va="center", transform=ax.transAxes
         )
@@ -333,8 +333,8 @@ def plot_spectrogram(
     from scipy.signal.windows import hann
 
     check_run(run)
-    shown: str = run.automaton.shown_state if name is None else name
-    check_choice("name", shown, (*run.names, *run.automaton.outputs))
+    what: str = run.automaton.shown_state if name is None else name
+    check_choice("name", what, (*run.names, *run.automaton.outputs))
     stop, f_max = float(run.raw.t), highest_frequency_of_run(run) if f_max is None else f_max
     highest = float(
         check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
@@ -351,22 +351,20 @@ def plot_spectrogram(
     samples = stop * highest * OVERSAMPLING
     check_number("the number of samples", samples, most=MAX_SAMPLES, cure="lower f_max")
     t = np.linspace(0.0, stop, int(samples) + 1)
-    x = run.output(shown, t) if shown in run.automaton.outputs else run(t)[:, run.names.index(shown)]
+    x = run.output(what, t) if what in run.automaton.outputs else run(t)[:, run.names.index(what)]
     rate, size = int(samples) / stop, max(int(length * int(samples) / stop), 2)
     transform = ShortTimeFFT(
         hann(size, sym=False), max(size // 8, 1), rate, fft_mode="onesided2X", scale_to="magnitude"
     )
     inside = transform.lower_border_end[1], transform.upper_border_begin(len(x))[1]  # with whole windows
     amplitudes = np.abs(transform.stft_detrend(x, "constant", p0=inside[0], p1=inside[1]))
-    times, chosen = transform.t(len(x), p0=inside[0], p1=inside[1]), transform.f <= highest
-    top = float(amplitudes[chosen].max()) or 1.0
-    decibels = 20.0 * np.log10(np.maximum(amplitudes[chosen], top * 10.0**-SPECTROGRAM_DECADES))
+    times, near = transform.t(len(x), p0=inside[0], p1=inside[1]), transform.f <= highest
+    top = float(amplitudes[near].max()) or 1.0
+    decibels = 20.0 * np.log10(np.maximum(amplitudes[near], top * 10.0**-SPECTROGRAM_DECADES))
     ax = axes_or_new(ax)
-    mesh = ax.pcolormesh(times, transform.f[chosen], decibels, shading="nearest", rasterized=True)
-    unit = (
-        output_unit(shown, run.source) if shown in run.automaton.outputs else unit_of_state(run.source, shown)
-    )
-    label = f"amplitude of {state_label(shown)} (dB re {f'1 {unit}'.strip()})"
+    mesh = ax.pcolormesh(times, transform.f[near], decibels, shading="nearest", rasterized=True)
+    unit = output_unit(what, run.source) if what in run.automaton.outputs else unit_of_state(run.source, what)
+    label = f"amplitude of {state_label(what)} (dB re {f'1 {unit}'.strip()})"
     ax.figure.colorbar(mesh, ax=ax, label=label)
     ax.set(xlabel="time (s)", ylabel="frequency (Hz)")
     return mesh
@@ -585,8 +583,8 @@ def _draw_contributions(
     title: str,
 ) -> list[Line2D]:
     ax = axes_or_new(ax, (8.0, 4.0))
-    taken, lines = {colours.get(name) for name in parts}, []
-    spare = cycle(colour for colour in SPARE_COLOURS if colour not in taken)
+    colours_of_parts, lines = {colours.get(name) for name in parts}, []
+    spare = cycle(colour for colour in SPARE_COLOURS if colour not in colours_of_parts)
     for name, values in parts.items():
         colour = colours.get(name) or next(spare)
         lines += ax.plot(audit.t, values, label=name, **pen(colour, ax=ax))

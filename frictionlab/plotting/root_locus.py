@@ -80,8 +80,8 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
     if mechanism is None:
         return _draw_bars(equilibrium, ax)
     picture = picture_of(_EquilibriumFrames(equilibrium), mechanism, np.zeros(1))
-    drawn: Any = picture.draw(ax)
-    artists = picture.move(drawn, 0, MODE_COLOURS["slip"])
+    parts: Any = picture.draw(ax)
+    artists = picture.move(parts, 0, MODE_COLOURS["slip"])
     ax.set(xlabel=picture.note)
     set_title(ax, "Equilibrium")
     forces = _forces(equilibrium)
@@ -126,8 +126,8 @@ def _forces(equilibrium: Equilibrium) -> dict[str, tuple[float, str]]:
 
 
 def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
-    known = bool(unit_of_state(equilibrium.model, equilibrium.names[0]))
-    mixed = known and bool(secondary_axis_angles(equilibrium.names))
+    has_units = bool(unit_of_state(equilibrium.model, equilibrium.names[0]))
+    mixed = has_units and bool(secondary_axis_angles(equilibrium.names))
     model = equilibrium.model if mixed else None
     bars = ax.bar(
         [state_with_unit(model, name) for name in equilibrium.names],
@@ -136,7 +136,7 @@ def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:
     )
     ax.bar_label(bars, fmt="%.4g", padding=2)
     ax.axhline(0.0, clip_on=False, **pen(GREY, 0.8, ax))
-    label = coordinate_axis_label(equilibrium.names) if known else "state"
+    label = coordinate_axis_label(equilibrium.names) if has_units else "state"
     ax.set(ylabel=f"{label}, angle (rad)" if mixed else label)
     set_title(ax, "Equilibrium")
     ax.margins(y=0.12)
@@ -213,12 +213,12 @@ def plot_growth_rates(
 def select_modes(locus: RootLocus, modes: Sequence[int] | None) -> list[int]:
     """The columns to draw, checked; all where none are named."""
     count = locus.values.shape[1]
-    chosen = list(range(count)) if modes is None else [int(mode) for mode in modes]
-    if not chosen or not all(0 <= mode < count for mode in chosen):
+    selection = list(range(count)) if modes is None else [int(mode) for mode in modes]
+    if not selection or not all(0 <= mode < count for mode in selection):
         raise ValueError(
             f"modes must be numbers from 0 to {count - 1}, got {abbreviate(modes)}: leave it out for all"
         )
-    return chosen
+    return selection
 
 
 def _draw_modes(
@@ -229,9 +229,9 @@ def _draw_modes(
     label: str | None,
     properties: Mapping[str, Any],
 ) -> list[Line2D]:
-    chosen = select_modes(locus, modes)
+    selection = select_modes(locus, modes)
     lines, heavy = [], []
-    for i, mode in enumerate(chosen):
+    for i, mode in enumerate(selection):
         style = line_style(mode, "", ax)
         name = f"mode {mode}" if label is None else (label if i == 0 else f"_{label}")
         lines += ax.plot(locus.at, values[:, mode], label=name, **style)
@@ -290,13 +290,13 @@ def plot_root_locus(
         For a mode that the locus does not have.
     """
     ax = axes_or_new(ax)
-    chosen = select_modes(locus, modes)
+    selection = select_modes(locus, modes)
     ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
-    curves = [_draw_coloured_curve(locus, ax, mode) for mode in chosen]
+    curves = [_draw_coloured_curve(locus, ax, mode) for mode in selection]
     ax.autoscale_view()
     ax.set(xlabel="growth rate (1/s)", ylabel="frequency (Hz)")
     ax.figure.colorbar(curves[0], ax=ax, label=parameter_label(locus.model, locus.parameter))
-    _mark_end_values(locus, ax, chosen)
+    _mark_end_values(locus, ax, selection)
     return curves
 
 
@@ -322,18 +322,18 @@ def plot_eigenvalues(eigenvalues: Eigenvalues, ax: Axes | None = None, **line: A
     ax.axvline(0.0, zorder=1, **pen(GREY, 0.8, ax))
     upper = eigenvalues.values[eigenvalues.values.imag >= 0]
     lines = []
-    for chosen, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
-        if chosen.any():
-            frequencies = upper.imag[chosen] / (2 * np.pi)
-            lines += ax.plot(upper.real[chosen], frequencies, marker, color=ink(ax), label=label)
+    for group, marker, label in (upper.real <= 0, "o", "decays or lasts"), (upper.real > 0, "^", "grows"):
+        if group.any():
+            frequencies = upper.imag[group] / (2 * np.pi)
+            lines += ax.plot(upper.real[group], frequencies, marker, color=ink(ax), label=label)
     ax.set(xlabel="growth rate (1/s)", ylabel="frequency (Hz)")
     legend_beside(ax, lines)
     return restyle(lines, line)
 
 
 def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
-    known = np.flatnonzero(np.isfinite(locus.values[:, modes]).any(axis=1))
-    for row, marker in (known[0], "o"), (known[-1], "x"):
+    finite = np.flatnonzero(np.isfinite(locus.values[:, modes]).any(axis=1))
+    for row, marker in (finite[0], "o"), (finite[-1], "x"):
         ends, name = (
             locus.values[row, modes],
             parameter_value_text(locus.model, locus.parameter, float(locus.at[row])),
@@ -353,11 +353,11 @@ def _mark_end_values(locus: RootLocus, ax: Axes, modes: list[int]) -> None:
 def _draw_coloured_curve(locus: RootLocus, ax: Axes, mode: int) -> LineCollection:
     points = np.column_stack([locus.values[:, mode].real, locus.values[:, mode].imag / (2 * np.pi)])
     pieces = np.stack([points[:-1], points[1:]], axis=1)
-    known = np.isfinite(pieces).all(axis=(1, 2))
+    finite = np.isfinite(pieces).all(axis=(1, 2))
     curve = LineCollection(
-        list(pieces[known]), cmap=LOCUS_COLOUR_MAP, linewidth=line_width(2.0), capstyle="round"
+        list(pieces[finite]), cmap=LOCUS_COLOUR_MAP, linewidth=line_width(2.0), capstyle="round"
     )
-    curve.set_array(0.5 * (locus.at[:-1] + locus.at[1:])[known])
+    curve.set_array(0.5 * (locus.at[:-1] + locus.at[1:])[finite])
     curve.set_clim(float(locus.at.min()), float(locus.at.max()))
     ax.add_collection(curve)
     return curve
@@ -401,8 +401,8 @@ def plot_frequency_response(
     """
     system = response.system
     source = system.inputs[0] if input is None else input
-    shown = system.outputs if output is None else (output,)
-    curves = {name: response.response(name, source) for name in shown}
+    outputs = system.outputs if output is None else (output,)
+    curves = {name: response.response(name, source) for name in outputs}
     gain, *below = _gain_and_phase_axes() if ax is None else [axes_or_new(ax)]
     for i, (name, values) in enumerate(curves.items()):
         style = line_style(i, name, gain)
@@ -410,8 +410,8 @@ def plot_frequency_response(
         for phase in below:
             angles = np.degrees(np.unwrap(np.angle(values)))
             restyle(phase.plot(response.frequencies, angles, **style), line)
-    units = ", ".join(dict.fromkeys(filter(None, (system.gain_unit(name, source) for name in shown))))
-    what = f"gain of {_label(system, shown[0])}" if len(shown) == 1 else "gain"
+    units = ", ".join(dict.fromkeys(filter(None, (system.gain_unit(name, source) for name in outputs))))
+    what = f"gain of {_label(system, outputs[0])}" if len(outputs) == 1 else "gain"
     gain.set(yscale="log", ylabel=f"{what} ({units})" if units else what)
     kind = "a force along " if source in system.states else ""
     set_title(gain, f"Response to {kind}{_label(system, source)}")
@@ -419,7 +419,7 @@ def plot_frequency_response(
         phase.set_ylabel("phase (degrees)")
     [gain, *below][-1].set_xlabel("frequency (Hz)")
     gain.margins(x=0)
-    if len(shown) > 1:
+    if len(outputs) > 1:
         legend_beside(gain)
     return [gain, *below]
 

@@ -185,9 +185,9 @@ def _count_colours(ax: Axes) -> list[str]:
 def _draw_boundary(plane: StabilityMap, ax: Axes) -> list[Line2D]:
     lines = []
     for curve in plane.boundary:
-        for name, (linestyle, chosen) in _boundary_kinds(np.asarray(curve.frequencies)).items():
-            if chosen.any():
-                x, y = np.where(chosen[:, None], curve.points, np.nan).T
+        for name, (linestyle, of_kind) in _boundary_kinds(np.asarray(curve.frequencies)).items():
+            if of_kind.any():
+                x, y = np.where(of_kind[:, None], curve.points, np.nan).T
                 lines += ax.plot(x, y, linestyle=linestyle, label=name, **pen(BLACK, 1.4, ax))
                 add_halo(lines[-1], ax)
     return lines
@@ -202,11 +202,11 @@ def _boundary_kinds(frequencies: NDArray[np.float64]) -> dict[str, tuple[Any, ND
 
 
 def _map_legend_handles(plane: StabilityMap, boundary: list[Line2D], ax: Axes) -> list[Any]:
-    shown = np.unique(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1))
+    counts = np.unique(np.minimum(plane.unstable, len(COUNT_COLOURS) - 1))
     names = ("stable", "1 mode grows", "2 modes grow", "3 modes or more grow")
     colours = _count_colours(ax)
-    patches = [Patch(facecolor=colours[i], edgecolor=GREY, label=names[i]) for i in shown if i >= 0]
-    if shown[0] < 0:
+    patches = [Patch(facecolor=colours[i], edgecolor=GREY, label=names[i]) for i in counts if i >= 0]
+    if counts[0] < 0:
         patches.append(Patch(facecolor=background(ax), edgecolor=GREY, hatch=HATCH, label="no equilibrium"))
     return [*patches, *boundary]
 
@@ -248,18 +248,18 @@ def plot_hopf(
     >>> [line.get_linestyle() for line in plot_hopf(point)[:3]]
     ['-', '--', '--']
     """
-    shown: str = point.coordinates[0] if name is None else name
-    check_choice("name", shown, point.coordinates)
+    coordinate: str = point.coordinates[0] if name is None else name
+    check_choice("name", coordinate, point.coordinates)
     ax = axes_or_new(ax)
     distance = _distance(point)
-    lines = _draw_equilibrium(point, ax, distance) + _draw_vibration(point, ax, distance, shown)
+    lines = _draw_equilibrium(point, ax, distance) + _draw_vibration(point, ax, distance, coordinate)
     colour, marker = SPECIAL_POINT_STYLES["Hopf"]
     text = f"Hopf point, {parameter_value_text(point.model, point.parameter, point.value)}"
     style: dict[str, Any] = {"color": legible(colour, ax), "markersize": marker_size(10.0)}
     lines += ax.plot(point.value, 0.0, marker, linestyle="none", label=text, **style)
     # On the left, as the axis may show an offset of its numbers on the right.
     ax.set_xlabel(parameter_label(point.model, point.parameter), loc="left")
-    ax.set_ylabel(f"amplitude of {state_with_unit(point.model, shown)}")
+    ax.set_ylabel(f"amplitude of {state_with_unit(point.model, coordinate)}")
     set_title(ax, f"{point.criticality.capitalize()} Hopf point at {point.frequency:.4g} Hz")
     ax.margins(x=0)
     ax.locator_params(axis="x", nbins=round(5 / crowding()))  # the numbers are long near a critical value
@@ -292,14 +292,14 @@ def _draw_vibration(point: HopfPoint, ax: Axes, distance: float, name: str) -> l
     share = np.linspace(-1.0, 1.0, POINTS)
     values = point.value + distance * share * np.abs(share)  # dense where the square root is steep
     amplitudes = point.amplitude(values)[:, point.coordinates.index(name)]
-    drawn = np.isfinite(amplitudes)
-    if not drawn.any():
+    finite = np.isfinite(amplitudes)
+    if not finite.any():
         return []
     text, linestyle = _stability_style(
         point.criticality == "supercritical" and not min(point.change.unstable)
     )
     style: dict[str, Any] = {"linestyle": linestyle, **pen(BLUE, 1.4, ax)}
-    lines = ax.plot(values[drawn], amplitudes[drawn], label=f"{text} vibration", **style)
+    lines = ax.plot(values[finite], amplitudes[finite], label=f"{text} vibration", **style)
     if distance == abs(point.valid_until - point.value):
         end = int(np.nanargmax(amplitudes))
         hollow: dict[str, Any] = {

@@ -182,11 +182,11 @@ def shade_modes(run: Trajectory, ax: Axes, window: Window = DEFAULT_WINDOW) -> l
 
 
 def _intervals_in_window(
-    edges: Array, chosen: list[bool], start: float, stop: float
+    edges: Array, selection: list[bool], start: float, stop: float
 ) -> list[tuple[float, float]]:
     """(start, length) of the chosen intervals, cut to the window."""
     left, right = np.maximum(edges[:-1], start), np.minimum(edges[1:], stop)
-    inside = np.array(chosen, dtype=bool) & (right > left)
+    inside = np.array(selection, dtype=bool) & (right > left)
     return list(zip(left[inside].tolist(), (right - left)[inside].tolist(), strict=True))
 
 
@@ -236,8 +236,8 @@ def plot_displacements(
     start, stop = window_limits(run, window)
     t = sample_times(start, stop)
     states, names = run(t), run.names[: run.automaton.coordinates]
-    known = bool(unit_of_state(run.source, run.names[0]))
-    angles = secondary_axis_angles(names) if known else ()
+    has_units = bool(unit_of_state(run.source, run.names[0]))
+    angles = secondary_axis_angles(names) if has_units else ()
     right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
         axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
@@ -251,7 +251,7 @@ def plot_displacements(
         (start, stop),
         shade,
         "Displacements",
-        in_units_of(run.source, coordinate_axis_label(names)) if known else "",
+        in_units_of(run.source, coordinate_axis_label(names)) if has_units else "",
     )
     return restyle(lines, line)
 
@@ -311,7 +311,7 @@ def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
 
     The reaction of a stop without friction is not among them: it is zero but for rest.
     """
-    drawn = {}
+    labels = {}
     for name in automaton.outputs:
         base, _, number = name.rpartition("_")
         kind, number = (base, number) if number.isdigit() else (name, "")
@@ -320,8 +320,8 @@ def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
             letter, index = symbol.split("_")
             colours = FORCE_COLOURS[symbol]
             text = f"{letter}_{{{index},{number}}}" if number else symbol
-            drawn[name] = f"${text}$ (N)", colours[(int(number or 1) - 1) % len(colours)]
-    return drawn
+            labels[name] = f"${text}$ (N)", colours[(int(number or 1) - 1) % len(colours)]
+    return labels
 
 
 def plot_contact_forces(

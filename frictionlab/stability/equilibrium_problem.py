@@ -66,8 +66,8 @@ class EquilibriumProblem:
         """The values with some changed to arrays (N,), and N."""
         arrays = {name: np.asarray(values, dtype=float).ravel() for name, values in changes.items()}
         count = max((len(a) for a in arrays.values()), default=1)
-        known = zip(self.parameter_names, self.values, strict=True)
-        return tuple(arrays.get(name, value) for name, value in known), count
+        pairs = zip(self.parameter_names, self.values, strict=True)
+        return tuple(arrays.get(name, value) for name, value in pairs), count
 
     def linearised(self, changes: Mapping[str, Any]) -> tuple[Array, Array]:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
@@ -120,8 +120,8 @@ class EquilibriumProblem:
         eigenvalues: Any = np.full(matrices.shape[:2], complex(np.nan, np.nan))
         matrices = self.without_following(matrices)
         eigenvalues = eigenvalues[:, : matrices.shape[1]]
-        known = np.isfinite(matrices).all(axis=(1, 2))
-        eigenvalues[known] = eigenvalues_of_matrices(matrices[known])
+        finite = np.isfinite(matrices).all(axis=(1, 2))
+        eigenvalues[finite] = eigenvalues_of_matrices(matrices[finite])
         return np.take_along_axis(eigenvalues, np.argsort(-eigenvalues.real, axis=1), axis=1)
 
 

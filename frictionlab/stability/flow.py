@@ -89,8 +89,8 @@ class Flow:
 
     def _entries(self, inputs: range) -> Entries:
         places, formulas = self.rates.jacobian(inputs)
-        moved = [(row, column - inputs.start) for row, column in places]
-        return Entries((self.size, len(inputs)), moved, formulas)
+        own_places = [(row, column - inputs.start) for row, column in places]
+        return Entries((self.size, len(inputs)), own_places, formulas)
 
     @cached_property
     def free(self) -> list[int]:
@@ -121,16 +121,16 @@ class Flow:
         Their columns of the Jacobian are not the same at every state, or steps depend on them.
         """
         states = frozenset(range(self.size))
-        known = zip(self.derivative.places, self.derivative.formulas.dependences, strict=True)
-        return sorted({column for (_, column), inputs in known if inputs & states} | {*self.stepped})
+        entries = zip(self.derivative.places, self.derivative.formulas.dependences, strict=True)
+        return sorted({column for (_, column), inputs in entries if inputs & states} | {*self.stepped})
 
     @cached_property
     def _nonlinear_entries(self) -> Entries:
         columns = {j: k for k, j in enumerate(self.nonlinear)}
-        known = zip(self.derivative.places, self.derivative.formulas.outputs, strict=True)
-        chosen = [((i, columns[j]), slot) for (i, j), slot in known if j in columns]
-        formulas = Formulas(self.derivative.formulas.tape, tuple(slot for _, slot in chosen))
-        return Entries((self.size, len(columns)), [place for place, _ in chosen], formulas)
+        entries = zip(self.derivative.places, self.derivative.formulas.outputs, strict=True)
+        bent = [((i, columns[j]), slot) for (i, j), slot in entries if j in columns]
+        formulas = Formulas(self.derivative.formulas.tape, tuple(slot for _, slot in bent))
+        return Entries((self.size, len(columns)), [place for place, _ in bent], formulas)
 
     def rhs(self, x: Any, values: Sequence[Any]) -> Array:
         """x' (m, ...) at states `x` (m, ...); parameters are numbers or arrays."""

@@ -35,9 +35,9 @@ SINGULAR_RTOL = 1e-13  # of the largest singular value, of a matrix scaled by it
 def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:
     """Eigenvalues (N, m) of state matrices (N, m, m)."""
     undamped = _is_undamped(matrices)
-    given = _stiffness(matrices) if undamped else matrices
-    values = np.linalg.eigvals(given).astype(complex)
-    _refine_slow(given, values)
+    matrix = _stiffness(matrices) if undamped else matrices
+    values = np.linalg.eigvals(matrix).astype(complex)
+    _refine_slow(matrix, values)
     if undamped:
         values = np.sqrt(values)
         return np.concatenate([values, -values], axis=-1)
@@ -47,10 +47,10 @@ def eigenvalues_of_matrices(matrices: Array) -> ComplexArray:
 def eigenpairs_of_matrices(matrices: Array) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues (N, m) and vectors of length 1 as columns (N, m, m)."""
     undamped = _is_undamped(matrices)
-    given = _stiffness(matrices) if undamped else matrices
-    pairs: Any = np.linalg.eig(given)
+    matrix = _stiffness(matrices) if undamped else matrices
+    pairs: Any = np.linalg.eig(matrix)
     values, vectors = pairs.eigenvalues.astype(complex), pairs.eigenvectors.astype(complex)
-    _refine_slow(given, values, vectors)
+    _refine_slow(matrix, values, vectors)
     if not undamped:
         return values, vectors
     roots = np.sqrt(values)
@@ -98,8 +98,8 @@ def _singular_eigenpairs(matrix: Array) -> tuple[ComplexArray, ComplexArray]:
     With n the null vector, coordinates y relative to it, x = y + n x_p/n_p with y_p = 0, have a matrix of one
     row less.  For a body that nothing holds they are distances from it.
     """
-    _, columns, scaled = _equilibrated(matrix)
-    scaled_null = np.linalg.svd(scaled)[2][-1]
+    _, columns, equilibrated = _equilibrated(matrix)
+    scaled_null = np.linalg.svd(equilibrated)[2][-1]
     p = int(np.abs(scaled_null).argmax())
     others = np.delete(np.arange(len(matrix)), p)
     null = columns * scaled_null
@@ -206,14 +206,14 @@ def _is_rounding(matrix: Array, values: NDArray[np.complex128]) -> NDArray[np.bo
     of this size puts an eigenvalue on the imaginary axis at this frequency.  Both are evaluated for the
     balanced matrix.
     """
-    scaled = balanced(matrix)
-    error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(scaled, 2)
-    pairs: Any = np.linalg.eig(scaled)
-    known, right = pairs.eigenvalues, pairs.eigenvectors
-    nearest = np.abs(values[:, None] - known).argmin(axis=1)
+    equilibrated = balanced(matrix)
+    error = len(matrix) * BACKWARD_ERROR * np.linalg.norm(equilibrated, 2)
+    pairs: Any = np.linalg.eig(equilibrated)
+    eigenvalues, right = pairs.eigenvalues, pairs.eigenvectors
+    nearest = np.abs(values[:, None] - eigenvalues).argmin(axis=1)
     neutral = np.abs(values.real) * _cosines(right)[nearest] <= error
     for i in np.flatnonzero(neutral):  # one by one: matrices of many states are large
-        on_axis = scaled - 1j * values.imag[i] * np.eye(len(matrix))
+        on_axis = equilibrated - 1j * values.imag[i] * np.eye(len(matrix))
         # The residual of a unit vector is no less than the least singular value, and takes less time.
         left_over = np.linalg.norm(on_axis @ right[:, nearest[i]])
         neutral[i] = left_over <= error or np.linalg.svd(on_axis, compute_uv=False)[-1] <= error
@@ -271,15 +271,15 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     ValueError
         Where the matrix is singular, to rounding.
     """
-    rows, columns, scaled = _equilibrated(matrix)
-    sizes = np.linalg.svd(scaled, compute_uv=False)
+    rows, columns, equilibrated = _equilibrated(matrix)
+    sizes = np.linalg.svd(equilibrated, compute_uv=False)
     if sizes[-1] < SINGULAR_RTOL * sizes[0]:
         raise ValueError(
             "the equilibrium must depend smoothly on the parameters to have derivatives, got one where the "
             "state matrix is singular: take another value"
         )
     return columns.reshape(-1, *[1] * (np.ndim(right) - 1)) * np.linalg.solve(
-        scaled, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
+        equilibrated, rows.reshape(-1, *[1] * (np.ndim(right) - 1)) * right
     )
 
 
@@ -289,12 +289,12 @@ def _equilibrated(matrix: Any) -> tuple[Array, Array, Array]:
     State matrices have stiffnesses beside ones.  D. Ruiz, "A scaling algorithm to equilibrate both rows and
     columns norms in matrices", RAL-TR-2001-034 (2001).
     """
-    rows, columns, scaled = np.ones(len(matrix)), np.ones(len(matrix)), np.array(matrix, dtype=float)
+    rows, columns, equilibrated = np.ones(len(matrix)), np.ones(len(matrix)), np.array(matrix, dtype=float)
     for _ in range(EQUILIBRATION_ROUNDS):
-        by_row, by_column = (np.sqrt(np.abs(scaled).max(axis=axis)) for axis in (1, 0))
+        by_row, by_column = (np.sqrt(np.abs(equilibrated).max(axis=axis)) for axis in (1, 0))
         rows, columns = rows / np.where(by_row, by_row, 1.0), columns / np.where(by_column, by_column, 1.0)
-        scaled = rows[:, None] * matrix * columns
-    return rows, columns, scaled
+        equilibrated = rows[:, None] * matrix * columns
+    return rows, columns, equilibrated
 
 
 def inverse_of(matrix: Array) -> Array | None:

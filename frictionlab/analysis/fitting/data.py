@@ -351,18 +351,18 @@ def _seconds(t: Any) -> tuple[Any, Any]:
     Stamps are of numpy, pandas or Python, with or without a time zone.
     """
     try:
-        given = t if isinstance(t, np.ndarray) else np.asarray(t)
+        times = t if isinstance(t, np.ndarray) else np.asarray(t)
     except ValueError:  # rows of different lengths
         return t, None
-    if given.dtype.kind == "M" and given.size:
-        return _seconds(given - given.flat[0])[0], given.flat[0]
-    if given.dtype.kind == "m":
-        given = given.filled(np.timedelta64("NaT")) if np.ma.isMaskedArray(given) else given
-        return np.where(np.isnat(given), np.nan, given / np.timedelta64(1, "s")), None
-    if given.dtype == object and given.size and all(isinstance(one, timedelta) for one in given.flat):
-        return [one.total_seconds() for one in given.flat], None
-    if given.dtype == object and given.size and all(isinstance(one, datetime) for one in given.flat):
+    if times.dtype.kind == "M" and times.size:
+        return _seconds(times - times.flat[0])[0], times.flat[0]
+    if times.dtype.kind == "m":
+        times = times.filled(np.timedelta64("NaT")) if np.ma.isMaskedArray(times) else times
+        return np.where(np.isnat(times), np.nan, times / np.timedelta64(1, "s")), None
+    if times.dtype == object and times.size and all(isinstance(one, timedelta) for one in times.flat):
+        return [one.total_seconds() for one in times.flat], None
+    if times.dtype == object and times.size and all(isinstance(one, datetime) for one in times.flat):
         # Python subtracts the clocks of two stamps of one zone, though one may be of summer time.
-        aware = [one.astimezone(UTC) if one.tzinfo else one for one in given.flat]
+        aware = [one.astimezone(UTC) if one.tzinfo else one for one in times.flat]
         return [(one - aware[0]).total_seconds() for one in aware], aware[0]
     return t, None

@@ -190,18 +190,18 @@ class Fit(Drawable):
 
 def covariance_of(slopes: Array, names: tuple[str, ...], scales: Array) -> tuple[Array, int, tuple[Any, ...]]:
     """Covariance (P, P), rank and undetermined combinations, of derivatives (N, P) of residuals."""
-    scaled = slopes * scales
+    normalised = slopes * scales
     # All directions are needed where there are fewer residuals than parameters, never all of the residuals'.
-    _, sizes, directions = np.linalg.svd(scaled, full_matrices=len(scaled) < len(names))
+    _, sizes, directions = np.linalg.svd(normalised, full_matrices=len(normalised) < len(names))
     sizes = np.concatenate([sizes, np.zeros(len(directions) - len(sizes))])
-    known = sizes > RANK_RTOL * sizes[0] if sizes[0] > 0 else np.zeros(len(sizes), dtype=bool)
-    determined = directions[known] / sizes[known, None]
+    significant = sizes > RANK_RTOL * sizes[0] if sizes[0] > 0 else np.zeros(len(sizes), dtype=bool)
+    determined = directions[significant] / sizes[significant, None]
     covariance = determined.T @ determined * np.outer(scales, scales)
-    lost = np.abs(directions[~known])
+    lost = np.abs(directions[~significant])
     part = (lost > NULL_SHARE).any(axis=0)
     covariance[part, part] = np.inf
     undetermined = tuple(tuple(name for name, share in zip(names, row) if share > NULL_SHARE) for row in lost)
-    return covariance, int(known.sum()), undetermined
+    return covariance, int(significant.sum()), undetermined
 
 
 def fit(
@@ -310,9 +310,9 @@ def _check(
     return FitProblem(model, records, names, initial_state_of(model, x0), places, limits)
 
 
-def _names(what: str, given: Any) -> tuple[str, ...]:
+def _names(what: str, names: Any) -> tuple[str, ...]:
     """One name or several."""
-    return (given,) if isinstance(given, str) else check_sequence(what, given, "give names in a list")
+    return (names,) if isinstance(names, str) else check_sequence(what, names, "give names in a list")
 
 
 def _check_distinct(what: str, names: tuple[str, ...]) -> None:
@@ -386,13 +386,13 @@ def _solve(problem: FitProblem, pieces: Segments | None, first: Array, what: str
 
 def _misfit_function(problem: FitProblem, pieces: Segments | None) -> Callable[[Array], Misfit]:
     """Residuals and derivatives at unknowns (u,); the last are kept, as the solver asks for each in turn."""
-    known: list[tuple[bytes, Misfit]] = []
+    last: list[tuple[bytes, Misfit]] = []
 
     def evaluate(x: Array) -> Misfit:
         key = x.tobytes()
-        if not known or known[0][0] != key:
-            known[:] = [(key, _misfit(problem, pieces, x))]
-        return known[0][1]
+        if not last or last[0][0] != key:
+            last[:] = [(key, _misfit(problem, pieces, x))]
+        return last[0][1]
 
     return evaluate
 

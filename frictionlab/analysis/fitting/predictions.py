@@ -286,20 +286,20 @@ def _differences(
     times = np.minimum(times, run.raw.t)
     states, width = run(times) if len(times) else np.zeros((0, n)), n + len(names)
     slopes, end = np.zeros((len(times), n, width)), np.zeros((n, width))
-    moved = np.zeros((len(run.raw.event_times), width))
+    event_slopes = np.zeros((len(run.raw.event_times), width))
     size = np.maximum(np.abs(run.states).max(axis=0), np.finfo(float).tiny)
     mode = str(run.modes_at(0.0))
     for d in range(width):
         step = DIFFERENCE_SHARE * (size[d] if d < n else abs(values_of(model)[names[d - n]]) or 1.0)
         shift = step * (np.arange(n) == d)
-        changed = model if d < n else model.replace(**{names[d - n]: values_of(model)[names[d - n]] + step})
-        other = _run(changed, start + shift, run.raw.t, mode)
+        neighbour = model if d < n else model.replace(**{names[d - n]: values_of(model)[names[d - n]] + step})
+        other = _run(neighbour, start + shift, run.raw.t, mode)
         if len(times):
             slopes[:, :, d] = (other(times) - states) / step
         end[:, d] = (other.final_state - run.final_state) / step
-        if len(other.raw.event_times) == len(moved):
-            moved[:, d] = (other.raw.event_times - run.raw.event_times) / step
-    return ParameterFlow(states, slopes, run.raw.event_times, moved, end)
+        if len(other.raw.event_times) == len(event_slopes):
+            event_slopes[:, d] = (other.raw.event_times - run.raw.event_times) / step
+    return ParameterFlow(states, slopes, run.raw.event_times, event_slopes, end)
 
 
 def _wrapped(run: Trajectory, missed: Array) -> Array:

@@ -120,24 +120,24 @@ def _ends(
     """Where the equilibrium begins, ends, or gives way to another, in ascending order, from both sides."""
 
     def at(points: Any) -> Array:
-        given = {name: np.full(len(points), value) for name, value in fixed.items()}
-        values, count = problem.at({**given, parameter: np.array(points)})
+        values_at = {name: np.full(len(points), value) for name, value in fixed.items()}
+        values, count = problem.at({**values_at, parameter: np.array(points)})
         return problem.solve(values, count)
 
     points = np.linspace(*bounds, SCAN_POINTS)
     states = at(points)
     moves = np.abs(np.diff(states)).max(axis=0)
-    gone: Any = np.isnan(states).any(axis=0)
-    jumps = np.isnan(moves) | (moves > JUMP_FACTOR * np.nanmedian(moves)) if not gone.all() else gone[1:]
-    for i in np.flatnonzero(jumps & ~(gone[1:] & gone[:-1])):
+    absent: Any = np.isnan(states).any(axis=0)
+    jumps = np.isnan(moves) | (moves > JUMP_FACTOR * np.nanmedian(moves)) if not absent.all() else absent[1:]
+    for i in np.flatnonzero(jumps & ~(absent[1:] & absent[:-1])):
         low, high, x, y = points[i], points[i + 1], states[:, i], states[:, i + 1]
         first = np.abs(y - x).max()
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             z = at([middle])[:, 0]
             before, after = np.abs(z - x).max(), np.abs(y - z).max()
-            known = np.isnan(z).any() == np.isnan(x).any() if np.isnan(first) else before <= after
-            low, high, x, y = (middle, high, z, y) if known else (low, middle, x, z)
+            beyond = np.isnan(z).any() == np.isnan(x).any() if np.isnan(first) else before <= after
+            low, high, x, y = (middle, high, z, y) if beyond else (low, middle, x, z)
         if np.isnan(first) or np.abs(y - x).max() > JUMP_SHARE * first:
             yield from (
                 _End(float(v), state) for v, state in ((low, x), (high, y)) if np.isfinite(state).all()

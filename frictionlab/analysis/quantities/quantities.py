@@ -260,8 +260,8 @@ def _of_mode(spectra: ComplexArray, mode: int | None) -> ComplexArray:
     if mode >= count:
         raise ValueError(f"mode must be below {count}, the number of modes, got {mode}: count from 0")
     order = np.lexsort((spectra.imag, spectra.real, np.abs(spectra.imag)))
-    chosen = np.take_along_axis(spectra, order, axis=1)[:, min(2 * mode, spectra.shape[1] - 1)]
-    return chosen.real + 1j * np.abs(chosen.imag)
+    pair = np.take_along_axis(spectra, order, axis=1)[:, min(2 * mode, spectra.shape[1] - 1)]
+    return pair.real + 1j * np.abs(pair.imag)
 
 
 def _eigenvalue_gradient(problem: EquilibriumProblem, mode: int | None) -> tuple[complex, ComplexArray]:
@@ -377,11 +377,11 @@ def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
             f"quantity must be one such as fl.CriticalValue('mu_k', (0, 4)), got {abbreviate(quantity)}: "
             "its derivatives have to be known"
         )
-    known = automaton_of(model).values
+    values = automaton_of(model).values
     gradient = quantity.gradient(model)
-    names = tuple(name for name in known if name in gradient.derivatives)
-    at = np.array([known[name] for name in names], dtype=float)
+    names = tuple(name for name in values if name in gradient.derivatives)
+    at = np.array([values[name] for name in names], dtype=float)
     slopes = np.array([gradient.derivatives[name] for name in names], dtype=float)
     order = np.argsort(-np.abs(np.nan_to_num(at * slopes)), kind="stable")
-    chosen = tuple(names[i] for i in order)
-    return Sensitivity(model, quantity.label_of(model), gradient.value, chosen, at[order], slopes[order])
+    in_order = tuple(names[i] for i in order)
+    return Sensitivity(model, quantity.label_of(model), gradient.value, in_order, at[order], slopes[order])

@@ -62,8 +62,8 @@ def _eigenvalues() -> Claim:
             agrees_with_printed(v.real, p[0]) and agrees_with_printed(v.imag, p[1])
             for v, p in zip(nearest, pairs)
         ]
-        shown = (_eigenvalue_text((f"{v.real:.4f}", f"{v.imag:.3f}")) for v in nearest)
-        computed.append(f"{', '.join(shown)} ({mu_k:g})")
+        texts = (_eigenvalue_text((f"{v.real:.4f}", f"{v.imag:.3f}")) for v in nearest)
+        computed.append(f"{', '.join(texts)} ({mu_k:g})")
     return Claim(
         "C4",
         "4.2.1",

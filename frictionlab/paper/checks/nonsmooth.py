@@ -63,9 +63,9 @@ def _check_sliding(setting: Setting) -> Finding:
 def _check_nonsmooth(setting: Setting) -> Finding:
     """C23."""
     b = scenes.stiff_sweep(True, setting)
-    chosen = is_kind(b, MotionKind.NON_PERIODIC)
-    held = {"non-periodic for most mu_k": bool(chosen.mean() > 0.5)}
-    return Finding(f"{intervals_text(b)}; non-periodic at {count(chosen)} values", held)
+    irregular = is_kind(b, MotionKind.NON_PERIODIC)
+    held = {"non-periodic for most mu_k": bool(irregular.mean() > 0.5)}
+    return Finding(f"{intervals_text(b)}; non-periodic at {count(irregular)} values", held)
 
 
 def _check_onset(setting: Setting) -> Finding:

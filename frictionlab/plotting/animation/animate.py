@@ -270,7 +270,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
 def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
     colours = mode_colours(run)
-    drawn = picture.draw(left)
+    parts = picture.draw(left)
     plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
     dot: dict[str, Any] = {"markersize": marker_size(9.0), "markeredgecolor": background(right)}
     (phase,) = right.plot([], [], "o", color=ink(right), zorder=5, **dot)
@@ -278,7 +278,7 @@ def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) 
     left.set_xlabel(picture.note, fontsize=font_size(FONT_SIZE))
     # At a fixed height, as otherwise the title would move with each draw.
     title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
-    return AnimationScene(picture, colours, drawn, phase, title)
+    return AnimationScene(picture, colours, parts, phase, title)
 
 
 def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
@@ -303,11 +303,11 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
 
     def update(frame: int) -> list[Artist]:
         mode = str(picture.mode[frame])
-        moved = picture.move(scene.parts, frame, scene.colours.get(mode))
+        artists = picture.move(scene.parts, frame, scene.colours.get(mode))
         scene.phase.set_data([picture.x[frame]], [picture.rate[frame]])
         scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
         scene.title.set_text(f"t = {picture.t[frame]:.{digits}f} s: {mode}; {pace}")
-        return [*moved, scene.phase, scene.title]
+        return [*artists, scene.phase, scene.title]
 
     return update
 

@@ -211,8 +211,8 @@ def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None
     values = {name: np.full(len(t), float(value)) for name, value in run.automaton.values.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
     samples = SampledRun(run, t, values, modes_at(run, t))
-    used = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
-    largest = max((float(np.abs(value).max()) for value in used), default=0.0)
+    lengths = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
+    largest = max((float(np.abs(value).max()) for value in lengths), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
     contacts = [part.contact for part in mechanism.parts if isinstance(part, Forces)]
     forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}

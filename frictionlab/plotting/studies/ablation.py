@@ -79,21 +79,21 @@ def plot_effects(effects: Effects, ax: Axes | None = None, *, condition: int = 0
         ),
         ([effects.terms[i] for i in largest], values[largest], errors[largest], ORANGE, "effect"),
     ]
-    drawn, labels = [], []
+    artists, labels = [], []
     for names, sizes, spreads, colour, label in groups:
         places = np.arange(len(labels), len(labels) + len(names))
         bars = ax.barh(places, np.nan_to_num(sizes), color=legible(colour, ax), label=label)
-        known = np.isfinite(spreads)
-        if known.any():
+        finite = np.isfinite(spreads)
+        if finite.any():
             how: dict[str, Any] = {"fmt": "none", "capsize": 3, **pen(ink(ax), 1.0, ax)}
-            add_halo_to_errors(ax.errorbar(sizes[known], places[known], xerr=spreads[known], **how), ax)
+            add_halo_to_errors(ax.errorbar(sizes[finite], places[finite], xerr=spreads[finite], **how), ax)
         labels += [f"{name} ({label})" for name in names]
-        drawn.append(bars)
+        artists.append(bars)
     ax.set_yticks(range(len(labels)), labels)
     ax.invert_yaxis()
     ax.axvline(0.0, **pen(GREY, 0.8, ax))
     ax.set_xlabel(f"change of {effects.quantity}")
-    return drawn
+    return artists
 
 
 def plot_scene_lattice(
@@ -211,11 +211,11 @@ def plot_ablation(
     """
     if ablation.conditions is not None or quantity is not None or len(ablation.studies) > 1:
         return [_draw_quantity(ablation, axes_or_new(ax), quantity)]
-    known = [result for result in ablation.results if result is not None]
-    if all(isinstance(result, Real) for result in known):
+    results = [result for result in ablation.results if result is not None]
+    if all(isinstance(result, Real) for result in results):
         values = np.array([np.nan if result is None else result for result in ablation.results], dtype=float)
         return [_bars(ablation, values, axes_or_new(ax))]
-    draw = _panel_for(known)
+    draw = _panel_for(results)
     count = len(ablation.results)
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
@@ -330,9 +330,9 @@ def _bars(ablation: Ablation, values: np.ndarray, ax: Axes) -> Axes:
         ax.text(0.01, float(i), "none", va="center", transform=ax.get_yaxis_transform())
     ax.set_yticks(range(len(values)), _scene_titles(ablation))
     ax.invert_yaxis()
-    known = values[~np.isnan(values)]
-    if len(known) and known.min() > 0 and known.max() > LOG_SCALE_RATIO * known.min():
+    numbers = values[~np.isnan(values)]
+    if len(numbers) and numbers.min() > 0 and numbers.max() > LOG_SCALE_RATIO * numbers.min():
         ax.set_xscale("log")
     ax.axvline(0.0, **pen(GREY, 0.8, ax))
-    ax.margins(x=(NEGATIVE_MARGIN if len(known) and known.min() < 0 else 0.15) * crowding())
+    ax.margins(x=(NEGATIVE_MARGIN if len(numbers) and numbers.min() < 0 else 0.15) * crowding())
     return ax

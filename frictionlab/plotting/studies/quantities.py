@@ -77,17 +77,17 @@ def plot_uncertainty(uncertainty: Uncertainty, ax: Axes | None = None) -> list[A
         The curve, the line of the median, and those of the 2.5th and 97.5th percentiles.
     """
     ax = axes_or_new(ax)
-    known = np.sort(uncertainty.values[np.isfinite(uncertainty.values)])
-    share = np.arange(1, len(known) + 1) / len(uncertainty.values)
-    drawn: list[Artist] = [*ax.step(known, share, where="post", **pen(BLUE, 1.5, ax))]
+    sorted_values = np.sort(uncertainty.values[np.isfinite(uncertainty.values)])
+    share = np.arange(1, len(sorted_values) + 1) / len(uncertainty.values)
+    artists: list[Artist] = [*ax.step(sorted_values, share, where="post", **pen(BLUE, 1.5, ax))]
     for level, colour in ((0.5, ink(ax)), (0.025, VERMILLION), (0.975, VERMILLION)):
         at = uncertainty.quantile(level)
         if np.isfinite(at):
-            drawn.append(ax.axvline(at, linestyle=":", **pen(colour, 1.0, ax)))
+            artists.append(ax.axvline(at, linestyle=":", **pen(colour, 1.0, ax)))
     ax.set_xlabel(uncertainty.quantity)
     ax.set_ylabel("cumulative probability")
     ax.set_ylim(0.0, 1.02)
-    return drawn
+    return artists
 
 
 def plot_sobol_indices(indices: SobolIndices, ax: Axes | None = None) -> list[Artist]:
@@ -111,17 +111,17 @@ def plot_sobol_indices(indices: SobolIndices, ax: Axes | None = None) -> list[Ar
         (indices.first_order, indices.first_errors, ORANGE, "alone", -0.2),
         (indices.total_order, indices.total_errors, BLUE, "with interactions", 0.2),
     ]
-    drawn: list[Any] = []
+    artists: list[Any] = []
     for values, errors, colour, label, shift in groups:
         bars = ax.barh(places + shift, values[order], height=0.4, color=legible(colour, ax), label=label)
         how: dict[str, Any] = {"fmt": "none", "capsize": 3, **pen(ink(ax), 1.0, ax)}
         add_halo_to_errors(ax.errorbar(values[order], places + shift, xerr=errors[order], **how), ax)
-        drawn.append(bars)
+        artists.append(bars)
     ax.set_yticks(places, [parameter_symbol(indices.model, indices.parameters[i]) for i in order])
     ax.invert_yaxis()
     ax.set_xlabel(f"share of the variance of {indices.quantity}")
     ax.legend(frameon=False)
-    return drawn
+    return artists
 
 
 def plot_optimum(optimum: Optimum, ax: Axes | None = None) -> list[Artist]:
@@ -144,20 +144,20 @@ def plot_optimum(optimum: Optimum, ax: Axes | None = None) -> list[Artist]:
     first, best = ((values - low) / (high - low) for values in (optimum.first, optimum.at))
     ax.hlines(rows, 0.0, 1.0, **pen(GREY, 1.0, ax))
     begin = ax.plot(first, rows, "o", mfc="none", label="where it began", **pen(BLUE, 1.0, ax))
-    drawn: list[Artist] = [*begin, *ax.plot(best, rows, "D", label="best", **pen(VERMILLION, 1.0, ax))]
+    artists: list[Artist] = [*begin, *ax.plot(best, rows, "D", label="best", **pen(VERMILLION, 1.0, ax))]
     above: dict[str, Any] = {"xytext": (0, 5), "textcoords": "offset points", "color": ink(ax)}
     below: dict[str, Any] = {**above, "xytext": (0, -6), "ha": "center", "va": "top"}
     for row, name in enumerate(optimum.parameters):
-        drawn.append(ax.annotate(f"{low[row]:g}", (0.0, row), **above))
-        drawn.append(ax.annotate(f"{high[row]:g}", (1.0, row), ha="right", **above))
-        drawn.append(ax.annotate(f"{optimum[name]:.4g}", (best[row], row), **below))
+        artists.append(ax.annotate(f"{low[row]:g}", (0.0, row), **above))
+        artists.append(ax.annotate(f"{high[row]:g}", (1.0, row), ha="right", **above))
+        artists.append(ax.annotate(f"{optimum[name]:.4g}", (best[row], row), **below))
     ax.set_yticks(rows, [parameter_symbol(optimum.model, name) for name in optimum.parameters])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(-0.03, 1.03)
     ax.set_xlabel("share of the way between the bounds")
     set_title(ax, f"{optimum.quantity}: {optimum.value:.5g}")
     legend_beside(ax)
-    return drawn
+    return artists
 
 
 def plot_fit(fit: Fit, ax: Axes | None = None) -> list[Artist]:
@@ -177,9 +177,9 @@ def plot_fit(fit: Fit, ax: Axes | None = None) -> list[Artist]:
     ax = axes_or_new(ax)
     timed = np.isfinite(fit.times)
     across = fit.times if timed.any() else np.arange(len(fit.residuals))
-    drawn: list[Artist] = [*ax.plot(across, fit.residuals, ".", **pen(BLUE, 1.0, ax))]
-    drawn += [ax.axhline(side * TWO_SIGMA, linestyle=":", **pen(VERMILLION, 1.0, ax)) for side in (-1, 1)]
+    artists: list[Artist] = [*ax.plot(across, fit.residuals, ".", **pen(BLUE, 1.0, ax))]
+    artists += [ax.axhline(side * TWO_SIGMA, linestyle=":", **pen(VERMILLION, 1.0, ax)) for side in (-1, 1)]
     ax.axhline(0.0, **pen(ink(ax), 0.8, ax))
     ax.set_xlabel("time (s)" if timed.any() else "measurement")
     ax.set_ylabel("(predicted − measured) / error")
-    return drawn
+    return artists

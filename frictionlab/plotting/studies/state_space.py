@@ -86,18 +86,18 @@ def plot_steady_state(
     """
     run = steady.trajectory
     check_run_with_coordinates(run)
-    shown: str = run.automaton.shown_state if name is None else name
-    check_choice("name", shown, run.names[: run.automaton.coordinates])
+    coordinate: str = run.automaton.shown_state if name is None else name
+    check_choice("name", coordinate, run.names[: run.automaton.coordinates])
     alone, ax = ax is None, axes_or_new(ax)
     if steady.kind == MotionKind.EQUILIBRIUM:
-        column = run.names.index(shown)
+        column = run.names.index(coordinate)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
         lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
         ax.set(ylim=(-1.0, 1.0))
     else:
         seconds = SHOWN_PERIODS * steady.period if steady.kind == MotionKind.PERIODIC else SHOWN_SECONDS
-        lines = plot_phase_plane(run, ax, name=shown, window=min(seconds, float(run.raw.t)))
-    label_phase_plane(ax, run.source, shown, f"Steady state: {steady.kind}")
+        lines = plot_phase_plane(run, ax, name=coordinate, window=min(seconds, float(run.raw.t)))
+    label_phase_plane(ax, run.source, coordinate, f"Steady state: {steady.kind}")
     if alone:
         legend_beside(ax)
     return restyle(lines, line)
@@ -151,13 +151,13 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **l
         The points.
     """
     coordinates = [each for each in ends.names if f"{each}'" in ends.names]
-    shown = coordinates[0] if name is None else name
-    check_choice("name", shown, coordinates)
-    x, rate = (ends.states[:, ends.names.index(each)] for each in (shown, f"{shown}'"))
+    column = coordinates[0] if name is None else name
+    check_choice("name", column, coordinates)
+    x, rate = (ends.states[:, ends.names.index(each)] for each in (column, f"{column}'"))
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
     units = dict(zip(ends.names, ends.units))
-    ax.set(xlabel=with_unit(shown, units[shown]), ylabel=with_unit(f"{shown}'", units[f"{shown}'"]))
+    ax.set(xlabel=with_unit(column, units[column]), ylabel=with_unit(f"{column}'", units[f"{column}'"]))
     set_title(ax, f"Ends of {len(x)} runs")
     return restyle(lines, line)
 

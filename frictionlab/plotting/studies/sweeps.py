@@ -273,10 +273,10 @@ def plot_orbit_branch(
         lines += ax.plot(branch.values[part], heights[part], linestyle=dashes, **pen(BLUE, 1.4, ax))
         lines[-1].set_label("stable" if stable else "unstable")
     for kind in dict.fromkeys(special.kind for special in branch.special):
-        chosen = [special for special in branch.special if special.kind == kind]
+        points = [special for special in branch.special if special.kind == kind]
         at = (
-            [special.value for special in chosen],
-            [_orbit_measure(special.orbit, name) for special in chosen],
+            [special.value for special in points],
+            [_orbit_measure(special.orbit, name) for special in points],
         )
         colour, marker = SPECIAL_POINT_STYLES[kind]
         lines += ax.plot(*at, marker, color=legible(colour, ax), label=kind)
@@ -339,8 +339,10 @@ def plot_cea_against_motion(
     top = max(lines.max(initial=0.0), np.finfo(float).tiny)
     foot = top * 10.0**-SPECTRUM_DECADES
     grid = np.linspace(0.0, result.f_max, lines.shape[1] + 1)
-    shown, scale = np.maximum(lines.T, foot), LogNorm(foot, top)
-    mesh = ax.pcolormesh(_cell_edges(result.values), grid, shown, norm=scale, cmap="viridis", rasterized=True)
+    levels, scale = np.maximum(lines.T, foot), LogNorm(foot, top)
+    mesh = ax.pcolormesh(
+        _cell_edges(result.values), grid, levels, norm=scale, cmap="viridis", rasterized=True
+    )
     ax.figure.colorbar(mesh, ax=ax, label=f"amplitude of {state_with_unit(result.model, result.state)}")
     artists: list[Artist] = [mesh]
     style: dict[str, Any] = {"marker": "o", "markersize": 3.0, "linestyle": "none", "color": VERMILLION}

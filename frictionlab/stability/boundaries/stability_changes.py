@@ -314,7 +314,7 @@ def _gaps(problem: EquilibriumProblem, curve: CriticalCurve, low: float, high: f
         f"unstable from {at_low} on": exists & growing,
         f"stable up to {high:g}, or as far as the equilibrium exists": exists & ~growing,
     }
-    counted = [f"{int(chosen.sum())} {why}" for why, chosen in reasons.items() if chosen.any()]
+    counted = [f"{int(flags.sum())} {why}" for why, flags in reasons.items() if flags.any()]
     return (
         f"no critical {curve.parameter} in {low:g} to {high:g} at {int(missing.sum())} of "
         f"{count(len(curve.at), 'value')} of {curve.over}: {', '.join(counted)}; they are NaN"
@@ -437,11 +437,11 @@ def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) 
     def rate(at: Array, line: Any, rank: Any, shift: Any) -> Array:
         return eigenvalue_at_rank(evaluate(line.astype(int), at), rank.astype(int)).real - shift
 
-    solved = find_root(
+    root = find_root(
         rate, (start, growing), args=(brackets.line, brackets.rank, shift), maxiter=MAX_ROOT_STEPS
     )
     # Where there is no root, the equilibrium ends.
-    return np.where(np.isfinite(solved.x), solved.x, 0.5 * (brackets.low + brackets.high))
+    return np.where(np.isfinite(root.x), root.x, 0.5 * (brackets.low + brackets.high))
 
 
 def _is_there_beyond(

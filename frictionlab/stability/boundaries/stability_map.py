@@ -139,7 +139,7 @@ def stability_map(
     check_flag("progress", progress)
     problem = None if isinstance(model, LargeSystem) else equilibrium_problem(model)
     owner: Any = model if problem is None else problem.model
-    across, up = (check_axis(owner, which, given) for which, given in (("x", x), ("y", y)))
+    across, up = (check_axis(owner, which, axis) for which, axis in (("x", x), ("y", y)))
     if across[0] == up[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")
     source: SpectraOf
@@ -272,14 +272,14 @@ def _project_onto_curve(plane: ParameterPlane, path: Array, rank: int) -> Array:
     spacing = np.hypot(*np.diff(path, axis=0).T)
     local = np.minimum(np.append(spacing, np.inf), np.append(np.inf, spacing))
     local = np.where(at_edge.any(axis=1), STEP_RADIUS, local)[:, None]
-    moved = np.full_like(path, np.nan)
+    on_curve = np.full_like(path, np.nan)
     for share in NORMAL_SHARES:
-        left = np.isnan(moved[:, 0])
+        left = np.isnan(on_curve[:, 0])
         low, high = (np.clip(path + s * share * local * normal, 0.0, 1.0)[left] for s in (-1, 1))
-        moved[left] = zeros_on_segments(plane, low, high, rank)
-        if not np.isnan(moved).any():
+        on_curve[left] = zeros_on_segments(plane, low, high, rank)
+        if not np.isnan(on_curve).any():
             break
-    return moved[np.isfinite(moved[:, 0])]
+    return on_curve[np.isfinite(on_curve[:, 0])]
 
 
 def distance_to_curve(curve: Array, point: Array) -> float:
@@ -346,10 +346,10 @@ def _seed_points(plane: ParameterPlane, spectra: Any) -> tuple[Array, NDArray[np
 def _edges(spectra: Any, axis: int) -> Iterator[tuple[Array, Array, int]]:
     """Ends of the grid's edges along an axis on which modes begin to grow, and which growth rate is zero."""
     counts = (growth_rates(spectra) > 0).sum(axis=2)
-    known = np.isfinite(spectra[..., 0])
+    finite = np.isfinite(spectra[..., 0])
     before, after = (np.delete(np.arange(counts.shape[axis]), end) for end in (-1, 0))
     differ = counts.take(before, axis) != counts.take(after, axis)
-    both = known.take(before, axis) & known.take(after, axis)
+    both = finite.take(before, axis) & finite.take(after, axis)
     scale = np.array(counts.shape)[::-1] - 1
     for row, column in np.argwhere(differ & both):
         a, b = (row, column), (row + 1 - axis, column + axis)

@@ -94,14 +94,14 @@ def _linear_size(problem: EquilibriumProblem, point: Equilibrium, matrix: Array,
     """
     way = (np.exp(1j * ANGLES)[:, None] * mode.right).real
     way = way[np.abs(way).max(axis=1) > NONLINEAR_SHARE]  # those of a real mode may vanish
-    moved = SIZES[:, None, None] * way  # (sizes, angles, m)
-    at = (point.state + moved).reshape(-1, len(point.state)).T
+    displacements = SIZES[:, None, None] * way  # (sizes, angles, m)
+    at = (point.state + displacements).reshape(-1, len(point.state)).T
     with np.errstate(all="ignore"):
         rates, margin = (
             np.broadcast_to(f(at, problem.values), (*lead, at.shape[1]))
             for f, lead in ((problem.flow.rhs, (len(at),)), (problem.flow.margin, ()))
         )
-        bent = np.abs(mode.left @ (rates - matrix @ moved.reshape(at.T.shape).T))
+        bent = np.abs(mode.left @ (rates - matrix @ displacements.reshape(at.T.shape).T))
         usual = abs(mode.value * mode.product) * np.repeat(SIZES, len(way))
         linear = ((bent < NONLINEAR_SHARE * usual) & (margin > 0)).reshape(len(SIZES), -1).all(axis=1)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], linear, [False]]).astype(int)))

@@ -151,13 +151,13 @@ class LinearSystem(Drawable):
         unit = np.eye(len(self.A))
         shifted: Any = 2j * np.pi * at[:, None, None] * unit - self.A
         try:
-            moved: Any = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(at), *self.B.shape)))
+            state_response: Any = np.linalg.solve(shifted, np.broadcast_to(self.B, (len(at), *self.B.shape)))
         except np.linalg.LinAlgError:
             raise ValueError(
                 "frequencies must be others than those of undamped modes, where there is no response: "
                 f"add damping, or leave them out of {abbreviate(frequencies)}"
             ) from None
-        return FrequencyResponse(at, self.C @ moved + self.D, self)
+        return FrequencyResponse(at, self.C @ state_response + self.D, self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,39 +245,41 @@ def linearize(
     problem, (mode, given_by_others) = equilibrium_problem(model), _mode_of_equilibrium(model)
     coordinates = tuple(model.coordinates) if isinstance(model, MechanicalModel) else ()
     states = tuple(automaton.state_names)
-    given = _names("inputs", inputs, coordinates or problem.parameter_names)
-    shown = _names("outputs", outputs, states[: automaton.coordinates] or states)
-    for name in given:
+    input_names = _names("inputs", inputs, coordinates or problem.parameter_names)
+    output_names = _names("outputs", outputs, states[: automaton.coordinates] or states)
+    for name in input_names:
         _place("inputs", name, [*coordinates, *problem.parameter_names])
-    for name in shown:
+    for name in output_names:
         _place("outputs", name, [*states, *automaton.outputs])
     A: Any = jacobian(model, point.state)
     held = any(place < 2 * automaton.coordinates for place in given_by_others)
     pushed = _pushed_in_contact(model, mode) if held and isinstance(model, MechanicalModel) else None
-    B = _input_matrix(model, problem, pushed, point.state, given)
-    C: Any = np.zeros((len(shown), len(states)))
-    D: Any = np.zeros((len(shown), len(given)))
-    for row, name in enumerate(shown):
+    B = _input_matrix(model, problem, pushed, point.state, input_names)
+    C: Any = np.zeros((len(output_names), len(states)))
+    D: Any = np.zeros((len(output_names), len(input_names)))
+    for row, name in enumerate(output_names):
         slopes = _slopes_of_output(automaton, mode, name, point.state)
         C[row] = [slopes.get(state, 0.0) for state in states]
         by_force = np.zeros(len(coordinates))
         if pushed is not None and name in pushed.outputs:
             by_force = pushed.slopes(point.state, [pushed.outputs[name]])[0]
         direct = slopes | dict(zip(coordinates, by_force.tolist(), strict=True))
-        D[row] = [direct.get(one, 0.0) for one in given]
+        D[row] = [direct.get(one, 0.0) for one in input_names]
     for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
         place = states.index(name)
         A[place], B[place] = np.eye(len(states))[automaton.coordinates + place], 0.0
     for place in given_by_others:  # its row says z' = (what it is) - z, and no other rate depends on it
-        B[place, [name in coordinates for name in given]] = 0.0
+        B[place, [name in coordinates for name in input_names]] = 0.0
         C, D = (
             C + np.outer(C[:, place], A[place] + np.eye(len(states))[place]),
             D + np.outer(C[:, place], B[place]),
         )
         C[:, place] = 0.0
-    kept = [place for place in range(len(states)) if place not in given_by_others]
-    names = tuple(states[place] for place in kept)
-    return LinearSystem(A[np.ix_(kept, kept)], B[kept], C[:, kept], D, names, given, shown, point)
+    free = [place for place in range(len(states)) if place not in given_by_others]
+    names = tuple(states[place] for place in free)
+    return LinearSystem(
+        A[np.ix_(free, free)], B[free], C[:, free], D, names, input_names, output_names, point
+    )
 
 
 def _input_matrix(
@@ -308,9 +310,9 @@ def _slopes_of_output(automaton: HybridAutomaton, mode: str, name: str, state: A
     if name in automaton.state_names:
         return {name: 1.0}
     places, entries = output_formulas(automaton, mode, name).jacobian()
-    known = [*automaton.state_names, *automaton.values]
+    inputs = [*automaton.state_names, *automaton.values]
     numbers = entries.numbers(*state, *automaton.values.values())
-    return {known[column]: number for (_, column), number in zip(places, numbers.tolist(), strict=True)}
+    return {inputs[column]: number for (_, column), number in zip(places, numbers.tolist(), strict=True)}
 
 
 def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
@@ -363,20 +365,20 @@ def _pushed_in_contact(model: MechanicalModel, mode: str) -> PushedInContact:
     regimes = system.chosen(system.names.combination_of(mode) or ())
     pushes = [sympy.Dummy(f"push {name}", real=True) for name in model.coordinates]
     loads = tuple(load + push for load, push in zip(system.loads, pushes, strict=True))
-    solved = solve_contact_forces(replace(system, loads=loads), regimes)
-    return PushedInContact(model, pushes, solved.accelerations, contact_outputs(system, regimes, solved))
+    forces = solve_contact_forces(replace(system, loads=loads), regimes)
+    return PushedInContact(model, pushes, forces.accelerations, contact_outputs(system, regimes, forces))
 
 
-def _names(what: str, given: Any, usual: Sequence[str]) -> tuple[str, ...]:
-    if given is None:
+def _names(what: str, names: Any, usual: Sequence[str]) -> tuple[str, ...]:
+    if names is None:
         return tuple(usual)
-    return check_sequence(what, [given] if isinstance(given, str) else given, 'write ["x1"]')
+    return check_sequence(what, [names] if isinstance(names, str) else names, 'write ["x1"]')
 
 
-def _place(what: str, name: Any, known: Sequence[str]) -> int:
-    if not isinstance(name, str) or name not in known:
-        raise ValueError(f"{what} must be known, got {abbreviate(name)}{did_you_mean_or_known(name, known)}")
-    return list(known).index(name)
+def _place(what: str, name: Any, names: Sequence[str]) -> int:
+    if not isinstance(name, str) or name not in names:
+        raise ValueError(f"{what} must be known, got {abbreviate(name)}{did_you_mean_or_known(name, names)}")
+    return list(names).index(name)
 
 
 def mass_matrix(model: MechanicalModel, state: Array) -> Array:

@@ -72,9 +72,9 @@ class Modes:
     left: ComplexMatrices
     unstable: NDArray[np.int_]
 
-    def __getitem__(self, chosen: Any) -> Modes:
+    def __getitem__(self, index: Any) -> Modes:
         parts: Any = (self.at, self.values, self.right, self.left, self.unstable)
-        return Modes(*(part[chosen] for part in parts))
+        return Modes(*(part[index] for part in parts))
 
     def permute(self, order: NDArray[np.intp]) -> Modes:
         """The same modes, in another order (N, k) at each point."""
@@ -89,17 +89,17 @@ class Modes:
 
 def modes_of_matrices(at: Array, matrices: Array) -> Modes:
     """The modes of state matrices (N, m, m), by ascending frequency; NaN where a matrix is not finite."""
-    known = np.isfinite(matrices).all(axis=(1, 2))
+    finite = np.isfinite(matrices).all(axis=(1, 2))
     m, k = matrices.shape[1], (matrices.shape[1] + 1) // 2
     empty: Any = (np.full((len(at), *shape), NO_EIGENVALUE) for shape in ((k,), (m, k), (k, m)))
     modes = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
-    if known.any():
-        values, right = eigenpairs_of_matrices(matrices[known])
-        modes.unstable[known] = unstable_pairs(values)
+    if finite.any():
+        values, right = eigenpairs_of_matrices(matrices[finite])
+        modes.unstable[finite] = unstable_pairs(values)
         order = _upper_half(values, k)
-        modes.values[known] = np.take_along_axis(values, order, axis=1)
-        modes.right[known] = np.take_along_axis(right, order[:, None, :], axis=2)
-        modes.left[known] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
+        modes.values[finite] = np.take_along_axis(values, order, axis=1)
+        modes.right[finite] = np.take_along_axis(right, order[:, None, :], axis=2)
+        modes.left[finite] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
     return modes
 
 
@@ -113,9 +113,9 @@ def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
     order = np.lexsort((-values.real, kind), axis=-1)
     kind = np.take_along_axis(kind, order, axis=1)
     kind[(kind == 1) & (np.cumsum(kind == 1, axis=1) % 2 == 0)] = 2
-    chosen = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
-    frequency = np.take_along_axis(values.imag, chosen, axis=1)
-    return np.take_along_axis(chosen, np.argsort(frequency, axis=1, kind="stable"), axis=1)
+    upper = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
+    frequency = np.take_along_axis(values.imag, upper, axis=1)
+    return np.take_along_axis(upper, np.argsort(frequency, axis=1, kind="stable"), axis=1)
 
 
 def _inverse(vectors: ComplexMatrices) -> ComplexMatrices:
@@ -164,10 +164,10 @@ def _match_modes(
     Unclear steps are halved, down to the width `least`, and while there are points `left` to spend.  Two
     modes with one eigenvalue throughout would be unclear everywhere.
     """
-    known = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
-    if not known.all():
-        matching = np.tile(np.arange(a.values.shape[1]), (len(known), 1))
-        matching[known] = _match_modes(a[known], b[known], sample, least, left)
+    finite = np.isfinite(a.values[:, 0]) & np.isfinite(b.values[:, 0])
+    if not finite.all():
+        matching = np.tile(np.arange(a.values.shape[1]), (len(finite), 1))
+        matching[finite] = _match_modes(a[finite], b[finite], sample, least, left)
         return matching
     matching = _assign(_likeness(a, b))
     clear, distinct = _is_clear(a, b.permute(matching))

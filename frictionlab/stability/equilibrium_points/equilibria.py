@@ -72,10 +72,12 @@ def equilibrium_problem(
 
 def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.float64]:
     """The state of one of the model's equilibria, checked to have F_N > 0 where there is a contact."""
-    known = equilibria(model)
-    if not isinstance(equilibrium, Equilibrium) or not any(_same_equilibrium(e, equilibrium) for e in known):
+    candidates = equilibria(model)
+    if not isinstance(equilibrium, Equilibrium) or not any(
+        _same_equilibrium(e, equilibrium) for e in candidates
+    ):
         raise ValueError(
-            f"equilibrium must be one of the {len(known)} of the model, got {abbreviate(equilibrium)}: "
+            f"equilibrium must be one of the {len(candidates)} of the model, got {abbreviate(equilibrium)}: "
             "take one from equilibria(model)"
         )
     if by_penetration(model) and not equilibrium.normal_force > 0:
@@ -240,15 +242,15 @@ class Equilibrium(Drawable):
         return self.state[: len(self.names)]
 
     def __repr__(self) -> str:
-        known = bool(self.model.coordinates)  # states of an automaton without coordinates may have any unit
+        has_units = bool(self.model.coordinates)  # of an automaton without coordinates they may be any
         units = {name: unit_of_state(self.model, name) for name in self.names}
         n = len(self.names)
         turning = [
-            (f"{name}'", v) for name, v in zip(self.names, self.state[n : 2 * n]) if known and v != 0.0
+            (f"{name}'", v) for name, v in zip(self.names, self.state[n : 2 * n]) if has_units and v != 0.0
         ]
         units |= {name: unit_of_state(self.model, name) for name, _ in turning}
-        shown = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
-        places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in shown)
+        numbers = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
+        places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in numbers)
         forces, unit = {"F_N": self.normal_force, "F_T": self.friction_force}, in_units_of(self.model, "N")
         acting = "".join(
             f", {name} {force:.4g} {unit}" for name, force in forces.items() if np.isfinite(force)

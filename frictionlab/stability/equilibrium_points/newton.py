@@ -176,12 +176,12 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
     least, rtol = SCALE_ROUNDING * np.fmax(scale, terms), LAST_STEP_RTOL / NOISE_DISTANCE * distance
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
     # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
-    solved = np.abs(flow.rhs(x, values)) <= np.fmax(rtol * forces, SAME_ZERO_FACTOR * noise)
-    settled = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
-    settled &= ~_is_pole(flow, x, values)
+    balanced = np.abs(flow.rhs(x, values)) <= np.fmax(rtol * forces, SAME_ZERO_FACTOR * noise)
+    converged = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
+    converged &= ~_is_pole(flow, x, values)
     unknown = step + moved
-    chosen = (solved & settled & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
-    return x[:, chosen], unknown[:, chosen]
+    zeros = (balanced & converged & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
+    return x[:, zeros], unknown[:, zeros]
 
 
 def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:
@@ -310,22 +310,22 @@ def distinct_zeros(x: Array, unknown: Array) -> Array:
 
     Symmetric zeros have the same distance up to rounding.  The one with the larger first state comes first.
     """
-    chosen: list[int] = []
+    distinct: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
-        distances = np.abs(x[:, chosen] - x[:, [i]])
-        if (distances > SAME_ZERO_FACTOR * (unknown[:, chosen] + unknown[:, [i]])).any(axis=0).all():
-            chosen.append(int(i))
-    return x[:, sorted(chosen, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
+        distances = np.abs(x[:, distinct] - x[:, [i]])
+        if (distances > SAME_ZERO_FACTOR * (unknown[:, distinct] + unknown[:, [i]])).any(axis=0).all():
+            distinct.append(int(i))
+    return x[:, sorted(distinct, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
 
 
 def merge_candidates(x: Array) -> Array:
     """The points (m, K) among those given (m, N) that differ, in their order."""
-    chosen: list[int] = []
+    distinct: list[int] = []
     for i in range(x.shape[1]):
-        differs = np.abs(x[:, chosen] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
+        differs = np.abs(x[:, distinct] - x[:, [i]]) > SAME_CANDIDATE_RTOL * np.abs(x[:, [i]])
         if differs.any(axis=0).all():
-            chosen.append(i)
-    return x[:, chosen]
+            distinct.append(i)
+    return x[:, distinct]
 
 
 class Zeros(NamedTuple):
@@ -527,9 +527,9 @@ def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) ->
 
 def _replace_unknown(sizes: Array) -> Array:
     """Sizes (m, N) with the largest of its column for one that is zero or unknown; 1 where all are."""
-    known = np.where(np.isfinite(sizes), sizes, 0.0)
-    largest = known.max(axis=0)
-    return np.where(known > 0, known, np.where(largest > 0, largest, 1.0))
+    finite = np.where(np.isfinite(sizes), sizes, 0.0)
+    largest = finite.max(axis=0)
+    return np.where(finite > 0, finite, np.where(largest > 0, largest, 1.0))
 
 
 def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:

@@ -167,20 +167,20 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     rates = flow.rhs(origin, values)
     if not np.isfinite(rates[rows]).all():
         return "linear rates are not finite"
-    solved = _solve_rows(matrix[rows], -rates[rows])
-    if solved is None:
+    solution = _solve_rows(matrix[rows], -rates[rows])
+    if solution is None:
         return None
-    held: Any = np.all(solved[1] == 0.0, axis=1)
-    if flow.rates.jumps(*map(_rounded, solved[0], held), *values):
+    held: Any = np.all(solution[1] == 0.0, axis=1)
+    if flow.rates.jumps(*map(_rounded, solution[0], held), *values):
         return "rounding decides on which side of a jump the linear rates hold a state"
     left = np.flatnonzero(~rows)
     sums, left = _linear_sums(flow, values, left, held)
     if len(sums):
         with_sums = np.vstack([matrix[rows], sums @ flow.jacobian(origin, values)])
-        solved = _solve_rows(with_sums, -np.append(rates[rows], sums @ rates))
-        if solved is None:
+        solution = _solve_rows(with_sums, -np.append(rates[rows], sums @ rates))
+        if solution is None:
             return None
-    origin, basis = solved
+    origin, basis = solution
     unknowns = basis.shape[1]
     # Linear rows may have made columns of the others constant.
     there = [interval(state) if unknowns else state for state in _combined(origin, basis, _whole(unknowns))]
@@ -226,10 +226,10 @@ def _linear_sums(
         return none, left
     columns = change.transpose(1, 0, 2).reshape(len(rows), -1)
     size = np.abs(columns).max(axis=0)
-    cancelled, used = _rows_without(columns[:, size > 0] / size[size > 0])
+    cancelled, pivots = _rows_without(columns[:, size > 0] / size[size > 0])
     sums = np.zeros((len(cancelled), flow.size))
     sums[:, rows] = cancelled
-    return sums, np.setdiff1d(left, rows[~used])
+    return sums, np.setdiff1d(left, rows[~pivots])
 
 
 def _whole(count: int, size: float = LARGEST) -> list[Interval]:
@@ -258,12 +258,12 @@ def _combined(origin: Array, basis: Array, u: Sequence[Any]) -> list[Any]:
     """The states origin + basis u, where unknowns are numbers or intervals; most are one of the unknowns."""
     states = []
     for start, row in zip(origin.tolist(), basis, strict=True):
-        used = np.flatnonzero(row).tolist()
-        if len(used) == 1 and row[used[0]] == 1.0 and start == 0.0:
-            states.append(u[used[0]])
+        places = np.flatnonzero(row).tolist()
+        if len(places) == 1 and row[places[0]] == 1.0 and start == 0.0:
+            states.append(u[places[0]])
             continue
         total: Any = start
-        for k in used:
+        for k in places:
             total = u[k] * float(row[k]) + total
         states.append(total)
     return states
@@ -329,17 +329,17 @@ def _rows_without(columns: Array) -> tuple[Array, NDArray[np.bool_]]:
     r, c = columns.shape
     rows = np.abs(columns).max(axis=1, initial=0.0)
     scale = np.where(rows > 0, rows, 1.0)
-    a, sums, used = columns / scale[:, None], np.eye(r), np.zeros(r, dtype=bool)
+    a, sums, pivots = columns / scale[:, None], np.eye(r), np.zeros(r, dtype=bool)
     for _ in range(min(r, c)):
-        i, j = np.unravel_index(np.argmax(np.where(used[:, None], 0.0, np.abs(a))), a.shape)
-        if used[i] or abs(a[i, j]) <= PIVOT_RTOL:
+        i, j = np.unravel_index(np.argmax(np.where(pivots[:, None], 0.0, np.abs(a))), a.shape)
+        if pivots[i] or abs(a[i, j]) <= PIVOT_RTOL:
             break
-        used[i] = True
-        factor = np.where(used, 0.0, a[:, j] / a[i, j])
+        pivots[i] = True
+        factor = np.where(pivots, 0.0, a[:, j] / a[i, j])
         a, sums = a - factor[:, None] * a[i], sums - factor[:, None] * sums[i]
         a[:, j] = 0.0
     sums[np.abs(sums) <= PIVOT_RTOL] = 0.0
-    return (sums / scale)[~used], used
+    return (sums / scale)[~pivots], pivots
 
 
 def values_of(owners: Any, values: Sequence[Any]) -> list[Any]:
@@ -471,9 +471,9 @@ class Boxes(NamedTuple):
     ends: Array
     owners: NDArray[np.intp]
 
-    def take(self, chosen: Any) -> Boxes:
+    def take(self, index: Any) -> Boxes:
         """Some of the boxes."""
-        return Boxes(self.ends[:, :, chosen], self.owners[chosen])
+        return Boxes(self.ends[:, :, index], self.owners[index])
 
 
 def _joined(parts: Sequence[Boxes]) -> Boxes:
@@ -575,9 +575,9 @@ def _without_bounds(reduced: ReducedFlow, boxes: Boxes) -> tuple[NDArray[np.bool
     parts, left = Boxes(boxes.ends, np.arange(count)).take(possible), [boxes.take([])]
     while len(parts.owners):
         row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
-        bounded = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
-        possible[parts.owners[bounded & row.contains_zero()]] = False
-        parts = parts.take(~bounded)
+        finite = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
+        possible[parts.owners[finite & row.contains_zero()]] = False
+        parts = parts.take(~finite)
         possible[np.bincount(parts.owners, minlength=count) > POLE_PARTS] = False
         parts = parts.take(possible[parts.owners])
         low, high = parts.ends[:, 0]
@@ -704,9 +704,9 @@ def _by_single_rows(reduced: ReducedFlow, boxes: Boxes) -> Boxes:
         at[j] = Interval(middle, middle)
         for rate, slope in zip(flow.rates(at), slopes[j], strict=True):
             root = Interval(middle, middle) - rate * slope.reciprocal()
-            known = np.isfinite(root.low) & np.isfinite(root.high) & ~slope.contains_zero()
-            ends[0, j] = np.where(known, np.fmax(ends[0, j], root.low), ends[0, j])
-            ends[1, j] = np.where(known, np.fmin(ends[1, j], root.high), ends[1, j])
+            bounds = np.isfinite(root.low) & np.isfinite(root.high) & ~slope.contains_zero()
+            ends[0, j] = np.where(bounds, np.fmax(ends[0, j], root.low), ends[0, j])
+            ends[1, j] = np.where(bounds, np.fmin(ends[1, j], root.high), ends[1, j])
     return Boxes(ends, boxes.owners).take((ends[0] <= ends[1]).all(axis=0))
 
 
@@ -739,18 +739,19 @@ def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.boo
     if k == 1:
         slope = interval(slopes[0][0])
         image = Interval(middle[0], middle[0]) - at[0] * slope.reciprocal()
-        known = ~slope.contains_zero() & np.isfinite(slope.low) & np.isfinite(slope.high)  # no pole, no jump
-        return np.stack([np.where(known, end, np.nan)[None] for end in (image.low, image.high)]), possible
+        # no pole, no jump
+        regular = ~slope.contains_zero() & np.isfinite(slope.low) & np.isfinite(slope.high)
+        return np.stack([np.where(regular, end, np.nan)[None] for end in (image.low, image.high)]), possible
     centres = np.zeros((count, k, k))
     for j, column in enumerate(slopes):
         for i, entry in enumerate(column):
             centres[:, i, j] = (entry.low + entry.high) / 2
-    known = np.isfinite(centres).all(axis=(1, 2))
-    centres[~known] = np.eye(k)
-    known &= np.abs(np.linalg.det(centres)) > 0
-    centres[~known] = np.eye(k)
+    regular = np.isfinite(centres).all(axis=(1, 2))
+    centres[~regular] = np.eye(k)
+    regular &= np.abs(np.linalg.det(centres)) > 0
+    centres[~regular] = np.eye(k)
     inverse = np.linalg.inv(centres)
-    known &= np.isfinite(inverse).all(axis=(1, 2))
+    regular &= np.isfinite(inverse).all(axis=(1, 2))
     images = np.full_like(boxes, np.nan)
     for i in range(k):
         image = Interval(middle[i], middle[i])
@@ -761,7 +762,7 @@ def _krawczyk(reduced: ReducedFlow, boxes: Array) -> tuple[Array, NDArray[np.boo
             for row in range(k):
                 factor = factor - slopes[j][row] * inverse[:, i, row]
             image = image + factor * ways[j]
-        images[0, i], images[1, i] = np.where(known, image.low, np.nan), np.where(known, image.high, np.nan)
+        images[:, i] = np.where(regular, [image.low, image.high], np.nan)
     return images, possible
 
 

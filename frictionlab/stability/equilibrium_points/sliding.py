@@ -212,9 +212,9 @@ class SlidingEquations:
 
     def values(self, model: Model) -> tuple[float, ...]:
         """The model's parameters, in the order of `parameters`; ValueError where a law has no value there."""
-        known = model.parameters
-        check_laws(self.key, known)
-        return tuple(known[name] for name in self.key.parameters)
+        values = model.parameters
+        check_laws(self.key, values)
+        return tuple(values[name] for name in self.key.parameters)
 
     @cached_property
     def sticks(self) -> bool:
@@ -481,8 +481,8 @@ def statics_groups(
     for held_by_contact in (False, True):
         held = equations.held(held_by_contact)
         firm = _smallest_eigenvalue(stiffness[:, held][:, :, held])[0] > SINGULAR_EIGENVALUE
-        if (chosen := firm & (without == held_by_contact)).any():
-            yield derive_statics(equations, held_by_contact), chosen
+        if (group := firm & (without == held_by_contact)).any():
+            yield derive_statics(equations, held_by_contact), group
 
 
 def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
@@ -515,8 +515,8 @@ def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> A
 def _least_pressed(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
     """The least (N,) of candidates (k, N) that are static with F_N > 0; NaN where there is none."""
     q = statics.coordinates.arrays(penetrations, *values)
-    _, solved = statics.is_static(penetrations, q, values, STATIC_RESIDUAL_RTOL)
-    pressed = solved & (penetrations > 0) & (statics.normal_force(penetrations, values) > 0)
+    _, balanced = statics.is_static(penetrations, q, values, STATIC_RESIDUAL_RTOL)
+    pressed = balanced & (penetrations > 0) & (statics.normal_force(penetrations, values) > 0)
     least = np.where(pressed, penetrations, np.inf).min(axis=0)
     return np.where(np.isfinite(least), least, np.nan)
 
@@ -711,11 +711,11 @@ def sliding_problem(model: Model, start: Array | None = None) -> EquilibriumProb
 def _states(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
     """States (2n, count) at the smallest penetration; NaN where there is no equilibrium."""
     x = np.full((2 * len(equations.coordinates), count), np.nan)
-    for statics, chosen in statics_groups(equations, values, count):
-        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[chosen] for v in values]
-        penetrations = _least_penetration(statics, some, int(chosen.sum()))
-        x[:, chosen] = np.where(np.isnan(penetrations), np.nan, 0.0)
+    for statics, group in statics_groups(equations, values, count):
+        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[group] for v in values]
+        penetrations = _least_penetration(statics, some, int(group.sum()))
+        x[:, group] = np.where(np.isnan(penetrations), np.nan, 0.0)
         for row, q in zip(x, statics.coordinates.arrays(penetrations, *some)):
-            row[chosen] = np.where(np.isnan(penetrations), np.nan, q)
+            row[group] = np.where(np.isnan(penetrations), np.nan, q)
     x[:, np.broadcast_to(equations.rests(values), (count,))] = np.nan
     return x

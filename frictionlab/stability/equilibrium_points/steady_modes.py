@@ -87,8 +87,8 @@ class SteadyMode:
         where no balance of forces is known."""
 
         def rates(mode: Mode) -> Sequence[Any]:
-            known = mode.balance and is_free(self.automaton, mode)
-            return static_rates(self.automaton, mode) if known else ()
+            balances = mode.balance and is_free(self.automaton, mode)
+            return static_rates(self.automaton, mode) if balances else ()
 
         balance = self._formulas("statics", rates, _reactions)
         if not balance.outputs:

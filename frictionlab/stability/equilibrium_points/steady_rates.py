@@ -130,7 +130,7 @@ def states_by_constraints(
 
 def _is_distance(constraint: Any, states: Sequence[Any], n: int) -> bool:
     """Whether a constraint is one of coordinates alone."""
-    return bool(used := constraint.free_symbols & {*states}) and used <= {*states[:n]}
+    return bool(inputs := constraint.free_symbols & {*states}) and inputs <= {*states[:n]}
 
 
 def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | None, Any]:
@@ -148,24 +148,24 @@ def _held_coordinates(
 ) -> dict[int, GivenState]:
     """The coordinates that distances of zero give, first of these, and their velocities, by their places."""
     n, states = automaton.coordinates, automaton.states
-    q, v, solved = states[:n], states[n : 2 * n], {}
+    q, v, solutions = states[:n], states[n : 2 * n], {}
     for distance in distances:
-        left = sympy.expand(distance.xreplace({x: one.value for x, one in solved.items()}))
+        left = sympy.expand(distance.xreplace({x: one.value for x, one in solutions.items()}))
         candidates = [x for x in q if x in left.free_symbols and x.name not in automaton.cyclic]
-        candidates = [x for x in candidates if x not in solved]
+        candidates = [x for x in candidates if x not in solutions]
         if not candidates:
             return {}
         slopes = {x: _order_of_choice(sympy.diff(left, x), x, states) for x in reversed(candidates)}
         x = min(slopes, key=lambda x: (q.index(x) not in held, slopes[x]))
         root = _root(left, x)
-        solved = {
+        solutions = {
             other: GivenState(*(part.xreplace({x: root.value}) for part in one))
-            for other, one in solved.items()
+            for other, one in solutions.items()
         }
-        solved[x] = root
-    free = [i for i in range(n) if q[i] not in solved]
+        solutions[x] = root
+    free = [i for i in range(n) if q[i] not in solutions]
     given = {}
-    for x, one in solved.items():
+    for x, one in solutions.items():
         place = q.index(x)
         speed = _rate(one.value, [q[i] for i in free], [v[i] for i in free])
         given[place], given[n + place] = one, GivenState(speed, speed - v[place])
@@ -179,8 +179,8 @@ def _rate(function: Any, q: Sequence[Any], v: Sequence[Any]) -> Any:
 
 def _order_of_choice(slope: Any, x: Any, states: Sequence[Any]) -> int:
     """Which coordinate a distance gives: first one with a slope that is a number, then one that is linear."""
-    used = slope.free_symbols & {*states}
-    return 2 if x in used else 1 if used else 0
+    states_of_slope = slope.free_symbols & {*states}
+    return 2 if x in states_of_slope else 1 if states_of_slope else 0
 
 
 def _root(function: Any, x: Any) -> GivenState:
