@@ -25,7 +25,7 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from itertools import product
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -421,6 +421,32 @@ class Formulas:
         """For each function the inputs on which it depends."""
         known = self._dependences_of_slots
         return [known[slot] for slot in self.outputs]
+
+    def moved_by(self, place: int, *inputs: Any) -> list[Any]:
+        """Whether each function depends on one input, for numbers or arrays of others; None is any number.
+
+        What is multiplied by zero is zero.
+        """
+        values: list[Any] = [None if one is None else np.asarray(one, float)[()] for one in inputs]
+        zero: list[Any] = [False if one is None else one == 0.0 for one in values]
+        moved: list[Any] = [slot == place for slot in range(len(inputs))]
+        with np.errstate(all="ignore"):
+            for i, (kind, a, b) in enumerate(self.tape.ops):
+                takes = operands(self.tape, i)
+                value: Any = None
+                if all(values[slot] is not None for slot in takes):
+                    value = _step(self.tape, i, ARRAYS)(values)
+                    zero.append(np.equal(value, 0.0))
+                elif kind == AFFINE:
+                    terms = reduce(np.logical_and, [zero[slot] for slot in takes])
+                    zero.append(np.logical_and(terms, self.tape.constants[i] == 0.0))
+                else:
+                    factors = {PRODUCT: (a, b), SQUARE: (a,), QUOTIENT: (a,)}.get(kind, ())
+                    zero.append(reduce(np.logical_or, [zero[slot] for slot in factors], False))
+                depends = reduce(np.logical_or, [moved[slot] for slot in takes], False)
+                moved.append(np.logical_and(depends, np.logical_not(zero[-1])))
+                values.append(np.float64(0.0) if np.all(zero[-1]) else value)
+        return [moved[slot] for slot in self.outputs]
 
     @cached_property
     def step_dependences(self) -> list[frozenset[int]]:

@@ -18,7 +18,7 @@ from frictionlab.automaton.modes_on_demand import has_regime
 from frictionlab.models.mechanical.contact_regimes import PHASE
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, in_units_of, shorten, unit_of_state
-from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding
+from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
     Statics,
@@ -145,6 +145,7 @@ def _problem_from_equilibrium(
 
 def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
+    refuse_time(model, "an equilibrium")
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
     modes = [each.name for each in steady_modes(automaton, sliding)] or ["no mode"]
     what = type(model).__name__ if sliding else "the automaton"
@@ -155,7 +156,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     if automaton.on_demand and has_regime(automaton.names, "stick"):
         left = ["stick of any contact"]
     forced = PHASE in automaton.state_names and sliding
-    still = ", give a load that vanishes the frequency 0 too, as its phase never rests" if forced else ""
+    still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
     left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
@@ -323,6 +324,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         threefold one counts once; of an angle, on which all depends with the period 2 pi, those within one
         turn.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
+        So is a phase, or the time, that moves nothing, as where a load's amplitude is 0, or stands still.
 
     Returns
     -------
@@ -409,6 +411,8 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
         for x in points.T
     )
     last = searched[-1]
+    if not any(one.points.size for one in searched):
+        refuse_time(model, "an equilibrium")
     unsearched = f"modes after {last.mode.name} are not searched" if has_many_modes(automaton) else ""
     left_out = "stick" if is_sliding(model) and has_regime(automaton.names, "stick") else ""
     return Equilibria(members, last.why or (unsearched if last.points.size else ""), left_out)

@@ -31,14 +31,7 @@ def depends_on_time(model: ModelOrAutomaton) -> bool:
 
 
 def automaton_at_rest(model: ModelOrAutomaton) -> HybridAutomaton:
-    """The automaton whose equilibria are those of a model: on all sides of borders at once.
-
-    Raises
-    ------
-    ValueError
-        Where the model depends on time.
-    """
-    refuse_time(model, "an equilibrium")
+    """The automaton whose equilibria are those of a model: on all sides of borders at once."""
     return automaton_of(model).whole
 
 

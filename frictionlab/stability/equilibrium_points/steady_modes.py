@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ from frictionlab.stability.equilibrium_points.newton import (
 )
 from frictionlab.stability.equilibrium_points.steady_rates import (
     SteadyRates,
+    clocks_of,
     is_free,
     states_by_constraints,
     static_rates,
@@ -59,12 +60,15 @@ class SteadyMode:
         Any of that structure, whatever its values.
     preferred : tuple of int
         Places of coordinates that distances of zero give, if they can.
+    idle : tuple of int
+        Places of the phase and the time where these move nothing, or stand; they count as zero.
     """
 
     structure: Any
     name: str
     automaton: HybridAutomaton = field(compare=False)
     preferred: tuple[int, ...] = ()
+    idle: tuple[int, ...] = ()
 
     def derive(self) -> Mode:
         """The mode."""
@@ -88,9 +92,9 @@ class SteadyMode:
 
         def rates(mode: Mode) -> Sequence[Any]:
             balances = mode.balance and is_free(self.automaton, mode)
-            return static_rates(self.automaton, mode) if balances else ()
+            return static_rates(self.automaton, mode, self.idle) if balances else ()
 
-        balance = self._formulas("statics", rates, _reactions)
+        balance = self._formulas(f"statics{self._choice}", rates, _reactions)
         if not balance.outputs:
             return self.flow
         return Flow(tuple(self.automaton.values), balance, self._formulas("limits", _margins, _reactions))
@@ -109,11 +113,33 @@ class SteadyMode:
         return bool(states_by_constraints(self.automaton, self.derive()).left)
 
     def _steady_rates(self, mode: Mode) -> SteadyRates:
-        return steady_rates(self.automaton, mode, self.preferred)
+        return steady_rates(self.automaton, mode, self.preferred, self.idle)
 
     @property
     def _choice(self) -> str:
-        return f" by {self.preferred}" if self.preferred else ""
+        by = f" by {self.preferred}" if self.preferred else ""
+        return f"{by} without {self.idle}" if self.idle else by
+
+    def without_idle_clocks(self, values: Sequence[float]) -> SteadyMode:
+        """The mode with the clocks at zero that are idle for values of the parameters."""
+        idle = tuple(place for place in clocks_of(self.automaton) if self._is_idle(place, values).all())
+        return _known(replace(self, idle=idle)) if idle else self
+
+    def _is_idle(self, clock: int, values: Sequence[Any]) -> NDArray[np.bool_]:
+        """Whether a clock (its place) does not run, or moves nothing, for values of the parameters."""
+
+        def functions(mode: Mode) -> Sequence[Any]:
+            others = (*mode.flow[:clock], *mode.flow[clock + 1 :], *mode.constraints)
+            moved = {self.automaton.states[clock]}  # what sets the clock back says nothing of the others
+            guards = replace(mode, events=tuple(one for one in mode.events if {*one.reset.jump} != moved))
+            return (mode.flow[clock], *others, *_margins(guards))
+
+        formulas, count = self._formulas(f"moved by {clock}", functions), len(self.automaton.states)
+        if formulas.dependences[0] & {*range(count)}:
+            return np.array(False)  # a further state of that name
+        stands = np.equal(formulas.arrays(*np.zeros(count), *values)[0], 0.0)
+        moved = reduce(np.logical_or, formulas.moved_by(clock, *[None] * count, *values))
+        return np.logical_or(stands, np.logical_not(moved))
 
     def regular_at(self, x: Array, values: Sequence[float]) -> SteadyMode:
         """The mode with distances that give other coordinates, where slopes by the first ones vanish at x."""
@@ -159,6 +185,8 @@ class SteadyMode:
         """At which states (m, N) the mode can last: inside its guards, and with its constraints satisfied."""
         with np.errstate(all="ignore"):
             lasts = self.flow.margin(x, values) > 0
+            for clock in self.idle:
+                lasts = lasts & self._is_idle(clock, values)
             if self.holds:
                 for held, size in zip(*self._constraints(x, values), strict=True):
                     lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
@@ -218,7 +246,8 @@ def steady_modes(automaton: HybridAutomaton, sliding: bool) -> Iterator[SteadyMo
     else:
         modes = (_derived_mode(automaton, mode) for mode in _modes(automaton, sliding))
     values = parameter_values(automaton)
-    return (mode for mode in modes if mode.can_last_at_rest(values))
+    lasting = (mode for mode in modes if mode.can_last_at_rest(values))
+    return (mode.without_idle_clocks(values) for mode in lasting) if sliding else lasting
 
 
 def parameter_values(automaton: HybridAutomaton) -> tuple[float, ...]:

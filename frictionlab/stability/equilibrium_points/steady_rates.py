@@ -14,32 +14,37 @@ q_k itself: where g = 0 its derivatives up to the third are those of the exact h
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.lazy_names import sympy
+from frictionlab.models.mechanical.contact_regimes import PHASE
+from frictionlab.presentation import TIME
 
 
 class SteadyRates(NamedTuple):
     """Rates whose zeros are the steady motions of a mode, and the places of states that follow from others.
 
-    These are carriers, whose rates are minus themselves, and states that a constraint gives, such as a
-    deflection at its limit or the height on a rigid contact.  The rate of one that a constraint gives is what
-    it gives minus the state.  No other rate depends on them.
+    These are carriers and idle clocks, whose rates are minus themselves, and states that a constraint gives,
+    such as a deflection at its limit or the height on a rigid contact.  The rate of one that a constraint
+    gives is what it gives minus the state.  No other rate depends on them.
     """
 
     rates: tuple[Any, ...]
     following: tuple[int, ...] = ()
 
 
-def steady_rates(automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = ()) -> SteadyRates:
+def steady_rates(
+    automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = (), idle: Sequence[int] = ()
+) -> SteadyRates:
     """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any.
 
-    Distances give the coordinates `held` (their places), if they can.
+    Distances give the coordinates `held` (their places), if they can.  Clocks that are `idle`, such as the
+    phase of a load that vanishes, are set to zero like carriers.
     """
-    rates, carriers = _relative_rates(automaton, mode)
+    rates, carriers = _relative_rates(automaton, mode, idle)
     n, given = automaton.coordinates, states_by_constraints(automaton, mode, held).given
     values = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
     for place, rate in [*enumerate(rates)] if values else ():
@@ -49,32 +54,41 @@ def steady_rates(automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = (
     return SteadyRates(tuple(rates), tuple(sorted({*carriers, *given})))
 
 
-def _relative_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[list[Any], Iterable[int]]:
-    """The rates of a mode, those of cyclic coordinates relative to the carriers; and the carriers' places."""
+def _relative_rates(
+    automaton: HybridAutomaton, mode: Mode, idle: Sequence[int]
+) -> tuple[list[Any], Iterable[int]]:
+    """The rates of a mode, those of cyclic coordinates relative to the carriers; and the places of these and
+    of idle clocks."""
     rates, n = list(mode.flow), automaton.coordinates
     places = sorted(automaton.state_names.index(name) for name in automaton.cyclic)
     carriers = _carriers(automaton, mode, places) if places else {}
     for place in places:
         moving = (ratios.get(place, 0) * automaton.states[n + one] for one, ratios in carriers.items())
         rates[place] = rates[place] - sum(moving, sympy.S.Zero)
-    for carrier in carriers:
-        rates[carrier] = -automaton.states[carrier]
-    return rates, carriers
+    for place in (*carriers, *idle):
+        rates[place] = -automaton.states[place]
+    return rates, (*carriers, *idle)
 
 
-def static_rates(automaton: HybridAutomaton, mode: Mode) -> tuple[Any, ...]:
+def static_rates(automaton: HybridAutomaton, mode: Mode, idle: Sequence[int] = ()) -> tuple[Any, ...]:
     """What vanishes at the steady motions of a mode, without M^-1: functions of states and reactions.
 
     Forces are in place of accelerations.  A distance of zero goes with each reaction.
     """
     assert mode.balance is not None
-    rates, _ = _relative_rates(automaton, mode)
+    rates, _ = _relative_rates(automaton, mode, idle)
     n, (given, _, distances) = automaton.coordinates, states_by_constraints(automaton, mode)
     rates[n : 2 * n] = mode.balance.forces
     for place, one in given.items():
         if place >= 2 * n:
             rates[place] = one.rate
     return (*rates, *distances)
+
+
+def clocks_of(automaton: HybridAutomaton) -> list[int]:
+    """The places of the phase and the time."""
+    first, names = 2 * automaton.coordinates, automaton.state_names
+    return [place for place in range(first, len(names)) if names[place] in (PHASE, TIME)]
 
 
 def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
@@ -109,10 +123,12 @@ def states_by_constraints(
     """
     n, states = automaton.coordinates, automaton.states
     left = [sympy.sympify(constraint, strict=True) for constraint in mode.constraints]
-    distances = [one for one in left if _is_distance(one, states, n)]
-    rates = [_rate(one, states[:n], states[n : 2 * n]) for one in distances]
+    clocks = {states[i]: mode.flow[i] for i in clocks_of(automaton)}
+    distances = [one for one in left if _is_distance(one, states, {*states[:n], *clocks})]
+    moving, speeds = (*states[:n], *clocks), (*states[n : 2 * n], *clocks.values())
+    rates = [_rate(one, moving, speeds) for one in distances]
     others = [one for one in left if one not in distances and all(sympy.expand(one - r) for r in rates)]
-    given = _held_coordinates(automaton, distances, held)
+    given = _held_coordinates(automaton, distances, held, clocks)
     if len(given) == 2 * len(distances) == len(left) - len(others):
         left = others  # else a distance lacks its rate, or two distances are one
     else:
@@ -128,9 +144,9 @@ def states_by_constraints(
     return ConstrainedStates(given, tuple(unknown), tuple(distances))
 
 
-def _is_distance(constraint: Any, states: Sequence[Any], n: int) -> bool:
-    """Whether a constraint is one of coordinates alone."""
-    return bool(inputs := constraint.free_symbols & {*states}) and inputs <= {*states[:n]}
+def _is_distance(constraint: Any, states: Sequence[Any], moving: set[Any]) -> bool:
+    """Whether a constraint is one of coordinates and clocks alone."""
+    return bool(inputs := constraint.free_symbols & {*states}) and inputs <= moving
 
 
 def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | None, Any]:
@@ -144,9 +160,10 @@ def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | No
 
 
 def _held_coordinates(
-    automaton: HybridAutomaton, distances: Sequence[Any], held: Sequence[int]
+    automaton: HybridAutomaton, distances: Sequence[Any], held: Sequence[int], clocks: Mapping[Any, Any]
 ) -> dict[int, GivenState]:
-    """The coordinates that distances of zero give, first of these, and their velocities, by their places."""
+    """The coordinates that distances of zero give, first of these, and their velocities, by their places;
+    `clocks` have the rates of the clocks."""
     n, states = automaton.coordinates, automaton.states
     q, v, solutions = states[:n], states[n : 2 * n], {}
     for distance in distances:
@@ -167,13 +184,14 @@ def _held_coordinates(
     given = {}
     for x, one in solutions.items():
         place = q.index(x)
-        speed = _rate(one.value, [q[i] for i in free], [v[i] for i in free])
+        moving, speeds = [*(q[i] for i in free), *clocks], [*(v[i] for i in free), *clocks.values()]
+        speed = _rate(one.value, moving, speeds)
         given[place], given[n + place] = one, GivenState(speed, speed - v[place])
     return given
 
 
 def _rate(function: Any, q: Sequence[Any], v: Sequence[Any]) -> Any:
-    """The rate of a function of coordinates."""
+    """The rate of a function of coordinates and clocks."""
     return sum((sympy.diff(function, x) * rate for x, rate in zip(q, v, strict=True)), sympy.S.Zero)
 
 
