@@ -197,6 +197,12 @@ class Spectrum(NamedTuple):
         return lines[order], heights[order]
 
 
+def heard_state(run: Trajectory) -> str:
+    """The state whose spectrum is shown: the first coordinate, or its rate if it may turn for ever."""
+    first = run.automaton.shown_state
+    return f"{first}'" if first in run.automaton.cyclic else first
+
+
 def amplitude_spectrum(
     run: Trajectory, name: str | None = None, *, f_max: float | None = None, start: float | None = None
 ) -> Spectrum | None:
@@ -208,7 +214,7 @@ def amplitude_spectrum(
     ----------
     run : Trajectory
     name : str or None
-        The state, e.g. "x1" or "x1'"; None takes the first.
+        The state, e.g. "x1" or "x1'"; None takes the first coordinate, or its rate if it may turn for ever.
     f_max : float or None
         Highest frequency kept, Hz; None takes about six times the model's own, 60 Hz for the slider.
     start : float or None
@@ -221,7 +227,7 @@ def amplitude_spectrum(
         None where the part is too short to resolve five lines up to `f_max`.
     """
     check_run(run)
-    shown: str = run.automaton.shown_state if name is None else name
+    shown = heard_state(run) if name is None else name
     check_choice("name", shown, run.names)
     stop = float(run.raw.t)
     if f_max is None:

@@ -11,10 +11,30 @@ metre is chosen when it is drawn, so that the largest displacement is well visib
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from frictionlab.components import functions
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A motion around a place, by an angle as it is: `right` cos to the right of it and `up` sin above it.
+
+    Parameters
+    ----------
+    angle : str
+        Name of the coordinate.
+    right, up : float
+        Radii.
+    start : float
+        What is added to the angle, rad: -pi/2 for a pendulum, whose angle is zero where it hangs.
+    """
+
+    angle: str
+    right: float
+    up: float
+    start: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -27,16 +47,19 @@ class Point:
     right, up : str
         Name of the coordinate, or of the parameter that is a length, by which the point moves to the right
         or up; "-y" moves it the other way, "" not at all.
+    turn : Turn or None
+        How it moves around (`x`, `y`), if it does.
     """
 
     x: float
     y: float
     right: str = ""
     up: str = ""
+    turn: Turn | None = None
 
     def beside(self, x: float, y: float = 0.0) -> Point:
         """A point that moves with this one."""
-        return Point(self.x + x, self.y + y, self.right, self.up)
+        return replace(self, x=self.x + x, y=self.y + y)
 
 
 @dataclass(frozen=True)
@@ -128,6 +151,12 @@ def held_block(
     block, side = Point(place, 0.2, right=coordinate), 0.3 if wall > place else -0.3
     held = Spring(Point(wall, 0.2), block.beside(side))
     return Wall((wall, -0.2), (wall, 0.6)), held, Block(block), Forces(block, number)
+
+
+def disc_with_mark(angle: str, radius: float, x: float = 0.0, y: float = 0.0) -> tuple[Any, ...]:
+    """A disc, and a mark on its rim that a coordinate turns."""
+    mark = Point(x, y, turn=Turn(angle, radius, radius))
+    return Block(Point(x, y), 2 * radius, 2 * radius, disc=True), Block(mark, 0.2, 0.2, disc=True)
 
 
 def inclined_end(angle: float) -> tuple[float, float]:

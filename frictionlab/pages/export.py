@@ -56,7 +56,7 @@ LAWS_HINT = "the law of friction; fl.explore in Python has further ones, and tho
 PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
-PICTURES = ("text", "svg", "plot", "layout", "friction", "panels")
+PICTURES = ("text", "svg", "plot", "turns", "layout", "friction", "panels")
 FRONT_END = (*PICTURES, "words", "controls", "state", "challenge", "lesson", "touch", "explorer")
 SCRIPTS = (*FRONT_END, *SOLVER_SCRIPTS, "browser_engine", "page")
 

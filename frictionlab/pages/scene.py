@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
@@ -31,7 +32,7 @@ from frictionlab.components.friction import (
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
 from frictionlab.models.composition import parameter_metadata, parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
-from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.models.mechanism import Mechanism, Point, TiltingBelt
 from frictionlab.models.model import Model, require_model
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
@@ -397,5 +398,5 @@ def _part(part: Any) -> Data:
 
 def _field(value: Any) -> Any:
     if isinstance(value, tuple):
-        return {"x": value[0], "y": value[1], "right": "", "up": ""}
-    return dict(vars(value)) if hasattr(value, "right") else value
+        value = Point(*value)
+    return asdict(value) if isinstance(value, Point) else value

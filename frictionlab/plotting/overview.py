@@ -25,6 +25,7 @@ from frictionlab.analysis.motion_scales import (
     OVERSAMPLING,
     Spectrum,
     amplitude_spectrum,
+    heard_state,
     highest_frequency_of_run,
 )
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
@@ -79,6 +80,7 @@ from frictionlab.plotting.time_histories import (
     window_limits,
     window_text,
 )
+from frictionlab.plotting.turns import cut_at_turns, does_turn, tick_turns
 from frictionlab.presentation import output_unit, unit_of_state
 from frictionlab.validation import abbreviate, check_choice, check_number, explains_keywords
 
@@ -105,7 +107,7 @@ def plot_phase_plane(
     window: Window = PHASE_PLANE_WINDOW,
     **line: Any,
 ) -> list[Line2D]:
-    """Draw a coordinate against its rate, coloured by mode.
+    """Draw a coordinate against its rate, coloured by mode; an angle that turns modulo a turn.
 
     Parameters
     ----------
@@ -140,14 +142,18 @@ def plot_phase_plane(
     column, n = run.names.index(state), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
-    lines = []
+    lines, turns = [], does_turn(run, state, states[:, 0])
     for mode, pen_of_mode in mode_lines(run, ax).items():
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():
+            x, rate = cut_at_turns(x, rate) if turns else (x, rate)
             lines += ax.plot(x, rate, label=mode, **pen_of_mode)
     title = f"Phase plane of {state_label(state)}, {window_text(run, start, stop)}"
     label_phase_plane(ax, run.source, state, title)
-    ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
+    if turns:
+        tick_turns(ax.xaxis)
+    else:
+        ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
 
 
@@ -257,7 +263,7 @@ def plot_spectrum(
     ax : Axes or None
         None draws into a new figure.
     name : str or None
-        The state; None takes the first.
+        The state; None takes the first coordinate, or its rate if it may turn for ever.
     f_max : float or None
         Right end of the frequency axis, Hz; None takes about six times the model's own frequency.
     **line
@@ -269,7 +275,7 @@ def plot_spectrum(
         The spectrum; empty where the run is too short for one, as the panel then says.
     """
     check_run(run)
-    state: str = run.automaton.shown_state if name is None else name
+    state = heard_state(run) if name is None else name
     f_max = f_max or highest_frequency_of_run(run)
     spectrum = amplitude_spectrum(run, state, f_max=f_max)
     ax = axes_or_new(ax)

@@ -32,6 +32,7 @@ from frictionlab.plotting.appearance import (
 )
 from frictionlab.plotting.figure import axes_or_new, restyle, set_title
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_with_unit
+from frictionlab.plotting.turns import cut_at_turns, does_turn, tick_turns
 from frictionlab.presentation import in_units_of, is_angle, unit_of_state
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
@@ -212,7 +213,8 @@ def plot_displacements(
     """Draw all coordinates against time, with the modes shaded behind them.
 
     Lengths belong to the axis on the left.  An angle (phi, theta, alpha ...) is dashed, as it has another
-    unit and size; where there are lengths it belongs to an axis on the right.
+    unit and size; where there are lengths it belongs to an axis on the right.  One that turns is drawn modulo
+    a turn.
 
     Parameters
     ----------
@@ -244,7 +246,11 @@ def plot_displacements(
     lines = []
     for i, name in enumerate(names):
         axis, text = right if name in angles else ax, state_with_unit(run.source, name)
-        lines += axis.plot(t, states[:, i], label=text, **line_style(i, name, ax))
+        x, time = states[:, i], t
+        if does_turn(run, name, x):
+            x, time = cut_at_turns(x, t)
+            tick_turns(axis.yaxis)
+        lines += axis.plot(time, x, label=text, **line_style(i, name, ax))
     label_time_axes(
         run,
         ax,

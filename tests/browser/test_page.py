@@ -519,7 +519,7 @@ def test_of_an_angle_that_turns_for_ever_the_rate_is_heard(browser, tmp_path):
 
 PLACE_AND_PIXELS = """() => { // the mass in metres, and pixels for a metre
   const { drag } = explorer, [samples, i] = explorer.shownSample();
-  return [samples.column("x")[i], drag.scale.k / drag.bodies[0].along[0][1]];
+  return [samples.column("x")[i], drag.scale.k / drag.bodies[0].along.x(1)];
 }"""
 
 

@@ -10,7 +10,7 @@ from frictionlab.pages.export import text_of
 from tests.unit.pages.test_javascript import run_in_node
 
 SHORT = ("response", "phase")
-SCRIPTS = "text", "friction", "panels", "controls", "state", "words", "challenge"
+SCRIPTS = "text", "plot", "turns", "friction", "panels", "controls", "state", "words", "challenge"
 
 
 def made(model=None, panels=SHORT, seconds=1.0):

@@ -11,7 +11,16 @@ from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionL
 from frictionlab.components.functions import cos, sin
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Block, Forces, Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import (
+    Block,
+    Forces,
+    Mechanism,
+    Point,
+    Spring,
+    Turn,
+    Wall,
+    disc_with_mark,
+)
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, not_negative, of_either_sign, positive
 
@@ -157,10 +166,8 @@ class DrillString(ZooModel):
 
     @property
     def mechanism(self) -> Mechanism:
-        """Table and bit; what moves them aside is how far they have turned."""
-        table, bit = Point(0.0, 1.2, right="phi1"), Point(0.0, 0.2, right="phi2")
-        ground, shaft = Wall((-1.0, 0.0), (1.0, 0.0)), Spring(table.beside(0.0, -0.1), bit.beside(0.0, 0.2))
-        return Mechanism(ground, shaft, Block(table, 1.2, 0.2), Block(bit, 0.4, 0.4))
+        """Table and bit, seen from above."""
+        return Mechanism(*disc_with_mark("phi1", 1.0), *disc_with_mark("phi2", 0.5))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two inertias, one contact."""
@@ -225,9 +232,9 @@ class FroudePendulum(ZooModel):
 
     @property
     def mechanism(self) -> Mechanism:
-        """The bob on its string; it moves aside by its angle."""
-        bob, pivot = Point(0.0, 0.0, right="theta"), Point(0.0, 1.2)
-        return Mechanism(Block(pivot, 0.3, 0.3, disc=True), Wall(pivot, bob), Block(bob, 0.4, 0.4, disc=True))
+        """The bob on its rod, which hangs from the shaft."""
+        pivot, bob = Point(0.0, 0.0), Point(0.0, 0.0, turn=Turn("theta", 1.0, 1.0, -pi / 2))
+        return Mechanism(Wall(pivot, bob), Block(pivot, 0.3, 0.3, disc=True), Block(bob, 0.4, 0.4, disc=True))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One pendulum, one contact."""
@@ -240,10 +247,11 @@ class FroudePendulum(ZooModel):
 class MotorAndCart(ZooModel):
     """A motor whose pin drives a cart to and fro in a slot, as in a Scotch yoke; the cart rubs on its rails.
 
-        (J + m r^2 sin^2 a) a'' + m r^2 sin a cos a a'^2 + b a' = K i + r sin a F_T
-        L i' + R i + K a' = U
+        (J + m r^2 sin^2 alpha) alpha'' + m r^2 sin alpha cos alpha alpha'^2 + b alpha'
+            = K i + r sin alpha F_T
+        L i' + R i + K alpha' = U
 
-    The cart is at r cos a.  Its inertia and its friction make the motor turn unevenly, and a weak motor
+    The cart is at r cos alpha.  Its inertia and its friction make the motor turn unevenly, and a weak motor
     stops.  The system is of the kind of Lima and Sampaio; the numbers are this package's.
 
     Parameters
@@ -283,9 +291,9 @@ class MotorAndCart(ZooModel):
     U: float = of_either_sign(2.0, 10.0, "V", "U", "voltage")
     N: float = not_negative(1.0, 10.0, "N", "N", "normal force of the cart")
     friction: FrictionLaw = Coulomb(mu_k=0.4, mu_s=0.6)
-    coordinates = ("a",)
+    coordinates = ("alpha",)
     states = ("i",)
-    cyclic = ("a",)
+    cyclic = ("alpha",)
     period = 4.0
 
     about = "a motor that drives a cart with dry friction: it turns unevenly, or stops"
@@ -296,14 +304,16 @@ class MotorAndCart(ZooModel):
 
     @property
     def mechanism(self) -> Mechanism:
-        """The cart, which is drawn at the angle of the motor."""
-        cart = Point(0.0, 0.2, right="a")
-        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), Block(cart), Forces(cart))
+        """The motor's pin in the slot of the cart."""
+        cart = Point(0.0, 0.2, turn=Turn("alpha", 0.5, 0.0))
+        slot = Wall(cart.beside(0.0, 0.2), cart.beside(0.0, 1.7))
+        motor = disc_with_mark("alpha", 0.5, y=1.2)
+        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), slot, Block(cart), *motor, Forces(cart))
 
     def mechanics(self, q: Any, v: Any, s: Any) -> Mechanics:
         """One turning inertia, one contact, one current."""
-        speed = -self.r * sin(q.a) * v.a
-        kinetic, dampers = (self.J * v.a**2 + self.m * speed**2) / 2, self.b * v.a**2 / 2
-        current = (self.U - self.R * s.i - self.K * v.a) / self.L
+        speed = -self.r * sin(q.alpha) * v.alpha
+        kinetic, dampers = (self.J * v.alpha**2 + self.m * speed**2) / 2, self.b * v.alpha**2 / 2
+        current = (self.U - self.R * s.i - self.K * v.alpha) / self.L
         rubbing = Friction(-speed, self.N, self.friction)
-        return Mechanics(kinetic, 0, dampers, (rubbing,), {"a": self.K * s.i}, rates={"i": current})
+        return Mechanics(kinetic, 0, dampers, (rubbing,), {"alpha": self.K * s.i}, rates={"i": current})

@@ -416,7 +416,7 @@ class Explorer {
       if (!width) continue;
       Object.assign(panel, { marked: axes, t });
       if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
-      else this.paintDot(c, look, axes.X.at(samples.column(coordinate)[i]),
+      else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
         axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);
     }
   }

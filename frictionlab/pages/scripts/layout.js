@@ -47,14 +47,14 @@ function tiltingBelt(about, result, look) {
     bodies(data, i) { // the slider, the middle of the belt, and both of its ends, which tilt it
       const { slider_x: x, slider_y: y, belt_x, belt_y, slope } = this.row(data, i), [w, h] = block;
       const end = (side) => ({ box: [belt_x + side, belt_y + side * slope - radius, 2 * radius, 2 * radius],
-        along: [["phi", 0, -1 / side]] });
+        along: { phi: (_, dy) => -dy / side } });
       const all = [
-        { box: [x, y + h / 2, w, h], along: [["x1", 1 / s, 0], ["y1", 0, 1 / s]] },
+        { box: [x, y + h / 2, w, h], along: { x1: (dx) => dx / s, y1: (_, dy) => dy / s } },
         { box: [belt_x, belt_y - radius, Math.min(...wheels), 2 * radius],
-          along: [["x2", 1 / s, 0], ["y2", 0, 1 / s]] },
+          along: { x2: (dx) => dx / s, y2: (_, dy) => dy / s } },
         end(-wheels[0]), end(wheels[1]),
       ];
-      return all.filter(({ along }) => along.every(([name]) => structure.states.includes(name)));
+      return all.filter(({ along }) => Object.keys(along).every((name) => structure.states.includes(name)));
     },
     row(data, i) {
       const [x1, y1, x2, y2] = ["x1", "y1", "x2", "y2"].map((name) => s * get(data, name, i)),
@@ -77,8 +77,13 @@ function partsPicture(about, result, look) {
   const top = Math.max(...[...names].map((name) => samples.byName[name] ? largest([samples.byName[name]])
     : Math.abs(p[name] ?? 0)), 0);
   const s = result.magnify ?? (top > 0 ? roundDown125(REACH / top) : 1);
-  const at = (place, data, i) => [[place.x, place.right], [place.y, place.up]].map(([base, name]) =>
-    base + (name ? (name.startsWith("-") ? -s : s) * value(data, name.replace("-", ""), i) : 0));
+  const at = (place, data, i) => {
+    const { turn } = place, [x, y] = [[place.x, place.right], [place.y, place.up]].map(([base, name]) =>
+      base + (name ? (name.startsWith("-") ? -s : s) * value(data, name.replace("-", ""), i) : 0));
+    if (!turn) return [x, y];
+    const angle = value(data, turn.angle, i) + turn.start;
+    return [x + turn.right * Math.cos(angle), y + turn.up * Math.sin(angle)];
+  };
   const contacts = parts.filter(({ part }) => part === "Forces").map(({ contact }) => contact);
   const forces = contacts.flatMap((contact) =>
     ["normal_force", "friction_force"].map((name) => samples.byName[name + contact] ?? new Float64Array(1)));
@@ -123,16 +128,26 @@ function partsPicture(about, result, look) {
   const limits = [xs, ys].map(([low, high]) => [low - MARGIN, high + MARGIN]);
   return {
     scene: { ...base, shapes, limits, width, marks }, draw: (c, w, h, scene, row) => shapesOf(c, w, h, scene, row),
-      note: `displacements × ${s}`,
-    bodies: (data, i) => parts.filter(({ part }) => part === "Block").map(({ at: place, width: w, height: h }) => {
-      const along = [[place.right, 1, 0],
-        [place.up, 0, 1]].filter(([name]) => structure.states.includes(name?.replace("-", "")));
-      const moves = along.map(([name, right, up]) =>
-        [name.replace("-", ""), (name[0] === "-" ? -1 : 1) * right / s, (name[0] === "-" ? -1 : 1) * up / s]);
-      return { box: [...at(place, data, i), w, h], along: moves };
-    }).filter(({ along }) => along.length),
+      note: names.size ? `displacements × ${s}` : "angles as they are",
+    bodies: (data, i) => parts.filter(({ part }) => part === "Block").map(({ at: place, width: w, height: h }) =>
+      ({ box: [...at(place, data, i), w, h],
+        along: movesOf(place, s, structure.states, value(data, place.turn?.angle, i)) }))
+      .filter(({ along }) => Object.keys(along).length),
     row: (data, i) => ({ all: numbers(data, i), mode: data.modes[i] }),
   };
+}
+
+// what a step of (dx, dy) of a body does to each coordinate that moves it; `angle` is that by which it is turned
+function movesOf({ right, up, turn }, s, states, angle) {
+  const moves = {}, bare = (name) => name.replace("-", ""), sign = (name) => (name[0] === "-" ? -s : s);
+  if (states.includes(bare(right))) moves[bare(right)] = (dx) => dx / sign(right);
+  if (states.includes(bare(up))) moves[bare(up)] = (_, dy) => dy / sign(up);
+  if (turn?.right && turn.up) {
+    const a = angle + turn.start;
+    moves[turn.angle] = (dx, dy) =>
+      withinTurn(Math.atan2(Math.sin(a) + dy / turn.up, Math.cos(a) + dx / turn.right) - a);
+  }
+  return moves;
 }
 
 const shapesOf = shapes;

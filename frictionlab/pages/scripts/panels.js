@@ -52,8 +52,9 @@ function coordinateCurves(result, names) {
   return names.map((name, i) => {
     const angle = isAngle(result, name), axis = mixed && angle ? "right" : "left";
     const colour = PALETTE[i % PALETTE.length], dash = angle || i >= PALETTE.length;
-    return { label: result.structure.labels[name], x: result.samples.times, y: result.samples.column(name), colour,
-      dash, axis };
+    const turns = doesTurn(result, name), { times, column } = result.samples,
+      [y, x] = turns ? cutAtTurns(column(name), times) : [column(name), times];
+    return { label: result.structure.labels[name], x, y, colour, dash, axis, turns };
   });
 }
 
@@ -65,8 +66,9 @@ function historyDrawing(result, names, words) {
   const label = (name, dashed) =>
     (name ? `${words[isAngle(result, name) ? 1 : 0]} (${result.structure.units[name]})${dashed ? ", dashed" : ""}`
     : "");
+  const turns = (axis) => curves.some((curve) => curve.axis === axis && curve.turns);
   return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves,
-    xlim: [result.start, result.stop] };
+    xlim: [result.start, result.stop], turns: { left: turns("left"), right: turns("right") } };
 }
 
 function response(result) {
@@ -90,12 +92,17 @@ function forces(result) {
 
 function phase(result) {
   const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
-  const curves = curvesByMode(result, column(name), column(`${name}'`), {}), place = structure.states.indexOf(name);
+  const place = structure.states.indexOf(name), turns = { x: doesTurn(result, name) };
+  const curves = curvesByMode(result, column(name), column(`${name}'`), {}).map((curve) => {
+    if (!turns.x) return curve;
+    const [x, y] = cutAtTurns(curve.x, curve.y);
+    return { ...curve, x, y };
+  });
   if (equilibrium && !structure.cyclic.includes(name)) {
     const [x, y] = [place, place + structure.coordinates].map((i) => [equilibrium.state[i]]);
     curves.push({ label: "equilibrium", x, y, marker: "+", size: 11, line: false });
   }
-  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves,
+  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves, turns,
     touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
 }
 

@@ -1,8 +1,9 @@
 // A drawing, painted: axes with ticks, labels and a legend, and its curves.
 //
-// A drawing is {xlabel, ylabel, right, curves, log, note, xlim, ylim}; a curve {label, x, y, colour, width, dash,
-// marker, line, axis}. A label that begins with "_" is not in the legend. The axis is "left", "right" or "strip", on
-// which 0 is the bottom of the panel and 1 its top. A number that is not finite breaks a line.
+// A drawing is {xlabel, ylabel, right, curves, log, note, xlim, ylim, turns}; a curve {label, x, y, colour, width,
+// dash, marker, line, axis}. `turns` says of x, left and right whether they have angles that turn. A label that begins
+// with "_" is not in the legend. The axis is "left", "right" or "strip", on which 0 is the bottom of the panel and 1
+// its top. A number that is not finite breaks a line.
 const LEAST_FILL = 0.35; // share of an axis that the data have to fill, or else the axis shrinks
 const LIMIT_MARGIN = 0.06, LEAST_RANGE = 1e-12;
 const LEAST_RELATIVE_RANGE = 1e-2; // of the largest value: what varies less is drawn as the constant it is
@@ -43,9 +44,15 @@ function logarithmicLimits(now, needed) {
   return [10 ** (Math.floor(top) + 1 - DECADES), 10 ** (Math.floor(top) + 1)];
 }
 
+function turnLimits(_, needed) { // multiples of pi/2
+  const [low, high] = (needed ?? [-Math.PI, Math.PI]).map((angle) => 2 * angle / Math.PI),
+    first = Math.floor(low + 1e-9);
+  return [first, Math.max(Math.ceil(high - 1e-9), first + 1)].map((halves) => Math.PI / 2 * halves);
+}
+
 class Axis { // from data to pixels, and back
-  constructor([low, high], [start, stop], log = false) {
-    Object.assign(this, { low, high, start, stop, log });
+  constructor([low, high], [start, stop], log = false, turns = false) {
+    Object.assign(this, { low, high, start, stop, log, turns });
     this.from = log ? Math.log10(low) : low;
     this.span = (log ? Math.log10(high) : high) - this.from || 1;
   }
@@ -64,7 +71,14 @@ class Axis { // from data to pixels, and back
         values = Array.from({ length: count + 1 }, (_, i) => 10 ** Math.round(this.from + i));
       return { values, texts: values.map((v) => `10${raised(Math.round(Math.log10(v)))}`), power: 0 };
     }
-    const step = roundStep(this.span / Math.max(2, Math.floor(Math.abs(this.stop - this.start) / space)));
+    const least = this.span / Math.max(2, Math.floor(Math.abs(this.stop - this.start) / space));
+    if (this.turns) {
+      const half = Math.PI / 2, by = Math.ceil(roundStep(Math.max(least / half, 1))),
+        first = Math.ceil(this.low / half / by - 1e-9), last = Math.floor(this.high / half / by + 1e-9);
+      const halves = Array.from({ length: last - first + 1 }, (_, i) => by * (first + i));
+      return { values: halves.map((n) => half * n), texts: halves.map(multipleOfPi), power: 0 };
+    }
+    const step = roundStep(least);
     const first = Math.ceil(this.low / step - 1e-9), last = Math.floor(this.high / step + 1e-9);
     const values = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
     const size = Math.floor(Math.log10(Math.max(...values.map(Math.abs), step))),
@@ -180,27 +194,28 @@ function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
 function layoutOf(c, width, height, drawing, look, memory, kept = null) {
   const all = [...drawing.curves, ...(kept?.curves ?? [])], { xlabel, ylabel, right: label, log } = drawing;
   const of = (axis) => dataRange(all.filter((curve) => (curve.axis ?? "left") === axis).map(({ y }) => y));
-  memory.x = drawing.xlim ?? linearLimits(memory.x, dataRange(all.map(({ x }) => x)));
-  memory.left = drawing.ylim ?? (log ? logarithmicLimits : linearLimits)(log === memory.log ? memory.left : null,
+  const turns = drawing.turns ?? {}, linear = (axis) => (turns[axis] ? turnLimits : linearLimits);
+  memory.x = drawing.xlim ?? linear("x")(memory.x, dataRange(all.map(({ x }) => x)));
+  memory.left = drawing.ylim ?? (log ? logarithmicLimits : linear("left"))(log === memory.log ? memory.left : null,
     of("left"), drawing.least);
-  if (label) memory.right = linearLimits(memory.right, of("right"));
+  if (label) memory.right = linear("right")(memory.right, of("right"));
   memory.log = log;
   const { x, left, right } = memory, legend = drawing.curves.map(({ x: _, y, ...curve }) => curve);
-  const key = JSON.stringify([width, height, xlabel, ylabel, label, log, x, left, label && right, legend, look]);
+  const key = JSON.stringify([width, height, xlabel, ylabel, label, log, turns, x, left, label && right, legend, look]);
   if (memory.layout?.key !== key) memory.layout = { key, look, xlabel, ylabel, label,
     ...placesOf(c, width, height, drawing, look, memory) };
   return memory.layout;
 }
 
-function placesOf(c, width, height, { curves, right: hasRight, log }, look, memory) {
+function placesOf(c, width, height, { curves, right: hasRight, log, turns }, look, memory) {
   const em = look.letters, small = 0.86 * em, rows = legendRows(c, curves, width - 2 * em, small);
   const top = 0.8 * em + 1.35 * small * rows.length, bottom = height - 2.9 * em;
-  const Y = new Axis(memory.left, [bottom, top], log), yTicks = Y.ticks(2.4 * em);
-  const R = hasRight ? new Axis(memory.right, [bottom, top]) : null, rTicks = R?.ticks(2.4 * em);
+  const Y = new Axis(memory.left, [bottom, top], log, turns?.left), yTicks = Y.ticks(2.4 * em);
+  const R = hasRight ? new Axis(memory.right, [bottom, top], false, turns?.right) : null, rTicks = R?.ticks(2.4 * em);
   c.font = `${small}px system-ui, sans-serif`;
   const widest = (ticks) => Math.max(...ticks.texts.map((text) => c.measureText(text).width));
   const left = widest(yTicks) + 2.4 * em, right = width - (R ? widest(rTicks) + 2.4 * em : 1.8 * em);
-  const X = new Axis(memory.x, [left, right]), xTicks = X.ticks(4.8 * em);
+  const X = new Axis(memory.x, [left, right], false, turns?.x), xTicks = X.ticks(4.8 * em);
   return { X, Y, R, xTicks, yTicks, rTicks, rows, em, small, width, height, left, right, top, bottom };
 }
 

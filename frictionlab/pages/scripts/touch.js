@@ -1,7 +1,7 @@
 // A body of the mechanism is dragged, by a mouse, a finger or the arrow keys: the motion starts where it is let go.
 //
-// A body is {box: [x, y, width, height], along: [[coordinate, share of a step to the right, share of one up], ...]},
-// in units of the picture.
+// A body is {box: [x, y, width, height], along: {coordinate: what a step (dx, dy) changes it by, ...}}, in units of the
+// picture.
 const FINGER = 18; // pixels around a body that count as the body
 const LEAST_DRAG = 3; // pixels; less is a click
 const KEY_STEP = 0.01; // share of the picture's height by which an arrow key moves a body
@@ -51,7 +51,7 @@ class BodyDrag {
 
   begin(body, from) { // other bodies go where they are in steady sliding
     const { explorer } = this, [samples, i] = explorer.shownSample();
-    const now = Object.fromEntries(body.along.map(([name]) => [name, samples.column(name)[i]]));
+    const now = Object.fromEntries(Object.keys(body.along).map((name) => [name, samples.column(name)[i]]));
     Object.assign(this, { body, from, now, touched: {}, mode: samples.modes[i] });
   }
 
@@ -66,7 +66,9 @@ class BodyDrag {
 
   move(dx, dy) { // by so many units of the picture from where it was
     const { explorer, body, now } = this;
-    this.touched = Object.fromEntries(body.along.map(([name, right, up]) => [name, now[name] + right * dx + up * dy]));
+    const to = (name, v) => (doesTurn(explorer.result, name) ? withinTurn(v) : v);
+    this.touched = Object.fromEntries(Object.entries(body.along).map(([name, change]) =>
+      [name, to(name, now[name] + change(dx, dy))]));
     explorer.held = heldSample(explorer.result, this.touched, this.mode);
     explorer.frame();
   }

@@ -42,6 +42,7 @@ from frictionlab.plotting.time_histories import (
     check_run,
     window_limits,
 )
+from frictionlab.plotting.turns import does_turn, within_turn
 from frictionlab.validation import abbreviate, check_number, check_path
 
 from .parts import Parts, parts
@@ -178,9 +179,10 @@ def picture_of(
 
 @dataclass(frozen=True, eq=False)
 class AnimationScene:
-    """What is drawn in the frames, and the artists that show it."""
+    """What is drawn in the frames, and the artists that show it; `x` (K,) is that of the phase plane."""
 
     picture: BeltPicture | Parts
+    x: Array
     colours: dict[str, str]
     parts: Any
     phase: Any
@@ -278,7 +280,9 @@ def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) 
     left.set_xlabel(picture.note, fontsize=font_size(FONT_SIZE))
     # At a fixed height, as otherwise the title would move with each draw.
     title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
-    return AnimationScene(picture, colours, parts, phase, title)
+    turns = does_turn(run, picture.coordinate, picture.x)
+    x = within_turn(picture.x) if turns else picture.x
+    return AnimationScene(picture, x, colours, parts, phase, title)
 
 
 def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
@@ -304,7 +308,7 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
     def update(frame: int) -> list[Artist]:
         mode = str(picture.mode[frame])
         artists = picture.move(scene.parts, frame, scene.colours.get(mode))
-        scene.phase.set_data([picture.x[frame]], [picture.rate[frame]])
+        scene.phase.set_data([scene.x[frame]], [picture.rate[frame]])
         scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
         scene.title.set_text(f"t = {picture.t[frame]:.{digits}f} s: {mode}; {pace}")
         return [*artists, scene.phase, scene.title]

@@ -75,7 +75,7 @@ class Parts:
     coordinate : str
     shapes : tuple of Shape
     magnify : float
-        Factor of the displacements.
+        Factor of the displacements; 0 where there are none.
     forces : mapping of str to float
         Largest size (N) of each force that is drawn, by its symbol.
     """
@@ -99,8 +99,8 @@ class Parts:
 
     @property
     def note(self) -> str:
-        """A note on the magnification."""
-        return f"displacements × {self.magnify:g}"
+        """A note on the magnification, which angles of what turns do not have."""
+        return f"displacements × {self.magnify:g}" if self.magnify else "angles as they are"
 
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
@@ -113,8 +113,8 @@ class Parts:
     def draw(self, ax: Axes) -> list[Any]:
         """The artists of all shapes, as they are in the first frame."""
         artists: list[Any] = []
-        for shape in self.shapes:
-            artists += _artists(shape, ax)
+        for place, shape in enumerate(self.shapes):
+            artists += _artists(shape, 2.0 + place / len(self.shapes), ax)
         for artist in artists:
             ax.add_patch(artist) if isinstance(artist, Patch) else ax.add_line(artist)
         x, y = self.limits
@@ -190,18 +190,19 @@ def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
     return np.array([[x, y], tip, back + side, tip, back - side]).T
 
 
-def _artists(shape: Shape, ax: Axes) -> list[Any]:
+def _artists(shape: Shape, order: float, ax: Axes) -> list[Any]:
+    """The artists of a shape, at its place in the order of drawing; arrows are over all others."""
     if shape.kind in ("block", "disc"):
         edge: dict[str, Any] = {"edgecolor": ink(ax), "linewidth": line_width(1.2)}
-        return [Polygon(np.zeros((1, 2)), facecolor=background(ax), zorder=3, **edge)]
+        return [Polygon(np.zeros((1, 2)), facecolor=background(ax), zorder=order, **edge)]
     width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
-    order = {"wall": 0, "arrow": 5}.get(shape.kind, 2)
+    order = 5.0 if shape.kind == "arrow" else order
     artists = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
     if shape.kind == "arrow":  # it is drawn over a body
         add_halo(artists[0], ax)
     if shape.kind == "belt":
         marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}
-        artists.append(Line2D([], [], color=ink(ax), **marked))
+        artists.append(Line2D([], [], color=ink(ax), zorder=order, **marked))
     return artists
 
 
@@ -214,6 +215,7 @@ def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None
     lengths = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
     largest = max((float(np.abs(value).max()) for value in lengths), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
+    s = s if lengths else 0.0
     contacts = [part.contact for part in mechanism.parts if isinstance(part, Forces)]
     forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}
     top = max((float(np.abs(force).max()) for force in forces.values()), default=0.0)
@@ -239,7 +241,11 @@ class SampledRun:
     def at(self, point: Point | tuple[float, float], s: float) -> list[Array]:
         """x and y (K,) of a point."""
         point = point if isinstance(point, Point) else Point(*point)
-        return [base + self._moved(name, s) for base, name in ((point.x, point.right), (point.y, point.up))]
+        x, y = (base + self._moved(name, s) for base, name in ((point.x, point.right), (point.y, point.up)))
+        if point.turn is None:
+            return [x, y]
+        angle = self.values[point.turn.angle] + point.turn.start
+        return [x + point.turn.right * np.cos(angle), y + point.turn.up * np.sin(angle)]
 
     def _moved(self, name: str, s: float) -> Array:
         if not name:

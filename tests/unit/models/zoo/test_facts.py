@@ -570,5 +570,5 @@ def test_a_motor_and_its_cart_are_those_of_another_integrator():
         dead.terminal = True
         found = solve_ivp(rates, (t, t + 10.0), z, "DOP853", events=dead, rtol=1e-12, atol=1e-13)
         t, z = found.t[-1], found.y[:, -1]
-    run = fl.simulate(model, t, x0={"a": 0.3, "a'": 4.0, "i": 1.0}, progress=False)
+    run = fl.simulate(model, t, x0={"alpha": 0.3, "alpha'": 4.0, "i": 1.0}, progress=False)
     assert run.final_state == pytest.approx(z, abs=1e-8)

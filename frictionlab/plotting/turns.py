@@ -1,0 +1,66 @@
+"""Angles that turn are drawn modulo a turn, from -pi to pi, with ticks in multiples of pi.
+
+The panels of explorers and pages follow the same rule, in pages/scripts/turns.js.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter, MultipleLocator
+from numpy.typing import NDArray
+
+from frictionlab.presentation import unit_of_state
+
+if TYPE_CHECKING:
+    from frictionlab.hybrid.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+TURN = 2 * np.pi
+
+
+def does_turn(run: Trajectory, name: str, angle: Array) -> bool:
+    """Whether values (K,) of a coordinate are drawn modulo a turn: of an angle that is cyclic, or that goes
+    through more than a turn."""
+    of_angle = unit_of_state(run.source, name) == "rad"
+    return of_angle and (name in run.automaton.cyclic or float(np.ptp(angle)) > TURN)
+
+
+def within_turn(angle: Array) -> Array:
+    """Angles between -pi and pi.
+
+    >>> within_turn(np.array([0.5, 0.5 + 2 * np.pi, -4.0])).round(6).tolist()
+    [0.5, 0.5, 2.283185]
+    """
+    return angle - TURN * np.floor((angle + np.pi) / TURN)
+
+
+def cut_at_turns(angle: Array, other: Array) -> tuple[Array, Array]:
+    """Angles (K,) modulo a turn and what is drawn over them (K,), cut where the angle comes to -pi or pi.
+
+    There are three points more at each cut: on its one side, NaN, on its other.
+    """
+    turn = np.floor((angle + np.pi) / TURN)
+    cuts = np.flatnonzero(np.nan_to_num(np.diff(turn))) + 1
+    border = TURN * np.maximum(turn[cuts - 1], turn[cuts]) - np.pi
+    share = (border - angle[cuts - 1]) / (angle[cuts] - angle[cuts - 1])
+    there = other[cuts - 1] + share * (other[cuts] - other[cuts - 1])
+    side, nothing = np.pi * np.sign(turn[cuts] - turn[cuts - 1]), np.full(len(cuts), np.nan)
+    places = np.repeat(cuts, 3)
+    edges = np.column_stack([side, nothing, -side]).ravel()
+    return np.insert(within_turn(angle), places, edges), np.insert(other, places, np.repeat(there, 3))
+
+
+def tick_turns(axis: Any) -> None:
+    """Put the ticks of an axis of matplotlib at multiples of pi/2, written as such."""
+    axis.set_major_locator(MultipleLocator(np.pi / 2))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: _multiple_of_pi(x)))
+
+
+def _multiple_of_pi(x: float) -> str:
+    halves = round(2 * x / np.pi)
+    if not halves:
+        return "0"
+    count, under = (abs(halves) // 2, "") if halves % 2 == 0 else (abs(halves), "/2")
+    return f"${'-' if halves < 0 else ''}{count if count > 1 else ''}\\pi{under}$"
