@@ -11,7 +11,8 @@ arrays and symbols; its parameters have a meaning and a range; its repr and its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from enum import Enum
 from typing import Any
 
@@ -31,12 +32,17 @@ from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
+from frictionlab.tape.formulas import formulas_of
+from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.packing import program_of
 from frictionlab.validation import abbreviate, check_t_end
 
 __all__ = ["check_law", "check_model"]
 
 PENETRATIONS = np.linspace(1e-4, 0.1, 7)
+MAX_PENETRATION, MAX_SPEED = 0.1, 100.0  # m, m/s: up to these a force must have its sign
+SHARES = np.append(0.0, np.geomspace(1e-9, 1.0, 73))  # of these, at which signs are looked at first
+MAX_PARTS, ROUNDS = 4096, 50  # of the bisection of the parts between them
 SPEEDS = np.linspace(0.0, 3.0, 7)
 FORCES = np.array([1.0, 50.0, 1e3])
 LAW_STATES = np.array([-1e-4, 0.0, 1e-4])
@@ -103,7 +109,8 @@ def check_law(law: Component) -> None:
     """Check a contact, friction or impact law.
 
     Its parameters are described, its repr makes it again, its methods give for symbols what they give for
-    numbers and arrays, and the forces have the signs that the modes of contact rely on.
+    numbers and arrays, and the forces have the signs that the modes of contact rely on: bounds tell, of
+    penetrations up to 0.1 m and speeds up to 100 m/s.
 
     Parameters
     ----------
@@ -125,9 +132,9 @@ def check_law(law: Component) -> None:
 
 
 def _check_contact(law: Any) -> None:
-    force = _consistent_values(law, "force", PENETRATIONS)
-    if not (force >= 0.0).all():
-        fail(law, "force(penetration) must not be negative where the bodies press on each other", force)
+    _consistent_values(law, "force", PENETRATIONS)
+    rule = "force(penetration) must be finite and not negative where the bodies press on each other"
+    _check_sign(law, rule, "force", (), MAX_PENETRATION, "m")
 
 
 def _check_friction(law: Any) -> None:
@@ -139,11 +146,64 @@ def _check_friction(law: Any) -> None:
         _consistent_values(law, "kinetic", normal, speed),
         _consistent_values(law, "static_limit", normal),
     )
-    if not (kinetic >= 0.0).all():
-        fail(law, "kinetic(normal_force, speed) must not be negative, its direction is the mode's", kinetic)
+    rule = "kinetic(normal_force, speed) must be finite and not negative, its direction is the mode's"
+    for force in FORCES.tolist():
+        _check_sign(law, rule, "kinetic", (force,), MAX_SPEED, "m/s")
     slow = speed == 0.0
     if not (kinetic[slow] <= limit[slow] * (1 + LAW_RTOL)).all():
         fail(law, "kinetic(normal_force, 0) must not exceed static_limit(normal_force)", kinetic[slow])
+
+
+def _check_sign(law: Any, rule: str, method: str, before: Sequence[float], most: float, unit: str) -> None:
+    """Fail where a method is negative, or not finite, at a last argument from 0 to `most`, and say where."""
+    x = sp.Symbol("argument", real=True)
+    values = formulas_of([x], [_formula(law, method, *before, x)]).arrays
+
+    def is_wrong(at: Any) -> Any:
+        value = np.broadcast_to(np.asarray(values(at)[0], float), np.shape(at))
+        return ~((value >= 0.0) & np.isfinite(value))
+
+    with np.errstate(all="ignore"):
+        points = _decisive_points(values, is_wrong, most)
+        wrong = is_wrong(points)
+        if not wrong.any():
+            return
+        first = int(wrong.argmax())
+        last = first + int(np.append(~wrong[first:], True).argmax()) - 1
+        low = _border(is_wrong, *points[first - 1 : first + 1]) if first > 1 else 0.0
+        high = _border(is_wrong, *points[last : last + 2]) if last + 1 < len(points) else most
+        middle = float(values((low + high) / 2)[0])
+    force = f" at a normal force of {before[0]:g} N" if before else ""
+    fail(law, f"{rule}, also from {low:.6g} to {high:.6g} {unit}{force}", middle)
+
+
+def _decisive_points(values: Callable[..., Any], is_wrong: Callable[[Any], Any], most: float) -> Any:
+    """Points from 0 to `most` one of which is wrong, or none where bounds tell that none is.
+
+    Parts without such bounds are bisected, as long as they are few.
+    """
+    points = most * SHARES
+    low, high = points[:-1], points[1:]
+    for _ in range(ROUNDS):
+        with suppress(TypeError):  # of a function without bounds all parts are left
+            bounds = interval(values(Interval(low, high))[0])
+            left = np.broadcast_to(~((bounds.low >= 0.0) & (bounds.high < np.inf)), low.shape)
+            low, high = low[left], high[left]
+        middle = (low + high) / 2
+        points = np.union1d(points, middle)
+        if is_wrong(points).any() or len(middle) > MAX_PARTS:
+            break
+        low, high = np.append(low, middle), np.append(middle, high)
+    return points
+
+
+def _border(is_wrong: Callable[[float], Any], low: float, high: float) -> float:
+    """Where between two numbers, one of which is wrong, the others begin."""
+    side = is_wrong(low)
+    for _ in range(ROUNDS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_wrong(middle) == side else (low, middle)
+    return (low + high) / 2
 
 
 def _check_dynamic_friction(law: Any) -> None:
@@ -188,24 +248,31 @@ def _consistent_values(law: Any, method: str, *arguments: Any, of: str = "") -> 
 
     Of a method that returns several values they are those `of` a name.
     """
-
-    def given(law: Any, *at: Any) -> Any:
-        value = getattr(law, method)(*at)
-        return value[of] if of else value
-
-    values = np.broadcast_to(given(law, *arguments), arguments[0].shape)
+    values = np.broadcast_to(_value(law, method, arguments, of), arguments[0].shape)
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
-    reduced = law.reduced()
-    numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
-    formula: Any = sp.sympify(given(symbolic_copy(law.structure_key), *symbols), strict=True).subs(numbers)
+    formula = _formula(law, method, *symbols, of=of)
     for i, row in enumerate(zip(*arguments, strict=True)):
         at = tuple(map(float, row))
         exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
-        single = _real(law, method, at, given(law, *at))
+        single = _real(law, method, at, _value(law, method, at, of))
         if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=0.0):
             rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
             fail(law, rule, (single, values[i]))
+        if not np.isfinite(single):
+            fail(law, f"{method} must give a finite number at {row}", single)
     return values
+
+
+def _value(law: Any, method: str, at: Sequence[Any], of: str) -> Any:
+    value = getattr(law, method)(*at)
+    return value[of] if of else value
+
+
+def _formula(law: Any, method: str, *at: Any, of: str = "") -> Any:
+    """A method's value at symbols, or at symbols and numbers, as an expression."""
+    reduced = law.reduced()
+    numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
+    return sp.sympify(_value(symbolic_copy(law.structure_key), method, at, of), strict=True).subs(numbers)
 
 
 def _real(law: Any, method: str, at: tuple[float, ...], value: Any) -> float:

@@ -133,6 +133,30 @@ class Different(fl.ContactLaw):
 
 
 @dataclass(frozen=True, repr=False)
+class Snapping(Pulling):
+    def force(self, penetration):
+        return self.stiff * penetration * (1 - 1024.0 * penetration**2)
+
+
+@dataclass(frozen=True, repr=False)
+class Driving(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return (self.mu_k - 0.0625 * speed) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Dipping(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return (self.mu_k * (1 - 2 * exp(-(((speed - 1.25) / 1e-4) ** 2)))) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Endless(fl.Coulomb):
+    def static_limit(self, normal_force):
+        return normal_force * float("inf")
+
+
+@dataclass(frozen=True, repr=False)
 class Slippery(fl.Coulomb):
     def static_limit(self, normal_force):
         return 0.1 * self.mu_k * normal_force
@@ -149,7 +173,11 @@ class Explosive(fl.ImpactLaw):
     ("law", "rule"),
     [
         (Wrong(), "parameter dark must have a meaning"),
-        (Pulling(), "must not be negative where the bodies press"),
+        (Pulling(), "must be finite and not negative where the bodies press.* from 0 to 0.1 m"),
+        (Snapping(), "where the bodies press on each other, also from 0.03125 to 0.1 m"),
+        (Driving(mu_k=0.5), "must be finite and not negative, its direction.* from 8 to 100 m/s"),
+        (Dipping(), r"from 1.24992 to 1.25008 m/s at a normal force of 1 N"),  # 1e-4 sqrt(ln 2) on each side
+        (Endless(), "static_limit must give a finite number"),
         (Different(), "must give the same for symbols"),
         (Slippery(), "must not exceed static_limit"),
         (Explosive(), "from -1 times that before to 0"),
