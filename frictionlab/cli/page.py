@@ -55,7 +55,9 @@ def add_page(commands: Any) -> OneLineParser:
     parser.add_argument("--all", metavar="FOLDER", help="pages of all models, and an index of them")
     add_model_options(parser)
     parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
-    parser.add_argument("--t-end", type=float, metavar="S", help="end time (default: some 300 periods)")
+    parser.add_argument(
+        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, less of a stiff model)"
+    )
     add_json(parser)
     return parser
 

@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 from frictionlab._version import __version__
-from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
 from frictionlab.compilation.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.compilation.manifest import compiled_object
 from frictionlab.compilation.targets import WEB
@@ -45,6 +44,7 @@ from frictionlab.pages.scene import (
     run_controls,
     scene_data,
     switch_control,
+    usual_duration,
 )
 from frictionlab.tape.formulas import ELEMENTARY
 from frictionlab.tape.functions import FUNCTIONS
@@ -53,7 +53,6 @@ from frictionlab.validation import check_path, check_t_end, check_text
 BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 LAWS_HINT = "the law of friction; fl.explore in Python has further ones, and those of contact and impact"
-PERIODS = 300.0  # periods that a page computes where no end time is given
 # In the order of loading: while it loads, each needs only those before it.
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", "linear_algebra")
 PICTURES = ("text", "svg", "plot", "turns", "layout", "friction", "panels")
@@ -108,7 +107,7 @@ def export_page(
         None takes five that follow from the speed alone, where the model has few modes.  The others of the
         menu need Python.
     t_end : float or None
-        End time in seconds; None takes some 300 periods.
+        End time in seconds; None takes 200 periods, less of a stiff model.
     title : str or None
         None takes the model's name.
 
@@ -141,11 +140,6 @@ def export_page(
     with_laws = page_laws(model, laws)
     scene = page_scene(model, names, sliders, presets, float(t_end), title, with_laws)
     return write_text(path, page_content(model, names, scene, with_laws))
-
-
-def usual_duration(model: Model) -> float:
-    """The end time of a page where none is given, in seconds."""
-    return round_down_1_2_5(PERIODS * oscillation_period(model))
 
 
 def page_content(

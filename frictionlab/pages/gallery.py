@@ -25,10 +25,9 @@ from frictionlab.pages.export import (
     page_scene,
     script_text,
     solver_data,
-    usual_duration,
 )
 from frictionlab.pages.page_data import page_laws, switch_names
-from frictionlab.pages.scene import Data, mechanism_data
+from frictionlab.pages.scene import Data, mechanism_data, usual_duration
 from frictionlab.validation import check_path
 
 WORTH_SEEING = "worth seeing"

@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 import frictionlab
-from frictionlab.analysis.motion_scales import highest_frequency, rounded_period
+from frictionlab.analysis.motion_scales import highest_frequency, round_down_1_2_5, rounded_period
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, Parameter, structure_of
 from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact
@@ -39,6 +42,7 @@ from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_outputs
 from frictionlab.presentation import unit_of_state
+from frictionlab.stability import eigenvalues
 
 Data = dict[str, Any]
 
@@ -73,6 +77,8 @@ OPERATION_PARAMETERS = "F", "v", "Omega"  # the model's own parameters that are 
 MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
+USUAL_PERIODS = 200  # that are simulated: 20 s of the slider on a belt
+MOST_TIME_CONSTANTS = 5e5  # of what decays fastest, in a run: it keeps steps short
 WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
 BEGINNING = "beginning"  # shows as many periods from the start
 STARTS = {"rest": "at rest", "near": "near the equilibrium", "own": "own numbers"}
@@ -315,6 +321,20 @@ def run_controls(model: Model, t_end: float) -> list[Data]:
         choice("window", windows(model), "what moves", "run", hint="part of the run that the panels show"),
         choice("coordinate", names, shown, "run", hint="coordinate of the phase plane and the spectrum"),
     ]
+
+
+def usual_duration(model: Model) -> float:
+    """Seconds that explorers and pages simulate: 200 periods, less of a stiff model.
+
+    >>> import frictionlab as fl
+    >>> usual_duration(fl.SliderOnBelt()), usual_duration(fl.LuGreOscillator())
+    (20.0, 50.0)
+    """
+    seconds = USUAL_PERIODS * rounded_period(model)
+    with suppress(ValueError):  # no equilibrium tells how stiff it is
+        fastest = float(np.abs(eigenvalues(model).values).max())
+        return min(seconds, round_down_1_2_5(MOST_TIME_CONSTANTS / fastest)) if fastest else seconds
+    return seconds
 
 
 def windows(model: Model) -> dict[str, float | str | None]:

@@ -25,16 +25,13 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import MAKE_ONE
 from frictionlab.models.serialisation import is_public
-from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, model_call, require_shown_model
+from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, model_call, require_shown_model, usual_duration
 from frictionlab.stability import Eigenvalues, eigenvalues
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model
 
-SIMULATED_PERIODS, SHOWN_PERIODS = (
-    200,
-    10,
-)  # of the model: simulated, and shown; 20 s and 1 s of the slider on a belt
+SHOWN_PERIODS = 10  # of the model: 1 s of the slider on a belt
 
 # Under Eq. (13) flights of the slider that are shorter than a third of the distance between two samples are
 # replaced by their limit.  Displacements are then right to some 1e-5 of the motion; rates, which zigzag in
@@ -82,10 +79,8 @@ class Settings:
 
 def default_settings(model: Model, method: Method = QUICK_METHOD) -> Settings:
     """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
-    period = rounded_period(model)
-    return Settings(
-        model, SIMULATED_PERIODS * period, "rest", method, WHAT_MOVES, model.automaton().shown_state
-    )
+    shown = model.automaton().shown_state
+    return Settings(model, usual_duration(model), "rest", method, WHAT_MOVES, shown)
 
 
 def starting_model(model: Model | None) -> Model:
