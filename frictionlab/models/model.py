@@ -293,8 +293,8 @@ class Model(Component):
         Raises
         ------
         ValueError
-            Where a law has no real value, a mass is not above 0, a given normal force is negative, or borders
-            of a law in pieces do not ascend, or an energy jumps at one, at the values of the parameters.
+            Where a law has no real value, a mass is not above 0, a damper or a given normal force is below 0,
+            borders of a law in pieces do not ascend, or an energy jumps at one, at the values of parameters.
         """
         if AUTOMATON not in vars(self):  # once for each model, as it never changes
             from .automaton_of_model import automaton_of_model

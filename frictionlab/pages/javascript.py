@@ -12,6 +12,7 @@ of outcomes, so that a page can make the same comparisons with numbers and show 
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
@@ -21,6 +22,8 @@ import sympy as sp
 
 from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
 from frictionlab.models import Model
+from frictionlab.models.mechanical.limits import Limit, limits_of
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import (
     ABS,
@@ -163,6 +166,8 @@ def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
     """
     known = set(parameters)
     every = [rule for component in (*model.components.values(), model) for rule in _rules(component)]
+    if isinstance(model, MechanicalModel):
+        every += map(_rule_of, limits_of(model))
     rules = [rule for rule in every if set().union(*(x.free_symbols for x in rule.numbers)) <= known]
     words = [
         {"relations": len(rule.broken), "values": len(rule.values), "message": rule.message.split(MARK)}
@@ -195,6 +200,14 @@ def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
         except ValueError as error:
             words = str(error).replace(f"got {value}:", f"got {MARK}{MARK}:")
             yield Rule((relation(x, bound),), (x,), words)
+
+
+def _rule_of(limit: Limit) -> Rule:
+    """The rule of a mass, a damper or a normal force."""
+    names = re.findall(r"\{(\w+)\}", limit.words)
+    values = tuple(limit.value if name == "value" else symbol(name) for name in names)
+    relation = sp.Le if limit.above else sp.Lt
+    return Rule((relation(limit.value, 0),), values, re.sub(r"\{\w+\}", f"{MARK}g{MARK}", limit.words))
 
 
 def _checked(component: Component | Model) -> Iterator[Rule]:

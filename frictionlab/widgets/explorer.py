@@ -218,7 +218,7 @@ def _last_value(model: Model, name: str, beyond: float) -> float:
 
     def holds(value: float) -> bool:
         try:
-            model.replace(**{name: value})
+            model.replace(**{name: value}).automaton()  # masses, dampers and normal forces are asked there
         except ValueError:
             return False
         return True

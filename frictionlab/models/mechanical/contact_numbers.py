@@ -6,7 +6,7 @@ needs a belt that moves, by which friction has its direction.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,6 +20,11 @@ from .mechanics import Friction
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
     from frictionlab.tape.formulas import Formulas
+
+NORMAL_FORCE = (
+    "the normal force of contact {number} of {of} must be at least 0, got {value}: a contact does not pull; "
+    "fl.parameter(..., minimum=0.0) refuses it at once"
+)
 
 
 class ContactNumbers(NamedTuple):
@@ -65,17 +70,26 @@ def _formulas(key: StructureKey) -> tuple[list[int], Formulas]:
 def _expressions(key: StructureKey) -> list[list[Any]]:
     from .equations_of_motion import system_of
 
-    system, rows = system_of(key), []
-    for contact in system.mechanics.contacts:
-        if not isinstance(contact, Friction):
-            rows.append([])
-            continue
-        row = [sympy.S.Zero if contact.in_plane else system.speed_at_origin(contact)]
-        if contact.penetration is None:  # else F_N is a law's, which is not asked here
+    system, given = system_of(key), dict(given_normal_forces(key))
+    speeds = [
+        [sympy.S.Zero if contact.in_plane else system.speed_at_origin(contact)]
+        if isinstance(contact, Friction)
+        else []
+        for contact in system.mechanics.contacts
+    ]
+    return [[*speed, given[i]] if i in given else speed for i, speed in enumerate(speeds, 1)]
+
+
+def given_normal_forces(key: StructureKey) -> Iterator[tuple[int, Any]]:
+    """The numbers of contacts, from 1, whose F_N depends on parameters only, and their F_N."""
+    from .equations_of_motion import system_of
+
+    system = system_of(key)
+    for i, contact in enumerate(system.mechanics.contacts, 1):
+        if isinstance(contact, Friction) and contact.penetration is None:  # else F_N is a law's
             press = sympy.sympify(contact.pressing, strict=True)
-            row += [] if system.varies(press) else [press]
-        rows.append(row)
-    return rows
+            if not system.varies(press):
+                yield i, press
 
 
 @cache
@@ -101,10 +115,8 @@ def check_contacts(model: MechanicalModel) -> None:
         return
     for i, one in enumerate(numbers_of_contacts(model), 1):
         if one is not None and one.press is not None and one.press < 0:
-            raise ValueError(
-                f"the normal force of contact {i} of {type(model).__name__} must be at least 0, got "
-                f"{one.press:g}: a contact does not pull; fl.parameter(..., minimum=0.0) refuses it at once"
-            )
+            words = NORMAL_FORCE.format(number=i, of=type(model).__name__, value=f"{one.press:g}")
+            raise ValueError(words)
 
 
 def check_sliding(model: MechanicalModel, which: Sequence[bool] | None = None) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.components.component import Parameter, StructureKey
+from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.kept_structures import derivations_of
@@ -29,6 +29,11 @@ Array = NDArray[np.float64]
 # Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
 PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
 SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
+
+KINETIC = (
+    "kinetic of {of} must be positive for every motion, and {got}{at}: give it a mass above 0; "
+    "fl.parameter(..., exclusive_minimum=0.0) refuses others at once"
+)
 
 
 def check_masses(model: MechanicalModel, start: Any = None) -> None:
@@ -78,10 +83,7 @@ def _words(
         got = f"the mass of {names[0]!r} is {value:g}"
     values = {name: model.parameters[name] for name in about["parameters"]} | dict(place)
     at = ", ".join(f"{name} = {one:g}" for name, one in values.items())
-    return (
-        f"kinetic of {type(model).__name__} must be positive for every motion, and {got}{at and ' at '}{at}: "
-        "give it a mass above 0; fl.parameter(..., exclusive_minimum=0.0) refuses others at once"
-    )
+    return KINETIC.format(of=type(model).__name__, got=got, at=f" at {at}" if at else "")
 
 
 def _function(
@@ -135,16 +137,16 @@ def _mass_formulas(key: StructureKey, about: Mapping[str, Any]) -> Formulas:
 
 def _surely_positive(masses: Any, key: StructureKey) -> bool:
     """Whether masses that are not coupled, or coupled by numbers only, are positive whatever their values."""
-    copy = symbolic_copy(key)
-    signs = _signs(parameter_metadata(type(copy), copy.components))
+    signs = known_signs(key)
     if masses.masses:
         return all(one.xreplace(signs).is_positive for one in masses.masses)
     return masses.coupled is not None and bool(masses.coupled.scale.xreplace(signs).is_positive)
 
 
-def _signs(known: Mapping[str, Parameter]) -> dict[Any, Any]:
+def known_signs(key: StructureKey) -> dict[Any, Any]:
     """For the symbol of each parameter with a lower bound of at least 0 one of which sympy knows that."""
-    signs = {}
+    copy, signs = symbolic_copy(key), {}
+    known = parameter_metadata(type(copy), copy.components)
     for name, about in known.items():
         above = -1.0 if about.exclusive_minimum is None else about.exclusive_minimum
         if above >= 0 or (about.minimum or 0) > 0:

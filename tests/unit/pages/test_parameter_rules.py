@@ -1,9 +1,15 @@
 """The rules of parameters as a page has them: which there are, and what is left to Python."""
 
+import json
+import re
 from dataclasses import dataclass
 
+import pytest
+
 import frictionlab as fl
+from frictionlab.pages.export import text_of
 from frictionlab.pages.javascript import rule_data
+from tests.unit.pages.test_javascript import run_in_node
 
 
 def words(model):
@@ -52,3 +58,54 @@ class Counting(Banded):
 
 def test_what_is_no_comparison_of_formulas_is_left_to_python():
     assert not [each for each in words(fl.MassOnBelt(friction=Counting())) if "mu_k" in each]
+
+
+@fl.model
+class Plain(fl.MechanicalModel):
+    """Its parameters have no bounds."""
+
+    m: float = 1.0
+    c: float = 0.1
+    N: float = 2.0
+    v: float = 0.5
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        rubbing = fl.Friction(self.v - v.x, self.N, self.friction)
+        return fl.Mechanics(self.m * v.x**2 / 2, q.x**2 / 2, self.c * v.x**2 / 2, (rubbing,))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "rule"),
+    [
+        ("m", 0.0, "the mass of 'x' is 0 at m = 0"),
+        ("m", -1.0, "the mass of 'x' is -1 at m = -1"),
+        ("c", -1.0, "the damper of 'x' is -1"),
+        ("N", -1.0, "must be at least 0, got -1"),
+        ("c", 0.0, ""),
+        ("N", 0.0, ""),
+    ],
+)
+def test_masses_dampers_and_normal_forces_are_refused_in_the_same_words(name, value, rule):
+    model = Plain(**{name: value})
+    symbols = tuple(Plain().automaton().parameters)
+    functions, *scripts = (text_of(f"{script}.js") for script in ("functions", "browser_engine"))
+    rules = rule_data(Plain(), symbols)
+    values = [model.parameters.get(one.name, 0.0) for one in symbols]
+    said = run_in_node(
+        f"""{functions}{"".join(scripts)}
+        const rules = {{ numbers: {rules["numbers"]}, words: {json.dumps(rules["words"])} }};
+        console.log(JSON.stringify(brokenRule({{ rules }}, {json.dumps(values)})));"""
+    )
+    if not rule:
+        model.automaton()
+        assert said is None
+        return
+    with pytest.raises(ValueError, match=re.escape(rule)) as error:
+        model.automaton()
+    assert said == str(error.value)
+    explorer = fl.explore(Plain(), panels=["eigenvalues"])
+    explorer.controls[name].value = value
+    assert str(explorer.error) == said
+    assert abs(explorer.widget.limits[name]) < 1e-300
