@@ -13,7 +13,7 @@ Three arithmetics evaluate the same tape:
 `NUMBERS`
     Single numbers, the same to the last bit on every machine.
 `ARRAYS`
-    numpy's functions, for arrays, complex numbers, intervals and polynomials.  A power of a negative number
+    numpy's functions, for arrays, complex numbers and intervals.  A power of a negative number
     is NaN.
 `ALONG_RUNS`
     As `ARRAYS`, by the kernels' rule for powers: a base that rounding has made negative counts as zero.
@@ -374,7 +374,7 @@ class Formulas:
         return np.array([values[slot] for slot in slots], dtype=float)[places]
 
     def arrays(self, *inputs: Any) -> list[Any]:
-        """The values at arrays, complex numbers, intervals or polynomials."""
+        """The values at arrays, complex numbers and intervals."""
         values = self._values(ARRAYS, inputs)
         return [values[slot] for slot in self.outputs]
 
@@ -524,6 +524,19 @@ class Formulas:
         for i in range(len(self.tape.ops)):
             known.append(frozenset().union(*(known[slot] for slot in operands(self.tape, i))))
         return known
+
+    def is_polynomial_in(self, i: int) -> bool:
+        """Whether the functions are polynomials in an input, by their operations."""
+        return all(self._keeps_polynomials(op, i) for op in self.needed)
+
+    def _keeps_polynomials(self, op: int, i: int) -> bool:
+        """Whether an operation makes polynomials in an input from polynomials in it."""
+        (kind, _, b), depends = self.tape.ops[op], self._dependences_of_slots
+        if i not in depends[self.tape.inputs + op] or kind in (AFFINE, PRODUCT, SQUARE):
+            return True
+        if kind == INTEGER_POWER:
+            return self.tape.constants[op] > 0.0
+        return kind == QUOTIENT and i not in depends[b]
 
     def jacobian(self, inputs: Sequence[int] | None = None) -> tuple[list[tuple[int, int]], Formulas]:
         """The derivatives that are not zero everywhere: places (function, input), and formulas of the values.

@@ -26,7 +26,7 @@ from frictionlab.stability.equilibrium_points.sliding import (
     by_penetration,
     sliding_equations,
     sliding_problem,
-    statics_for_values,
+    statics_with_stiffness,
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
     SteadyMode,
@@ -342,7 +342,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         return _automaton_equilibria(model)
     equations = sliding_equations(model)
     values = equations.values(model)
-    statics = statics_for_values(equations, values)
+    statics = statics_with_stiffness(equations, equations.stiffness_at(values))
     penetrations, why = all_penetrations(statics, values)
     each = [_sliding_equilibrium(model, statics, values, penetration) for penetration in penetrations]
     for penetration, one in zip(penetrations, each, strict=True):
@@ -430,7 +430,7 @@ def _sliding_equilibrium(
     """The equilibrium at a penetration; None where double precision cannot solve the static equations."""
     q: Any = np.array(statics.coordinates.arrays(penetration, *values), dtype=float)
     normal, friction = map(float, statics.forces.arrays(penetration, *values))
-    residual, solved = statics.is_static(penetration, q, values, MAX_STATIC_RESIDUAL)
+    residual, solved = statics.is_static(penetration, normal, q, values, MAX_STATIC_RESIDUAL)
     if not solved:
         return None
     left = float(residual)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
-from numbers import Real
+from math import factorial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -63,68 +63,6 @@ NEWTON_STEPS, STEPS_TO_MULTIPLE_ROOTS = 4, 64
 MOST_HALVINGS = 200  # from 1e30 to 1e-30
 
 
-class Polynomial:
-    """A polynomial as a number: a law that is evaluated at one gives the coefficients of its own.
-
-    They are (degree + 1, N), constant first; a column for each of N values of the parameters.  Sums,
-    products, quotients by numbers, and integer powers are polynomials again.  Anything else raises
-    TypeError, which shows that a law is no polynomial.
-    """
-
-    __array_ufunc__ = None  # makes numpy leave array * polynomial to this class
-
-    def __init__(self, coefficients: Any) -> None:
-        self.coefficients: Array = np.asarray(coefficients, dtype=float)
-
-    def __add__(self, other: Any) -> Polynomial:
-        mine, its = self.coefficients, _coefficients(other)
-        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
-        count = max(mine.shape[1], its.shape[1])
-        total = np.broadcast_to(longer, (len(longer), count)).copy()
-        total[: len(shorter)] += shorter
-        return Polynomial(total)
-
-    def __mul__(self, other: Any) -> Polynomial:
-        mine, its = self.coefficients, _coefficients(other)
-        longer, shorter = (mine, its) if len(mine) >= len(its) else (its, mine)
-        product = np.zeros((len(mine) + len(its) - 1, max(mine.shape[1], its.shape[1])))
-        for k, row in enumerate(shorter):
-            product[k : k + len(longer)] += row * longer
-        return Polynomial(product)
-
-    def __pow__(self, exponent: Any) -> Polynomial:
-        if not isinstance(exponent, int) or exponent < 1:
-            raise TypeError(f"a polynomial to the power of {exponent!r} is no polynomial")
-        return self if exponent == 1 else self * self ** (exponent - 1)
-
-    def __truediv__(self, other: Any) -> Polynomial:
-        return Polynomial(self.coefficients / _constant_coefficients(other))
-
-    def __neg__(self) -> Polynomial:
-        return Polynomial(-self.coefficients)
-
-    def __sub__(self, other: Any) -> Polynomial:
-        return self + -other
-
-    def __rsub__(self, other: Any) -> Polynomial:
-        return -self + other
-
-    __radd__, __rmul__ = __add__, __mul__
-
-
-UNKNOWN = Polynomial([[0.0], [1.0]])
-
-
-def _coefficients(other: Any) -> Array:
-    return other.coefficients if isinstance(other, Polynomial) else _constant_coefficients(other)
-
-
-def _constant_coefficients(number: Any) -> Array:
-    if not isinstance(number, (Real, np.ndarray)):
-        raise TypeError(f"{number!r} is no number")
-    return np.atleast_1d(np.asarray(number, dtype=float))[None]
-
-
 class Statics(NamedTuple):
     """Functions of the penetration, then of all parameters.
 
@@ -138,16 +76,31 @@ class Statics(NamedTuple):
         The static equations (n,) as functions of q and the parameters, and the terms that tell their size.
     equation : Flow
         The scalar equation, as a flow whose one state is the penetration: zero at that of an equilibrium.
+    derivatives : Formulas
+        Of a polynomial: the left side of the scalar equation and all its derivatives by the penetration.
+        Without outputs where a law is no polynomial.
     """
 
     coordinates: Formulas
     forces: Formulas
     balance: Formulas
     equation: Flow
+    derivatives: Formulas
 
     def excess(self, penetration: Any, values: Sequence[Any]) -> Any:
-        """The left side of the scalar equation; with polynomial laws it takes a polynomial and gives one."""
+        """The left side of the scalar equation."""
         return self.equation.rates.arrays(penetration, *values)[0]
+
+    def polynomial(self, values: Sequence[Any], count: int = 1) -> Array | None:
+        """The coefficients (degree + 1, count) of the left side as a polynomial in the penetration.
+
+        They are its derivatives at zero over factorials.  With Eq. (2) the degree is at most 9.  None where a
+        law is no polynomial.
+        """
+        if not self.derivatives.outputs:
+            return None
+        rows = self.derivatives.arrays(0.0, *values)
+        return np.stack([np.broadcast_to(row, (count,)) / factorial(k) for k, row in enumerate(rows)])
 
     def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
         """Its derivative by the penetration."""
@@ -158,7 +111,7 @@ class Statics(NamedTuple):
         return self.forces.arrays(penetration, *values)[0]
 
     def is_static(
-        self, penetration: Any, q: Sequence[Any], values: Sequence[Any], tolerance: float
+        self, penetration: Any, normal: Any, q: Sequence[Any], values: Sequence[Any], tolerance: float
     ) -> tuple[Array, Any]:
         """The largest residual force, relative to the largest force, and where it is small enough.
 
@@ -170,9 +123,7 @@ class Statics(NamedTuple):
         forces = np.abs(np.stack(np.broadcast_arrays(*rows, np.zeros(np.shape(q[0])))))
         residual = forces[:n].max(axis=0) / np.maximum(forces[n:].max(axis=0), SMALLEST_FORCE)
         with np.errstate(all="ignore"):
-            normal, ahead = (
-                self.normal_force(d, values) for d in (penetration, np.nextafter(penetration, np.inf))
-            )
+            ahead = self.normal_force(np.nextafter(penetration, np.inf), values)
             last_digit = np.abs((ahead - normal) / normal) * np.fmax(
                 np.abs(self.slope(penetration, values)), 1.0
             )
@@ -264,9 +215,9 @@ class SlidingEquations:
         stacked = np.stack(np.broadcast_arrays(*self.stiffness.arrays(*values)), axis=-1).astype(float)
         return stacked.reshape(*stacked.shape[:-1], *[len(self.coordinates)] * 2)
 
-    def held(self, by_contact: bool) -> list[int]:
-        """Indices of the coordinates that springs must hold; `by_contact`: the contact holds the height."""
-        return [i for i in range(len(self.coordinates)) if not (by_contact and i == self.height)]
+    def on_springs(self, held_by_contact: bool) -> list[int]:
+        """Indices of the coordinates that springs must hold; the contact may hold the height."""
+        return [i for i in range(len(self.coordinates)) if not (held_by_contact and i == self.height)]
 
 
 def sliding_equations(model: Model) -> SlidingEquations:
@@ -326,7 +277,23 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
 
     excess = formulas("excess")
     equation = Flow(tuple(equations.key.parameters), excess, Formulas(excess.tape, ()))
-    return Statics(formulas("coordinates"), formulas("forces"), formulas("residual"), equation)
+    derivatives = kept_formulas(
+        equations.derivations, f"derivatives of the excess{suffix}", lambda: _derivatives(excess)
+    )
+    return Statics(formulas("coordinates"), formulas("forces"), formulas("residual"), equation, derivatives)
+
+
+def _derivatives(function: Formulas) -> Formulas:
+    """A polynomial in the first input and its derivatives, up to the last that is not zero everywhere.
+
+    Without outputs where the function is no polynomial.
+    """
+    slots: tuple[int, ...] = ()
+    last, places = function, [(0, 0)] if function.is_polynomial_in(0) else []
+    while places:
+        slots += last.outputs
+        places, last = last.jacobian([0])  # on the same tape, with more operations
+    return Formulas(last.tape, slots)
 
 
 @cache
@@ -440,20 +407,19 @@ def _balance(system: LagrangeSystem) -> list[Any]:
     return [*(load - held for load, held in rows), *elastic, *system.dead_loads, normal]
 
 
-def statics_for_values(equations: SlidingEquations, values: Sequence[float]) -> Statics:
-    """The statics that apply at the values of the parameters.
+def statics_with_stiffness(equations: SlidingEquations, stiffness: Array) -> Statics:
+    """The statics that apply with a stiffness matrix K (n, n).
 
     Raises
     ------
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
-    stiffness = equations.stiffness_at(values)
     held_by_contact = not stiffness[:, equations.height].any()
-    held = equations.held(held_by_contact)
-    value, vector = _smallest_eigenvalue(stiffness[np.ix_(held, held)])
+    some = equations.on_springs(held_by_contact)
+    value, vector = _smallest_eigenvalue(stiffness[np.ix_(some, some)])
     if value <= SINGULAR_EIGENVALUE:
-        loose = [equations.coordinates[i] for i, part in zip(held, vector) if abs(part) > LOOSE_SHARE]
+        loose = [equations.coordinates[i] for i, part in zip(some, vector) if abs(part) > LOOSE_SHARE]
         raise ValueError(
             f"no static equilibrium can be computed: the springs do not hold {', '.join(loose)} "
             "(singular stiffness matrix); give the springs there a positive stiffness"
@@ -475,12 +441,12 @@ def statics_groups(
     """
     stiffness = equations.stiffness_at(values)
     if stiffness.ndim == 2:
-        yield statics_for_values(equations, values), np.ones(count, dtype=bool)
+        yield statics_with_stiffness(equations, stiffness), np.ones(count, dtype=bool)
         return
     without = ~stiffness[:, :, equations.height].any(axis=1)
     for held_by_contact in (False, True):
-        held = equations.held(held_by_contact)
-        firm = _smallest_eigenvalue(stiffness[:, held][:, :, held])[0] > SINGULAR_EIGENVALUE
+        some = equations.on_springs(held_by_contact)
+        firm = _smallest_eigenvalue(stiffness[:, some][:, :, some])[0] > SINGULAR_EIGENVALUE
         if (group := firm & (without == held_by_contact)).any():
             yield derive_statics(equations, held_by_contact), group
 
@@ -495,10 +461,9 @@ def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
 
 def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> Array:
     """Penetrations (count,) in m; NaN where there is no equilibrium with F_N > 0."""
-    excess = _excess_polynomial(statics, values)
+    excess = statics.polynomial(values, count)
     with np.errstate(all="ignore"):
         if excess is not None:
-            excess = np.broadcast_to(excess, (len(excess), count))
             return _least_pressed(statics, values, _polynomial_candidates(statics, values, excess))
         arrays = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,)) for v in values]
         search = PenetrationSearch(statics, arrays, count)
@@ -514,23 +479,11 @@ def _least_penetration(statics: Statics, values: Sequence[Any], count: int) -> A
 
 def _least_pressed(statics: Statics, values: Sequence[Any], penetrations: Array) -> Array:
     """The least (N,) of candidates (k, N) that are static with F_N > 0; NaN where there is none."""
-    q = statics.coordinates.arrays(penetrations, *values)
-    _, balanced = statics.is_static(penetrations, q, values, STATIC_RESIDUAL_RTOL)
-    pressed = balanced & (penetrations > 0) & (statics.normal_force(penetrations, values) > 0)
+    q, normal = statics.coordinates.arrays(penetrations, *values), statics.normal_force(penetrations, values)
+    _, balanced = statics.is_static(penetrations, normal, q, values, STATIC_RESIDUAL_RTOL)
+    pressed = balanced & (penetrations > 0) & (normal > 0)
     least = np.where(pressed, penetrations, np.inf).min(axis=0)
     return np.where(np.isfinite(least), least, np.nan)
-
-
-def _excess_polynomial(statics: Statics, values: Sequence[Any]) -> Array | None:
-    """Coefficients of the excess penetration(q(d)) - d as a polynomial in the penetration d.
-
-    With Eq. (2) its degree is at most 9.  None if a law is no polynomial.
-    """
-    try:
-        excess = statics.excess(UNKNOWN, values)
-    except (TypeError, ValueError, AttributeError):  # sqrt, a fractional power, exp or a comparison in a law
-        return None
-    return excess.coefficients if isinstance(excess, Polynomial) else None
 
 
 def _polynomial_candidates(statics: Statics, values: Sequence[Any], excess: Array) -> Array:
@@ -654,7 +607,7 @@ def _columns(numbers: Array, owners: Any, count: int) -> Array:
 
 def all_penetrations(statics: Statics, values: Sequence[float]) -> tuple[list[float], str]:
     """The penetrations at all equilibria, and why others are not excluded, if so."""
-    excess = _excess_polynomial(statics, values)
+    excess = statics.polynomial(values)
     if excess is None:
         zeros = find_zeros(statics.equation, values)
         with np.errstate(all="ignore"):
