@@ -18,7 +18,7 @@ from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
-from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices
+from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices, unstable_pairs
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
 
@@ -123,6 +123,10 @@ class EquilibriumProblem:
         finite = np.isfinite(matrices).all(axis=(1, 2))
         eigenvalues[finite] = eigenvalues_of_matrices(matrices[finite])
         return np.take_along_axis(eigenvalues, np.argsort(-eigenvalues.real, axis=1), axis=1)
+
+    def count_growing(self, parameter: str, value: float) -> int:
+        """How many pairs of eigenvalues grow at a value of a parameter."""
+        return int(unstable_pairs(self.spectra({parameter: value}))[0])
 
 
 def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float]) -> None:

@@ -43,7 +43,7 @@ class _AtCriticalPoint(WithinBounds):
         changes = changes_on_lines(problem, self.parameter, bounds, {})[0]
         change = critical_change(changes)
         if change is None:
-            why = unstable_all_along(problem, self.parameter, bounds, changes)
+            why = unstable_all_along(problem, self.parameter, bounds[0], changes)
             raise ValueError(
                 f"stability must be lost or regained within the bounds {self.bounds} of {self.parameter}, "
                 f"got neither{why and f', as {why}'}: widen them, or see stability_changes"

@@ -1,5 +1,9 @@
 """`fl.stability_changes`, `fl.critical_value`, `fl.critical_curve`: every loss and regain of stability in a
 range, or the first for each of many values of other parameters.
+
+The growth rates are sorted, the largest first: the k-th is a continuous function of the parameter, and its
+sign changes exactly where the number of growing eigenvalues passes k.  Brackets of these changes are found by
+halving intervals; in each the change is solved for.
 """
 
 from __future__ import annotations
@@ -22,13 +26,27 @@ from frictionlab.stability.equilibrium_problem import (
     check_parameter,
 )
 from frictionlab.stability.large_system import LargeSystem
-from frictionlab.stability.state_matrices import NEUTRAL_RTOL, growth_rates, growth_scales, unstable_pairs
+from frictionlab.stability.state_matrices import (
+    NEUTRAL_RTOL,
+    ComplexArray,
+    eigenvalue_distances,
+    equal_eigenvalues,
+    growth_rates,
+    growth_scales,
+    unstable_pairs,
+)
 from frictionlab.validation import abbreviate, check_pair, float_array
-
-from .sign_changes import Brackets, Evaluate, bracket_sign_changes, resolved_sign_changes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+# Of indices of lines and values of the parameter: sorted spectra, NaN where there is no equilibrium.
+Evaluate = Callable[[Indices, Array], ComplexArray]
+GRID_POINTS, MAX_HALVINGS = 129, 24
+COARSE_POINTS, COARSE_HALVINGS = 5, 18  # for lines on which few changes are expected
+# Most intervals, over those of the first grid: two modes may share one eigenvalue everywhere.
+MAX_INTERVAL_FACTOR = 8
+NO_CHANGE_RTOL = 1e-9  # share of the largest eigenvalue: one that moves by less counts as unmoved
 # Shares of the largest eigenvalue: a growth rate that is larger at a root, or just inside it, has jumped.
 FOLD_RATE_AT_ROOT, FOLD_RATE_INSIDE = 1e-6, 1e-4
 OUTSIDE_SHARES = np.array([0.0, 1e-3, 1.0])  # of a bracket: how far outside it decay is looked for
@@ -184,40 +202,31 @@ def critical_value(
     1.51378354
     """
     if isinstance(model, LargeSystem):
+        subject, limits = model, bounds
         changes = model.find_stability_changes(parameter, bounds)
-        why = _growth_all_along(model.count_growing, parameter, bounds[0], changes)
     else:
-        problem = equilibrium_problem(model, equilibrium)
-        limits = check_bounds(problem.model, parameter, bounds)
-        changes = changes_on_lines(problem, parameter, limits, {})[0]
-        why = unstable_all_along(problem, parameter, limits, changes)
+        subject = equilibrium_problem(model, equilibrium)
+        limits = check_bounds(subject.model, parameter, bounds)
+        changes = changes_on_lines(subject, parameter, limits, {})[0]
     critical = critical_change(changes)
-    if critical is None and why:
+    if critical is not None:
+        return critical.value
+    if why := unstable_all_along(subject, parameter, limits[0], changes):
         warnings.warn(f"{why}: there is no critical value", RuntimeWarning, 2)
-    return None if critical is None else critical.value
+    return None
 
 
 def unstable_all_along(
-    problem: EquilibriumProblem,
-    parameter: str,
-    bounds: tuple[float, float],
-    changes: tuple[StabilityChange, ...],
-) -> str:
-    """What to say of an equilibrium that is unstable in all of a range; "" where it is not."""
-
-    def count_growing(name: str, value: float) -> int:
-        return int(unstable_pairs(problem.spectra({name: value}))[0])
-
-    return _growth_all_along(count_growing, parameter, bounds[0], changes)
-
-
-def _growth_all_along(
-    count_growing: Callable[[str, float], int],
+    subject: EquilibriumProblem | LargeSystem[Any],
     parameter: str,
     low: float,
     changes: tuple[StabilityChange, ...],
 ) -> str:
-    if critical_change(changes) is not None or not (changes or count_growing(parameter, low)):
+    """What to say of an equilibrium without a critical change that is unstable from the lower bound on.
+
+    "" where it is stable.
+    """
+    if not changes and not subject.count_growing(parameter, low):
         return ""
     return f"the equilibrium is unstable from {parameter} = {low:g} on, in all of the range"
 
@@ -345,12 +354,12 @@ def critical_points(
     """
     count = max((len(column) for column in fixed.values()), default=1)
     points = CriticalPoints(np.full(count, np.nan), np.full(count, np.nan))
-    left = np.arange(count)
+    lines = np.arange(count)
     if count >= MANY_LINES:
-        left = left[~_single_changes(problem, parameter, bounds, fixed, points)]
-    if len(left):
-        some = {name: column[left] for name, column in fixed.items()}
-        for line, changes in zip(left, changes_on_lines(problem, parameter, bounds, some), strict=True):
+        lines = lines[~_single_changes(problem, parameter, bounds, fixed, points)]
+    if len(lines):
+        some = {name: column[lines] for name, column in fixed.items()}
+        for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
             if (change := critical_change(changes)) is not None:
                 points.values[line], points.frequencies[line] = change.value, change.frequency
     return points
@@ -370,7 +379,7 @@ def _single_changes(
         lines = np.asarray(line, dtype=int)
         return problem.spectra({**{name: column[lines] for name, column in fixed.items()}, parameter: at})
 
-    changes, resolved = resolved_sign_changes(spectra, *(np.full(count, bound) for bound in bounds))
+    changes, resolved = _resolved_sign_changes(spectra, *(np.full(count, bound) for bound in bounds))
     alone = np.bincount(changes.line, minlength=count) == 1
     held = (resolved & alone)[changes.line]  # of the changes
     line, ends = changes.line[held], (changes.low[held], changes.high[held])
@@ -397,7 +406,7 @@ def changes_on_lines(
         return problem.spectra({**{name: column[line] for name, column in fixed.items()}, parameter: at})
 
     low, high = (np.full(count, bound) for bound in bounds)
-    brackets = bracket_sign_changes(evaluate, low, high)
+    brackets = _bracket_sign_changes(evaluate, low, high)
     roots = _roots(evaluate, brackets, bounds)
     real = _is_there_beyond(evaluate, brackets, roots, bounds) & ~_only_touches(evaluate, brackets, roots)
     columns: Any = (column[real] for column in brackets)
@@ -430,7 +439,7 @@ def _goes_on(
 def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> Array:
     if not brackets.line.size:
         return np.zeros(0)
-    still, growing = _bracket_sides(evaluate, brackets)
+    still, growing = brackets.sides
     outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - growing), *bounds)
     start, shift = _starts(evaluate, brackets, still, outside)
 
@@ -451,8 +460,8 @@ def _is_there_beyond(
     if not brackets.line.size:
         return np.zeros(0, dtype=bool)
     step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
-    sides = (evaluate(brackets.line, np.clip(roots + sign * step, *bounds)) for sign in (-1, 1))
-    return np.logical_and(*(np.isfinite(growth_rates(side)[:, 0]) for side in sides))
+    sides = _spectra_at(evaluate, brackets.line, np.clip([roots - step, roots + step], *bounds))
+    return np.isfinite(sides).all(axis=(0, 2))
 
 
 def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
@@ -467,7 +476,7 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     touches = np.zeros(len(roots), dtype=bool)
     if len(roots) < 2:
         return touches
-    still, growing = _bracket_sides(evaluate, brackets)
+    still, growing = brackets.sides
     regain = still > 0.5 * (brackets.low + brackets.high)
     pairs = (brackets.line[1:] == brackets.line[:-1]) & (brackets.rank[1:] == brackets.rank[:-1])
     first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
@@ -487,16 +496,6 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     return touches
 
 
-def _bracket_sides(evaluate: Evaluate, brackets: Brackets) -> tuple[Array, Array]:
-    """The ends of the brackets where the mode does not grow, and those where it does."""
-    before, after = (
-        eigenvalue_at_rank(evaluate(brackets.line, end), brackets.rank).real
-        for end in (brackets.low, brackets.high)
-    )
-    rises = after > before
-    return np.where(rises, brackets.low, brackets.high), np.where(rises, brackets.high, brackets.low)
-
-
 def _starts(evaluate: Evaluate, brackets: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
     """One end of the search for each root, and the growth rate that is solved for.
 
@@ -505,12 +504,17 @@ def _starts(evaluate: Evaluate, brackets: Brackets, still: Array, outside: Array
     decays.  Then the end is `still`, and the growth rate is the least that counts as growth.
     """
     start, shift = still.copy(), np.full(still.shape, np.nan)
-    for at in outside:
-        spectra = evaluate(brackets.line, at)
+    for at, spectra in zip(outside, _spectra_at(evaluate, brackets.line, outside)):
         scale = eigenvalue_at_rank(growth_scales(spectra), brackets.rank)
         decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * scale)
         start[decays], shift[decays] = at[decays], 0.0
     return start, np.where(np.isnan(shift), NEUTRAL_RTOL * scale, shift)
+
+
+def _spectra_at(evaluate: Evaluate, line: Indices, points: Any) -> ComplexArray:
+    """Spectra (k, L, m) at k points (k, L) of each line."""
+    points = np.array(list(points))
+    return evaluate(np.tile(line, len(points)), points.ravel()).reshape(*points.shape, -1)
 
 
 def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:
@@ -523,33 +527,25 @@ def _describe_changes(
 ) -> list[StabilityChange]:
     if not brackets.line.size:
         return []
-    _, growing = _bracket_sides(evaluate, brackets)
+    _, growing = brackets.sides
     step = growing - roots
     # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
-    inside = evaluate(
-        brackets.line, roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step)
-    )
-    before, at, after = (evaluate(brackets.line, p) for p in (brackets.low, roots, brackets.high))
+    inside = roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step)
+    ends = (np.full(len(roots), bound) for bound in bounds)
+    spectra = _spectra_at(evaluate, brackets.line, [inside, roots, *ends])
     # Just inside: at the root itself all growth rates may be zero, or a real eigenvalue part of a pair.
-    critical = eigenvalue_at_rank(inside, brackets.rank)
-    far = np.concatenate(
-        [at, *(evaluate(brackets.line, np.full(len(roots), bound)) for bound in bounds)], axis=1
-    )
-    size = np.nanmax(np.abs(far), axis=1)
-    jumps = _is_fold(eigenvalue_at_rank(at, brackets.rank), size, FOLD_RATE_AT_ROOT) | _is_fold(
-        critical, size, FOLD_RATE_INSIDE
-    )
+    critical, at_root = (eigenvalue_at_rank(each, brackets.rank) for each in spectra[:2])
+    size = np.nanmax(np.abs(spectra[1:]), axis=(0, 2))
+    # A growth rate that is not small at its root jumps there, because the equilibrium ends.
+    smooth = np.abs(at_root.real) <= FOLD_RATE_AT_ROOT * size
+    smooth &= np.abs(critical.real) <= FOLD_RATE_INSIDE * size
+    before, after = brackets.at_low, brackets.at_high
     lost = (growth_rates(before) > 0).sum(axis=1) < (growth_rates(after) > 0).sum(axis=1)
-    rows = zip(roots, critical, jumps, lost, unstable_pairs(before), unstable_pairs(after))
+    rows = zip(roots, critical, ~smooth, lost, unstable_pairs(before), unstable_pairs(after))
     return [
         _change(float(root), value, bool(jump), bool(loss), a, b) for root, value, jump, loss, a, b in rows
     ]
-
-
-def _is_fold(critical: Any, size: Array, max_growth: float) -> Any:
-    """Whether a growth rate is not small at a root: it jumps there, because the equilibrium ends."""
-    return ~(np.abs(critical.real) <= max_growth * size)
 
 
 def _change(
@@ -560,3 +556,185 @@ def _change(
     frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
     direction = "loss" if loss else "regain"
     return StabilityChange(root, float(frequency), kind, direction, (int(before), int(after)))
+
+
+class Intervals(NamedTuple):
+    """Intervals of lines."""
+
+    line: Indices  # index of the line
+    low: Array  # its ends
+    high: Array
+    at_low: ComplexArray  # the spectra there, the largest growth rate first
+    at_high: ComplexArray
+
+    # items of a tuple are its fields; here they are the intervals, as in an array
+    def __getitem__(self, which: Any) -> Intervals:  # type: ignore[override]
+        parts: Any = tuple(self)  # as a plain tuple, since indexing this class would call this method again
+        return Intervals(*(part[which] for part in parts))
+
+
+class Brackets(NamedTuple):
+    """Intervals in which one growth rate changes its sign."""
+
+    line: Indices  # index of the line
+    low: Array  # its ends
+    high: Array
+    at_low: ComplexArray  # the spectra there
+    at_high: ComplexArray
+    rank: Indices  # the growth rate's index among the sorted
+
+    @property
+    def sides(self) -> tuple[Array, Array]:
+        """The ends where the mode does not grow, and those where it does."""
+        before, after = (eigenvalue_at_rank(end, self.rank).real for end in (self.at_low, self.at_high))
+        rises = after > before
+        return np.where(rises, self.low, self.high), np.where(rises, self.high, self.low)
+
+
+def _bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
+    """All changes of sign on lines from `low` to `high` (L,), by line and ascending parameter.
+
+    `evaluate` takes indices of lines and values of the parameter and gives sorted spectra; NaN where there
+    is no equilibrium.
+    """
+    pieces = _grid(evaluate, low, high, GRID_POINTS)
+    most = MAX_INTERVAL_FACTOR * len(pieces.line)
+    brackets, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
+    clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
+    brackets.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
+    return _sort_brackets(brackets)
+
+
+def _resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
+    """As :func:`_bracket_sign_changes` with fewer spectra, and on which lines (L,) these are all changes.
+
+    The first intervals are long.  If growth rates come near zero in one, or two eigenvalues near each other,
+    it may hide a change.  It is halved, up to a limit.  A line on which such an interval is left is not
+    resolved.
+    """
+    pieces = _grid(evaluate, low, high, COARSE_POINTS)
+    brackets, unclear = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
+    resolved = np.ones(len(low), dtype=bool)
+    resolved[unclear.line] = False
+    return _sort_brackets(brackets), resolved
+
+
+def _refined(
+    evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
+) -> tuple[list[Brackets], Intervals]:
+    """Halve intervals until each has no change or a single one; the changes, and the intervals left over."""
+    brackets: list[Brackets] = []
+    for _ in range(halvings):
+        middle = 0.5 * (pieces.low + pieces.high)
+        at_middle = evaluate(pieces.line, middle)
+        clear, single = _classify_intervals(pieces, at_middle)
+        brackets.append(_brackets_of(pieces[single & ~clear]))
+        pieces = _halve(pieces, middle, at_middle, ~clear & ~single)
+        if not pieces.line.size or len(pieces.line) > most:
+            break
+    return brackets, pieces
+
+
+def _grid(evaluate: Evaluate, low: Array, high: Array, count: int) -> Intervals:
+    share = np.linspace(0.0, 1.0, count)
+    points = low[:, None] + (high - low)[:, None] * share
+    line = np.repeat(np.arange(len(low)), count)
+    spectra = evaluate(line, points.ravel()).reshape(len(low), count, -1)
+    m = spectra.shape[-1]
+    return Intervals(
+        np.repeat(np.arange(len(low)), count - 1),
+        points[:, :-1].ravel(),
+        points[:, 1:].ravel(),
+        spectra[:, :-1].reshape(-1, m),
+        spectra[:, 1:].reshape(-1, m),
+    )
+
+
+def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
+    """Whether no growth rate changes sign in an interval; whether exactly one does, or that of one pair."""
+    a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
+    unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
+    absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
+    same_sign = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
+    # A parabola through the three values dips below the least of them by at most an eighth of this.
+    bend = np.abs(a - 2 * b + c)
+    least = np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))
+    room = same_sign & (least > bend)
+    passes = ~same_sign & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
+    distinct = ~_may_coalesce(pieces, at_middle, least)
+    one = _one_mode(passes, pieces.at_low, pieces.at_high)
+    return absent | (~unknown & distinct & room.all(axis=1)), ~unknown & distinct & one & (room | passes).all(
+        axis=1
+    )
+
+
+def _one_mode(passes: Flags, at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    """Whether the growth rates that pass zero are those of one mode: a real one, or a conjugate pair."""
+    count, first = passes.sum(axis=1), passes.argmax(axis=1)
+    rows, second = np.arange(len(passes)), np.minimum(first + 1, passes.shape[1] - 1)
+    pair = passes[rows, second]
+    for spectrum in (at_low, at_high):
+        pair = pair & (spectrum[rows, first] == np.conj(spectrum[rows, second]))
+    return (count == 1) | ((count == 2) & pair)
+
+
+def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
+    """Whether two eigenvalues may coalesce unseen while growth rates are near zero.
+
+    The weaker two modes couple, the narrower is the window in which they are unstable.
+    """
+    ends = (pieces.at_low, pieces.at_high)
+    moved = np.maximum(*(eigenvalue_distances(at_middle, end).min(axis=2) for end in ends))
+    between = eigenvalue_distances(at_middle, at_middle)
+    between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
+    # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
+    between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
+    # Nor do modes with equal eigenvalues throughout.
+    between[equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
+    moved[moved < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
+    close = between < 2 * (moved[:, :, None] + moved[:, None, :])
+    within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
+    return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
+
+
+def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
+    """Whether an eigenvalue (N, m) has an equal one at both ends as well."""
+    near = (eigenvalue_distances(at_middle, end).argmin(axis=2) for end in ends)
+    stay = [np.take_along_axis(equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
+    return stay[0] & stay[1]
+
+
+def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, which: Flags) -> Intervals:
+    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[which]
+    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[which]
+    both: Any = zip(first, second)
+    return Intervals(*(np.concatenate(parts) for parts in both))
+
+
+def _join_neighbours(pieces: Intervals) -> Intervals:
+    """Join neighbouring intervals: changes that are too close to be resolved count as simultaneous."""
+    if not pieces.line.size:
+        return pieces
+    order = np.lexsort((pieces.low, pieces.line))
+    pieces = pieces[order]
+    new = np.append(True, (pieces.line[1:] != pieces.line[:-1]) | (pieces.low[1:] > pieces.high[:-1]))
+    last = np.append(np.flatnonzero(new)[1:] - 1, len(new) - 1)
+    return Intervals(
+        pieces.line[new], pieces.low[new], pieces.high[last], pieces.at_low[new], pieces.at_high[last]
+    )
+
+
+def _sign_changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+    """Which growth rates change sign; none do where the equilibrium itself begins or ends."""
+    known = np.isfinite(at_low) & np.isfinite(at_high)
+    return known & ((growth_rates(at_low) > 0) != (growth_rates(at_high) > 0))
+
+
+def _brackets_of(pieces: Intervals) -> Brackets:
+    return Brackets(*pieces, _sign_changes(pieces.at_low, pieces.at_high).argmax(axis=1))
+
+
+def _sort_brackets(brackets: list[Brackets]) -> Brackets:
+    parts: Any = [np.concatenate(part) for part in zip(*brackets)]
+    order = np.lexsort((parts[1], parts[0]))
+    return Brackets(*(part[order] for part in parts))
