@@ -82,12 +82,14 @@ def partial_result() -> Any:
 class InterruptCounter:
     """Context in which ctrl-C is counted, and raises KeyboardInterrupt only from the press `limit` on.
 
-    Python delivers no signals to threads other than the main one, so nothing is installed there; nor where
-    the process ignores them, as in the background of a shell.
+    Its end closes the progress bar, if there is one.  Python delivers no signals to threads other than the
+    main one, so nothing is installed there; nor where the process ignores them, as in the background of a
+    shell.
     """
 
-    def __init__(self, limit: int) -> None:
+    def __init__(self, limit: int, bar: Any = None) -> None:
         self.count, self._limit, self.installed = 0, limit, False
+        self.bar = bar
         self.in_main_thread = threading.current_thread() is threading.main_thread()
         self._previous: Any = None  # the handler outside
 
@@ -102,6 +104,8 @@ class InterruptCounter:
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.installed:
             SIGNALS.signal(signal.SIGINT, self._previous)
+        if self.bar is not None:
+            self.bar.close()
 
     def note(self, number: int, frame: Any) -> None:
         """Count a press; a handler of signals."""
@@ -244,14 +248,8 @@ class Progress(InterruptCounter):
         self._t_end, self._show = t_end, show and _switch["shown"] and self.in_main_thread
         self._sign = STOP_SIGN.get()
         self._since = time.monotonic()
-        self._bar: Any = None
         if self._show and compiling:
             tell("compiling the solver, once on this machine: some 30 s")
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        super().__exit__(kind, error, trace)
-        if self._bar is not None:
-            self._bar.close()
 
     @property
     def stopped(self) -> bool:
@@ -263,12 +261,9 @@ class Progress(InterruptCounter):
         if self.stopped:
             return True
         late = time.monotonic() - self._since > PROGRESS_DELAY
-        if self._show and late and self._bar is None and t < self._t_end:
-            self._bar = self._new_bar()
-        if self._bar is not None:
-            self._bar.update(t - self._bar.n)
+        if self._show and late and self.bar is None and t < self._t_end:
+            form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
+            self.bar = progress_bar(total=self._t_end, bar_format=form, desc="simulate", delay=0.0)
+        if self.bar is not None:
+            self.bar.update(t - self.bar.n)
         return False
-
-    def _new_bar(self) -> Any:
-        form = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
-        return progress_bar(total=self._t_end, bar_format=form, desc="simulate", delay=0.0)

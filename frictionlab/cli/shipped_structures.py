@@ -42,14 +42,14 @@ def derive(model: Model) -> None:
     import numpy as np
 
     from frictionlab.analysis.initial_states import initial_state_of
-    from frictionlab.hybrid.chatter_limit import SHORT_SHARE, chatter_limit
+    from frictionlab.hybrid.chatter_limit import chatter_limit
     from frictionlab.hybrid.outputs import evaluate_output
     from frictionlab.stability import eigenvalues
     from frictionlab.tape.packing import program_of
 
     automaton, _ = model.automaton(), model.nonlinearities
     program_of(automaton, complete=False)
-    chatter_limit(automaton, SHORT_SHARE)
+    chatter_limit(automaton, 1.0)
     initial_state_of(model, "rest", automaton)
     count = len(automaton.names)
     states = np.ones((count, len(automaton.state_names)))

@@ -6,7 +6,8 @@ the end of the polynomial to that state.  A step adds to the error the residual 
 if that is larger.  As a share of the motion's size this is its defect, which compares with the tolerance.
 
 Every run by series is checked when it is over.  The defects of a few of its steps are measured; those that
-the tolerance does not allow give a warning.
+the tolerance does not allow give a warning.  So do flights that were replaced by the limit of chatter and are
+not short.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ SUSPECT_TOLERANCES = 1e4  # times the tolerance: the defects of sound steps are 
 HARMLESS_DEFECT = 1e-9  # share of the motion's size: smaller than any analysis here resolves
 SAMPLED_SHARE = 0.01  # share of a mode's steps whose defect is measured in every run, within the next two
 LEAST_SAMPLE, LARGEST_SAMPLE = 8, 64
+SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goes with the square of theirs
 ALL_STEPS = slice(None)
 
 
@@ -110,15 +112,22 @@ def defect_warning(
     )
 
 
-def sampled_steps(problem: Problem, raw: RunData, order: int) -> np.ndarray:
-    """The numbers of some steps of each mode, a bounded number.
+def chatter_warning(raw: RunData, limit: float) -> str | None:
+    """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
+    as in a model whose unit of time is a week; else None."""
+    longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
+    if limit <= SHORT_SHARE * longest:
+        return None
+    return (
+        f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "
+        f"longest stay in a mode, {longest:.3g} s: give the method a limit that is, such as "
+        f"chatter={SHORT_SHARE * SHORT_SHARE * longest:.1g}"
+    )
 
-    A mode may have equations that are polynomials of the states of a degree below `order`.  It is left out:
-    the last terms of its series tell how long a step may be.
-    """
-    modes = np.flatnonzero(problem.program.code.degrees >= order)
-    samples = [_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes]
-    return np.concatenate(samples) if samples else modes
+
+def sampled_steps(raw: RunData, modes: np.ndarray) -> np.ndarray:
+    """The numbers of some steps of each of some modes, a bounded number."""
+    return np.concatenate([_sample_of_steps(raw, np.flatnonzero(raw.step_modes == mode)) for mode in modes])
 
 
 def _sample_of_steps(raw: RunData, steps: np.ndarray) -> np.ndarray:

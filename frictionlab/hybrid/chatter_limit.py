@@ -18,15 +18,11 @@ import math
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
-from frictionlab.hybrid.problem import RunData
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
-SHORT_SHARE = 1 / 32  # of the longest stay; what replaced flights leave out goes with the square of theirs
 CHATTER = "chatter"  # the parameter of an automaton that the solver sets to the limit, s
 
 
@@ -88,19 +84,3 @@ def _slope_at_zero(rate: Any, x: Any, at_zero: dict[Any, int]) -> Any:
     """The derivative by `x` where all states are zero: that of what is left once the others are."""
     alone = rate.xreplace({other: zero for other, zero in at_zero.items() if other is not x})
     return alone.diff(x).subs(x, 0)
-
-
-def chatter_warning(limit_modes: np.ndarray, raw: RunData, limit: float) -> str | None:
-    """A warning where flights below the `limit` of chatter (s) were replaced though no stay is much longer,
-    as in a model whose unit of time is a week; else None."""
-    average = raw.t / (len(raw.event_times) + 1)
-    if limit <= SHORT_SHARE * average:
-        return None
-    longest = np.diff(raw.event_times, prepend=0.0, append=raw.t).max()
-    if limit <= SHORT_SHARE * longest or not np.isin(raw.event_codes[:, 1], limit_modes).any():
-        return None
-    return (
-        f"flights below {limit:.3g} s were replaced by the limit of chatter, which is not short beside the "
-        f"longest stay in a mode, {longest:.3g} s: give the method a limit that is, such as "
-        f"chatter={SHORT_SHARE * SHORT_SHARE * longest:.1g}"
-    )

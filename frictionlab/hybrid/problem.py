@@ -1,25 +1,19 @@
 """The problem that a method integrates, and what it returns: arrays.
 
 A `Problem` is a program with its numbers, an initial state and an end time.  Kernels fill records of fixed
-capacity.  `RecordList` joins these into `RunData`, the arrays that a
-:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps, and checks that they do not fill the memory
-(`free_memory`).  `Status` says in a sentence how the run ended.
+capacity, which are joined into `RunData`, the arrays that a
+:class:`~frictionlab.hybrid.trajectory.Trajectory` wraps.  `Status` says in a sentence how the run ended.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.free_memory import free_memory
-from frictionlab.hybrid.kernels.run_state import Record, new_record
-from frictionlab.tape.program import Code, Numbers, Program
-
-BYTES_BETWEEN_LOOKS = 2**26  # largest growth of a run between two checks of the free memory
-BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
+from frictionlab.tape.program import Numbers, Program
 
 
 class Problem(NamedTuple):
@@ -139,51 +133,3 @@ class Status(Enum):
     def ok(self) -> bool:
         """Whether the end time was reached."""
         return self is Status.FINISHED
-
-
-class RecordList:
-    """Records in the order in which they were filled."""
-
-    def __init__(self) -> None:
-        self._parts: list[list[np.ndarray]] = []
-        self.steps, self.events = 0, 0
-        self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
-
-    def add(self, record: Record, steps: int, events: int, points: int) -> bool:
-        """Keep a copy of the filled part of a record; without memory for one (False) the part itself."""
-        lengths = (steps, steps, steps, events, events, events, points, points, points)
-        try:
-            parts = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
-            copied = True
-        except MemoryError:
-            parts, copied = [array[:n] for array, n in zip(record, lengths)], False
-        self._parts.append(parts)
-        self._bytes += sum(part.nbytes for part in parts)
-        self.steps += steps
-        self.events += events
-        return copied
-
-    def fills_memory(self) -> bool:
-        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
-        if self._bytes < self._next_look:
-            return False
-        growth = min(self._bytes, BYTES_BETWEEN_LOOKS)
-        self._next_look = self._bytes + growth
-        return free_memory() < self._bytes + 2 * growth
-
-    def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
-        """All records joined, with the end of the run.  The records are given up, which saves memory."""
-        parts, self._parts = self._parts, []
-        if len(parts) > 1:
-            arrays = [_joined(parts, i) for i in range(len(Record._fields))]
-        else:
-            arrays = parts[0] if parts else new_record(code, 0, 0, 0)
-        return RunData(*arrays, t=t, state=state, mode=mode, status=status)
-
-
-def _joined(parts: list[list[Any]], i: int) -> np.ndarray:
-    """The arrays number `i` of the parts as one; the parts give them up."""
-    joined = np.concatenate([part[i] for part in parts])
-    for part in parts:
-        part[i] = None
-    return joined

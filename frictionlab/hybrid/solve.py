@@ -229,7 +229,7 @@ def run_automaton(
     problem = problem_of(automaton, start, float(t_end), options.mode, asked, chatter)
     order, begin = method.order_of(problem.program), time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
-        raw = method.integrate(problem, bar)
+        raw = method.integrate(problem, order, bar)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %r", raw.t, *counts, wall_time, raw.status)

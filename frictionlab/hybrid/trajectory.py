@@ -18,8 +18,8 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
-from frictionlab.hybrid.accuracy import defect_warning, defects, sampled_steps
-from frictionlab.hybrid.chatter_limit import chatter_warning
+from frictionlab.hybrid.accuracy import chatter_warning, defect_warning, defects, sampled_steps
+from frictionlab.hybrid.chatter_limit import CHATTER
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import condition_violation
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
@@ -367,20 +367,21 @@ class Trajectory(Drawable):
         of a power became negative.  Defects are measured as a share of the motion's size, in some steps of
         each mode whose equations are no polynomials of a low degree.
         """
-        program = self.problem.program
-        code = program.code
+        code = self.problem.program.code
         if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
             words = negative_base(self.automaton, self.problem, self.raw.state, self.raw.mode)
             if words:
                 return f"it ended at {self.raw.t:g} s with {words}"
-        limit = self.automaton.values.get("chatter", 0.0)
-        if len(code.limits) and (words := chatter_warning(code.limits, self.raw, limit)) is not None:
-            return words
+        visited = np.bincount(self.raw.step_modes, minlength=len(code.degrees)) > 0
+        if visited[code.limits].any():
+            words = chatter_warning(self.raw, self.automaton.values.get(CHATTER, 0.0))
+            if words:
+                return words
         order = self.samples.order
-        if program.highest_degree < order or (tol := self._tolerance) is None:
+        modes = np.flatnonzero(visited & (code.degrees >= order))
+        if not len(modes) or (tol := self._tolerance) is None:
             return None
-        steps = sampled_steps(self.problem, self.raw, order)
-        return defect_warning(self.problem, self.raw, order, tol, steps)
+        return defect_warning(self.problem, self.raw, order, tol, sampled_steps(self.raw, modes))
 
     @property
     def _tolerance(self) -> float | None:

@@ -149,9 +149,13 @@ class Program:
         return bool(self.code.powers.any())
 
     @cached_property
-    def highest_degree(self) -> int:
-        """Highest degree of the modes' polynomials, NOT_POLYNOMIAL where there are other functions."""
-        return int(self.code.degrees.max())
+    def steps_follow_states(self) -> bool:
+        """Whether steps follow from the states alone.
+
+        There are no events, also in modes to come, sections or integrals.
+        """
+        code, eventless = self.code, self.demand is None and not self.guards
+        return eventless and code.sections.size == 0 and bool(code.inputs == code.groups[3])
 
     def numbers(self, values: Sequence[float]) -> Numbers:
         """Coefficients for parameter values in the order of the automaton's parameters.

@@ -371,7 +371,7 @@ def _run_continued(
     bar = progress_bar(values, TITLE, shown=execution.progress)
     start: Any = None
     mode = None
-    with InterruptCounter(URGENT_PRESS) as interrupts, bar:
+    with InterruptCounter(URGENT_PRESS, bar) as interrupts:
         for i, (model, rest, name) in enumerate(bar):
             if i not in journal.results:
                 begins = rest if start is None else carried_state_of(model, start)

@@ -93,7 +93,7 @@ def run_tasks(
     left = deque(range(len(tasks)) if todo is None else todo)
     count = len(left)
     bar = progress_bar(total=count, desc=title, shown=execution.progress)
-    with bar, InterruptCounter(URGENT_PRESS) as interrupts:
+    with InterruptCounter(URGENT_PRESS, bar) as interrupts:
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
                 run = _Run(function, tasks, keep, left, pool, workers, chunk_time, bar)

@@ -31,6 +31,7 @@ class Batch:
 
     program: Program
     method: Taylor
+    order: int  # of the series
     native: NativeCode
     runs: BatchRuns
     lanes: Lanes
@@ -48,9 +49,10 @@ def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
     return Batch(
         program,
         method,
+        order,
         native_code(program),
         _new_runs(program, numbers, states, method, [problem.chatter for problem in problems]),
-        _new_lanes(program, numbers, method),
+        _new_lanes(program, numbers, method, order),
         new_record(code, 1, 1 + most_impacts(code), 0),
         new_scratch(program.slots, code, order),
         tuple(problems) if problems[0].derive is not None else (),
@@ -92,7 +94,7 @@ def _new_runs(
     )
 
 
-def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
+def _new_lanes(program: Program, numbers: Numbers, method: Taylor, order: int) -> Lanes:
     control = aligned_zeros(CONTROL_ROWS + most_guards(program.code), LANE_COUNT)
     control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
     control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
@@ -104,7 +106,7 @@ def _new_lanes(program: Program, numbers: Numbers, method: Taylor) -> Lanes:
         z=aligned_zeros(program.code.inputs, LANE_COUNT),
         constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
         terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
-        jets=aligned_zeros(program.slots, jet_columns(method.order_of(program)), LANE_COUNT),
+        jets=aligned_zeros(program.slots, jet_columns(order), LANE_COUNT),
         control=control,
     )
 

@@ -77,7 +77,7 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
     runs.status[goes_on] = run_state.RUNNING
-    if group.alone or is_affine(group.program) or t_end > longest_step(group.method.order_of(group.program)):
+    if group.alone or is_affine(group.program) or t_end > longest_step(group.order):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
     changing = "states", "times", "counts", "totals"
     before = runs._replace(**{name: getattr(runs, name).copy() for name in changing})
@@ -95,7 +95,7 @@ def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> 
     for i in which:
         now, end = runs.times[i, :2]
         problem = _problem_of_run(group, i, end - now)
-        raw = group.method.integrate(problem, progress)
+        raw = group.method.integrate(problem, group.order, progress)
         raw = cut_where_undefined(problem.with_derived_modes(), raw)
         runs.states[i], runs.counts[i, run_state.MODE] = raw.state, raw.mode
         runs.times[i, run_state.NOW] = end if raw.status is Status.FINISHED else now + raw.t
@@ -116,7 +116,7 @@ def _cut_where_undefined(group: Batch, before: BatchRuns, progress: Progress) ->
         numbers = Numbers(runs.constants[i], runs.terms[i])
         limit = float(before.times[i, run_state.CHATTER])
         problem = Problem(group.program, numbers, before.states[i], end - now, mode, chatter=limit)
-        raw = group.method.integrate(problem, progress)
+        raw = group.method.integrate(problem, group.order, progress)
         cut = cut_where_undefined(problem, raw)
         if cut is not raw:
             runs.states[i], runs.counts[i, run_state.MODE] = cut.state, cut.mode
@@ -136,7 +136,7 @@ def _problem_of_run(group: Batch, i: int, duration: float) -> Problem:
 
 def _advance_side_by_side(group: Batch, goes_on: np.ndarray, progress: Progress) -> None:
     runs, program, arrays = group.runs, group.program, (group.record, group.scratch)
-    settings = group.native.code, run_state.Truncation(group.method.order_of(group.program), group.method.tol)
+    settings = group.native.code, run_state.Truncation(group.order, group.method.tol)
     begins = goes_on & (runs.counts[:, run_state.JETS_READY] != 0)
     _fill_queues(runs, goes_on & ~begins)
     lanes.begin_runs(*settings, runs, np.flatnonzero(begins), program.initial, group.scratch)

@@ -18,6 +18,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
+from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import run_state
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
@@ -37,9 +38,9 @@ from frictionlab.hybrid.kernels.run_state import (
     new_run_state,
     new_scratch,
 )
-from frictionlab.hybrid.problem import Problem, RecordList, RunData, Status
+from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import Program, System
+from frictionlab.tape.program import Code, Program, System
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -53,6 +54,8 @@ STATUS_OF_CODE = {
     run_state.ZENO: Status.ACCUMULATED,
     run_state.NOT_FINITE: Status.NOT_FINITE,
 }
+BYTES_BETWEEN_LOOKS = 2**26  # largest growth of a run between two checks of the free memory
+BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
 MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
 # Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
 # is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
@@ -203,6 +206,54 @@ def initial_mode(run: ActiveRun) -> Selection:
     return selection
 
 
+class RecordList:
+    """Records in the order in which they were filled."""
+
+    def __init__(self) -> None:
+        self._parts: list[list[np.ndarray]] = []
+        self.steps, self.events = 0, 0
+        self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
+
+    def add(self, record: run_state.Record, steps: int, events: int, points: int) -> bool:
+        """Keep a copy of the filled part of a record; without memory for one (False) the part itself."""
+        lengths = (steps, steps, steps, events, events, events, points, points, points)
+        try:
+            parts = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
+            copied = True
+        except MemoryError:
+            parts, copied = [array[:n] for array, n in zip(record, lengths)], False
+        self._parts.append(parts)
+        self._bytes += sum(part.nbytes for part in parts)
+        self.steps += steps
+        self.events += events
+        return copied
+
+    def fills_memory(self) -> bool:
+        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
+        if self._bytes < self._next_look:
+            return False
+        growth = min(self._bytes, BYTES_BETWEEN_LOOKS)
+        self._next_look = self._bytes + growth
+        return free_memory() < self._bytes + 2 * growth
+
+    def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
+        """All records joined, with the end of the run.  The records are given up, which saves memory."""
+        parts, self._parts = self._parts, []
+        if len(parts) > 1:
+            arrays = [_joined(parts, i) for i in range(len(run_state.Record._fields))]
+        else:
+            arrays = parts[0] if parts else new_record(code, 0, 0, 0)
+        return RunData(*arrays, t=t, state=state, mode=mode, status=status)
+
+
+def _joined(parts: list[list[Any]], i: int) -> np.ndarray:
+    """The arrays number `i` of the parts as one; the parts give them up."""
+    joined = np.concatenate([part[i] for part in parts])
+    for part in parts:
+        part[i] = None
+    return joined
+
+
 @dataclass(frozen=True)
 class Method(ABC):
     """Base of all methods; runs the loop and keeps the records."""
@@ -220,14 +271,14 @@ class Method(ABC):
         return 0.0
 
     @property
-    def raises(self) -> bool:
-        """Whether a Zeno accumulation ends the run."""
-        return False
-
-    @property
     @abstractmethod
     def degree(self) -> int:
         """Order of the Taylor series that choose modes and give the dense output."""
+
+    @property
+    def raises(self) -> bool:
+        """Whether a Zeno accumulation ends the run."""
+        return False
 
     def order_of(self, program: Program) -> int:
         """The degree for runs of a program."""
@@ -251,10 +302,10 @@ class Method(ABC):
         truncation = run_state.Truncation(self.degree, 0.0)
         return run.without_native_code().handle_event(truncation, event, record)
 
-    def integrate(self, problem: Problem, progress: Progress) -> RunData:
-        """Run the problem to its end, or as far as it goes."""
+    def integrate(self, problem: Problem, order: int, progress: Progress) -> RunData:
+        """Run the problem to its end, or as far as it goes, with series of an order."""
         with np.errstate(all="ignore"):
-            run, pieces = self._begin(problem), RecordList()
+            run, pieces = self._begin(problem, order), RecordList()
             counts, times = run.cursor.counts, run.cursor.times
             status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
             while status is Status.RUNNING:
@@ -287,9 +338,9 @@ class Method(ABC):
                 end = self.advance(run, record)
         return end
 
-    def _begin(self, problem: Problem) -> ActiveRun:
-        program, order = problem.program, self.order_of(problem.program)
-        run = SPARE_RUNS.take((program, order), lambda: new_run(problem, order)).for_problem(problem)
+    def _begin(self, problem: Problem, order: int) -> ActiveRun:
+        key = problem.program, order
+        run = SPARE_RUNS.take(key, lambda: new_run(problem, order)).for_problem(problem)
         begin_run(run.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
         mode, missing = initial_mode(run)
         while missing != NO_MODE:
@@ -300,9 +351,9 @@ class Method(ABC):
 
     def _with_missing_mode(self, run: ActiveRun, event: GuardZero | None = None) -> ActiveRun:
         """The run with the mode that was to be tried next; goes on with the event at which it was missing."""
-        problem, known = run.with_missing_mode(), run.scratch.structural_zeros.copy()
-        after = new_run(problem, self.order_of(problem.program), run)
-        after.scratch.structural_zeros[: len(known)] = known
+        zeros = run.scratch.structural_zeros.copy()
+        after = new_run(run.with_missing_mode(), run.order, run)
+        after.scratch.structural_zeros[: len(zeros)] = zeros
         return after._replace(event=event)
 
     def _record(self, run: ActiveRun, pieces: RecordList) -> run_state.Record:

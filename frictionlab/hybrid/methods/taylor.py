@@ -63,13 +63,7 @@ class AffineMap(NamedTuple):
 def is_affine(program: Program) -> bool:
     """Whether one map serves for all steps: it is free, with affine operations only."""
     plain = all(kind == AFFINE for tape in program.tapes for kind, _, _ in tape.ops)
-    return plain and len(program.modes) == 1 and steps_follow_states(program)
-
-
-def steps_follow_states(program: Program) -> bool:
-    """Whether steps follow from the states alone: no events, also in modes to come, sections or integrals."""
-    code, eventless = program.code, program.demand is None and not program.guards
-    return eventless and code.sections.size == 0 and code.inputs == code.groups[3]
+    return plain and len(program.modes) == 1 and program.steps_follow_states
 
 
 def new_affine_map(code: Code) -> AffineMap:
@@ -316,7 +310,7 @@ class Taylor(Method):
         return self.order or order_of_tolerance(self.tol)
 
     def order_of(self, program: Program) -> int:
-        if self.order is not None or not steps_follow_states(program):
+        if self.order is not None or not program.steps_follow_states:
             return self.degree
         return max(self.degree, AFFINE_ORDER) if is_affine(program) else order_of_free_motion(self.tol)
 

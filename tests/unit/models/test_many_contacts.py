@@ -54,7 +54,8 @@ def test_thirty_contacts_take_what_a_run_visits():
 def test_a_run_goes_on_where_a_mode_was_missing(method):
     """It never begins anew: its clock is never set back, however many modes are derived."""
     automaton, clock = chain(5).automaton(), Clock()
-    raw = method.integrate(problem_of(automaton, start(5), 5.0), clock)
+    problem = problem_of(automaton, start(5), 5.0)
+    raw = method.integrate(problem, method.order_of(problem.program), clock)
     assert raw.t == 5.0
     assert len(automaton.modes.derived) > 5
     assert clock.times == sorted(clock.times)

@@ -270,7 +270,8 @@ class Bar:
 def test_ctrl_c_keeps_what_was_computed_where_a_mode_is_missing(method):
     model, x0 = TWO
     automaton = fresh(model)
-    raw = method.integrate(problem_of(automaton, np.array(x0), 20.0), Bar(stop=True))
+    problem = problem_of(automaton, np.array(x0), 20.0)
+    raw = method.integrate(problem, method.order_of(problem.program), Bar(stop=True))
     run = fl.solve(complete(model), 20.0, x0=x0, method=method)
     assert raw.status is fl.Status.INTERRUPTED
     assert raw.t == run.events.t[0]
@@ -278,7 +279,8 @@ def test_ctrl_c_keeps_what_was_computed_where_a_mode_is_missing(method):
     assert automaton.modes.derived == ("slip+ | slip+",)
     assert raw.mode == 0
     assert len(raw.event_times) == 0
-    raw = method.integrate(problem_of(automaton, np.array(x0), 20.0), Bar(stop=False))
+    problem = problem_of(automaton, np.array(x0), 20.0)
+    raw = method.integrate(problem, method.order_of(problem.program), Bar(stop=False))
     assert raw.state.tolist() == run.final_state.tolist()
 
 

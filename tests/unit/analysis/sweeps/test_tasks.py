@@ -222,27 +222,11 @@ def test_a_bar_that_stands_still_says_that_no_worker_is_left(monkeypatch):
     class Cluster(ThreadPoolExecutor):
         _client = SimpleNamespace(nthreads=lambda: workers.pop(0) if len(workers) > 1 else workers[0])
 
-    bar = SimpleNamespace(update=lambda n: None, set_postfix_str=said.append)
-    monkeypatch.setattr(module, "progress_bar", lambda **_: BarContext(bar))
+    bar = SimpleNamespace(update=lambda n: None, set_postfix_str=said.append, close=lambda: None)
+    monkeypatch.setattr(module, "progress_bar", lambda **_: bar)
     with Cluster(1) as pool:
         run(lambda i: time.sleep(0.15), 6, pool)
     assert said == [module.NO_WORKER, ""]
-
-
-class BarContext:
-    """A progress bar as a context."""
-
-    def __init__(self, bar):
-        self._bar = bar
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
-
-    def __getattr__(self, name):
-        return getattr(self._bar, name)
 
 
 def test_shards_are_jobs_of_their_own_and_make_up_the_whole(tmp_path):

@@ -10,7 +10,8 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.hybrid import free_memory, problem
+from frictionlab.hybrid import free_memory
+from frictionlab.hybrid.methods import base
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from tests.helpers.automata import ONCE, V, X, automaton, coulomb, oscillator
 
@@ -36,9 +37,9 @@ def test_the_event_cap_keeps_what_was_computed():
 
 @ONCE
 def test_a_run_that_would_fill_the_memory_keeps_what_was_computed(monkeypatch):
-    monkeypatch.setattr(problem, "BYTES_BETWEEN_LOOKS", 1000)
+    monkeypatch.setattr(base, "BYTES_BETWEEN_LOOKS", 1000)
     free = iter([1e9, 1e9, 0.0])
-    monkeypatch.setattr(problem, "free_memory", lambda: next(free))
+    monkeypatch.setattr(base, "free_memory", lambda: next(free))
     run = fl.solve(oscillator(), 1e5, x0=[1.0, 0.0], method=fl.Taylor(), progress=False)
     assert run.status is fl.Status.MEMORY_CAP
     assert run.stats["steps"] == 3 * RECORD_CAPACITY
