@@ -568,9 +568,9 @@ class Intervals(NamedTuple):
     at_high: ComplexArray
 
     # items of a tuple are its fields; here they are the intervals, as in an array
-    def __getitem__(self, which: Any) -> Intervals:  # type: ignore[override]
+    def __getitem__(self, index: Any) -> Intervals:  # type: ignore[override]
         parts: Any = tuple(self)  # as a plain tuple, since indexing this class would call this method again
-        return Intervals(*(part[which] for part in parts))
+        return Intervals(*(part[index] for part in parts))
 
 
 class Brackets(NamedTuple):
@@ -684,16 +684,16 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     The weaker two modes couple, the narrower is the window in which they are unstable.
     """
     ends = (pieces.at_low, pieces.at_high)
-    moved = np.maximum(*(eigenvalue_distances(at_middle, end).min(axis=2) for end in ends))
+    distance = np.maximum(*(eigenvalue_distances(at_middle, end).min(axis=2) for end in ends))
     between = eigenvalue_distances(at_middle, at_middle)
-    between[:, range(moved.shape[1]), range(moved.shape[1])] = np.inf
+    between[:, range(distance.shape[1]), range(distance.shape[1])] = np.inf
     # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
     # Nor do modes with equal eigenvalues throughout.
     between[equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
-    moved[moved < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
-    close = between < 2 * (moved[:, :, None] + moved[:, None, :])
-    within_reach = between + moved[:, :, None] > least.min(axis=1)[:, None, None]
+    distance[distance < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
+    close = between < 2 * (distance[:, :, None] + distance[:, None, :])
+    within_reach = between + distance[:, :, None] > least.min(axis=1)[:, None, None]
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
 
 
@@ -704,9 +704,9 @@ def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
     return stay[0] & stay[1]
 
 
-def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, which: Flags) -> Intervals:
-    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[which]
-    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[which]
+def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, selection: Flags) -> Intervals:
+    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[selection]
+    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[selection]
     both: Any = zip(first, second)
     return Intervals(*(np.concatenate(parts) for parts in both))
 
@@ -726,8 +726,8 @@ def _join_neighbours(pieces: Intervals) -> Intervals:
 
 def _sign_changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
     """Which growth rates change sign; none do where the equilibrium itself begins or ends."""
-    known = np.isfinite(at_low) & np.isfinite(at_high)
-    return known & ((growth_rates(at_low) > 0) != (growth_rates(at_high) > 0))
+    finite = np.isfinite(at_low) & np.isfinite(at_high)
+    return finite & ((growth_rates(at_low) > 0) != (growth_rates(at_high) > 0))
 
 
 def _brackets_of(pieces: Intervals) -> Brackets:
