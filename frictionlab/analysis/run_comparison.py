@@ -2,7 +2,8 @@
 
 The two runs are of the same motion.  They are compared in their events and, between events, in their states.
 Events close together (two at once, the last bounces before a Zeno point) count as one.  Impacts of bodies
-that as good as rest beside each other do not count: whether they touch is rounding.
+that as good as rest beside each other do not count: whether they touch is rounding.  Nor does which of two
+contacts holds a velocity that both could hold, as the feet of a rigid body do.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, motion_size
-from frictionlab.analysis.run_conditions import is_of_series
+from frictionlab.analysis.run_conditions import is_of_series, largest_violation
+from frictionlab.hybrid.guard_bounds import Tape
 from frictionlab.hybrid.trajectory import Trajectory
 
 SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer to each other count as one
@@ -55,17 +57,53 @@ class ModeStays(NamedTuple):
     closed: Array
 
 
-def mode_stays(run: Trajectory, together: float) -> ModeStays:
-    """A run's events, where those within `together` seconds of the one before count as one."""
-    events = run.events
+def mode_stays(run: Trajectory, together: float, other: Trajectory | None = None) -> ModeStays:
+    """A run's events, where those within `together` seconds of the one before count as one.
+
+    Modes that are one motion in the run have one name, also those of an `other` run.
+    """
+    events, modes = run.events, _modes_by_motion(run, run if other is None else other)
     jumps = (np.abs(events.state - events.before) / motion_size(run)).max(axis=1, initial=0.0)
-    counts = (jumps > LEAST_JUMP) | (events.source != events.target) | events.closed
-    t, target, closed = events.t[counts], events.target[counts], events.closed[counts]
+    counts = (jumps > LEAST_JUMP) | (modes[:-1] != modes[1:]) | events.closed
+    t, target, closed = events.t[counts], modes[1:][counts], events.closed[counts]
     if not len(t):
         return ModeStays(t, t, target, closed)
     begins = np.flatnonzero(np.diff(t, prepend=-np.inf) > together)
     ends = np.append(begins[1:], len(t)) - 1
     return ModeStays(t[begins], t[ends], target[ends], np.logical_or.reduceat(closed, begins))
+
+
+def _modes_by_motion(run: Trajectory, other: Trajectory) -> Any:
+    """The mode of each stay between events: of modes that hold the same and move alike there the first name.
+
+    Modes are those that one of the runs comes to.
+    """
+    first = run.mode_names[np.append(run.raw.step_modes, run.raw.mode)[0]]
+    modes = np.append(first, run.events.target).astype(object)
+    t = np.concatenate([[0.0], run.events.t, [run.raw.t]])
+    for tapes in _tapes_by_constraints(run, other):
+        names, stays = np.array([*tapes], dtype=object), np.flatnonzero(np.isin(modes, [*tapes]))
+        within = t[stays, None] + np.diff(t)[stays, None] * SAMPLES_WITHIN_STAY
+        states = run(within.ravel())
+        rates = np.array([tape.values(states, tape.flow) for tape in tapes.values()])
+        sizes = np.array([tape.magnitudes(states, tape.flow) for tape in tapes.values()])
+        own = np.searchsorted(names, modes[stays]).repeat(within.shape[1]), np.arange(len(states))
+        alike = (np.abs(rates - rates[own]) <= largest_violation(run) * sizes[own]).all(axis=-1)
+        modes[stays] = names[alike.reshape(len(names), *within.shape).all(axis=-1).argmax(axis=0)]
+    return modes
+
+
+def _tapes_by_constraints(*runs: Trajectory) -> list[dict[str, Tape]]:
+    """Modes of runs that have constraints, by ascending names: groups of two and more with the same ones."""
+    groups: dict[Any, dict[str, Tape]] = {}
+    for run in runs:
+        problem = run.problem
+        for number in np.unique(run.raw.step_modes):
+            name = run.mode_names[number]
+            if held := frozenset(run.automaton.mode(name).constraints):
+                tape = Tape(problem.program.code, problem.numbers, int(number))
+                groups.setdefault(held, {})[name] = tape
+    return [dict(sorted(tapes.items())) for tapes in groups.values() if len(tapes) > 1]
 
 
 def longest_stay(run: Trajectory, end: float) -> float:
@@ -100,7 +138,7 @@ def compare_runs(
         return RunComparison(0.0, 0.0, np.inf)
     longest = longest_stay(other, end)
     together = SIMULTANEOUS_SHARE * longest
-    one, two = mode_stays(run, together), mode_stays(other, together)
+    one, two = mode_stays(run, together, other), mode_stays(other, together, run)
     differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
     end = min(end, differs_at)
     t = _comparison_times(two, end) if is_of_series(other) else other.raw.step_times[:, 0]

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import motion_size
+from frictionlab.analysis.motion_scales import motion_size, state_ranges
 from frictionlab.hybrid.accuracy import RESIDUAL_ROUNDING, largest_sound_defect
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import (
@@ -83,7 +83,7 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
         rates = np.maximum(rates, tape.sizes(run.raw.step_states[modes == mode], tape.flow))
     rounding = RESIDUAL_ROUNDING * run.raw.t * rates
     rounding[:n] = rounding[n : 2 * n] * run.raw.t
-    only_rounding = motion_size(run) <= ROUNDING_MARGIN * rounding
+    only_rounding = state_ranges(run.states) <= ROUNDING_MARGIN * rounding
     return np.where(only_rounding, rounding / largest_violation(run), 0.0)
 
 

@@ -116,22 +116,24 @@ class BlockOnFeet(fl.MechanicalModel):
     """A block on two feet that a spring draws: one more holds than there are freedoms."""
 
     a: float = 0.5
+    k: float = 1.0
     friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.6)
+    impact: fl.ImpactLaw = fl.FrictionalImpact(e=0.0, mu_i=0.3)
     coordinates = ("x", "y", "theta")
 
     def mechanics(self, q, v):
-        lever, impact = self.a * fl.functions.sin(q.theta), fl.FrictionalImpact(e=0.0, mu_i=0.3)
+        lever = self.a * fl.functions.sin(q.theta)
         feet = tuple(
             fl.Stop(
                 q.y + side * lever,
-                impact,
+                self.impact,
                 friction=self.friction,
                 relative_velocity=side * lever * v.theta - v.x,
             )
             for side in (1, -1)
         )
         kinetic = (v.x**2 + v.y**2 + 0.1 * v.theta**2) / 2
-        return fl.Mechanics(kinetic, 9.81 * q.y + (q.x - q.t) ** 2 / 2, contacts=feet)
+        return fl.Mechanics(kinetic, 9.81 * q.y + self.k * (q.x - q.t) ** 2 / 2, contacts=feet)
 
 
 @pytest.mark.parametrize("t_end", [4.0, 12.0])
@@ -140,6 +142,23 @@ def test_a_block_at_rest_on_two_feet_gives_no_false_alarm(t_end):
     assert found.ok, str(found)
     begins = found.run.events.t[found.run.events.target == "slip- | slip-"]
     assert begins == pytest.approx([0.6 * 9.81] if t_end > 6.0 else [], rel=1e-12)  # mu_s m g/(k u)
+
+
+@fl.model
+class ShakenBlock(BlockOnFeet):
+    """The block on ground that vibrates by 0.02 m."""
+
+    def mechanics(self, q, v):
+        about, ground = super().mechanics(q, v), 0.02 * fl.functions.sin(q.phase)
+        feet = tuple(replace(foot, distance=foot.distance - ground) for foot in about.contacts)
+        return replace(about, contacts=feet, frequency=10.0)
+
+
+@pytest.mark.parametrize("x0", ["rest", {"y": 0.3, "theta": 0.27, "x'": -0.7}], ids=str)
+def test_it_is_no_difference_which_of_two_feet_holds_a_block(x0):
+    found = fl.verify(ShakenBlock(k=0.0, e=0.5), 2.0, x0=x0, progress=False)
+    assert found.ok, str(found)
+    assert found.events_agree
 
 
 def test_a_run_that_ends_early_says_so():
