@@ -54,8 +54,8 @@ def digest_folder(digest: str) -> str:
 
 
 def _user_base() -> Path:
-    if chosen := os.environ.get(FOLDER_VARIABLE):
-        return Path(chosen)
+    if folder := os.environ.get(FOLDER_VARIABLE):
+        return Path(folder)
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "frictionlab"
     if sys.platform == "darwin":
@@ -140,9 +140,9 @@ def _note_use(path: Path, info: os.stat_result) -> None:
 def prune(base: Path) -> None:
     """Remove files that have not been used for long, and the oldest ones beyond the size that is kept."""
     total, now = 0, time.time()
-    for used, size, path in sorted(_files(base), reverse=True):
+    for last_use, size, path in sorted(_files(base), reverse=True):
         total += size
-        if total > KEPT_BYTES or now - used > KEPT_SECONDS:
+        if total > KEPT_BYTES or now - last_use > KEPT_SECONDS:
             LOGGER.info("removing %s from the cache", path)
             with suppress(OSError):
                 path.unlink()

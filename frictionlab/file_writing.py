@@ -66,8 +66,8 @@ def replace_file(path: Any) -> Iterator[Any]:
     folder = Path(tempfile.mkdtemp(".unfinished", f"{target.name[:NAME_LENGTH]}.", target.parent))
     try:
         yield folder / target.name
-        for made in folder.iterdir():
-            _move(made, target.with_name(made.name))
+        for file in folder.iterdir():
+            _move(file, target.with_name(file.name))
         with suppress(OSError):  # not all systems can open folders
             _sync(target.parent, os.O_RDONLY)
     finally:
@@ -86,11 +86,11 @@ def _replaceable(path: Any) -> bool:
     return False
 
 
-def _move(made: Path, target: Path) -> None:
+def _move(file: Path, target: Path) -> None:
     with suppress(OSError):
-        shutil.copymode(target, made)
-    _sync(made, os.O_RDWR)
-    os.replace(made, target)
+        shutil.copymode(target, file)
+    _sync(file, os.O_RDWR)
+    os.replace(file, target)
 
 
 def _sync(path: Path, way: int) -> None:

@@ -50,8 +50,8 @@ def loader_of_names(package: str, homes: dict[str, str], into: dict[str, Any]) -
             from frictionlab.validation import did_you_mean
 
             # Tools ask every module for names such as __wrapped__; to find near ones takes milliseconds.
-            meant = "" if name.startswith("_") else did_you_mean(name, homes)
-            raise AttributeError(f"module {package!r} has no attribute {name!r}{meant}")
+            hint = "" if name.startswith("_") else did_you_mean(name, homes)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
         value = _load(package, homes[name], name)
         into[name] = value
         return value
@@ -70,6 +70,6 @@ def _load(package: str, home: str, name: str) -> Any:
         if missing == "frictionlab":
             raise
         cure = f"pip install {'pillow' if missing == 'PIL' else missing.lower()}"
-        shown = "fl" if package == "frictionlab" else package
-        message = f"{shown}.{name} needs {missing}, which is not installed: {cure}"
+        prefix = "fl" if package == "frictionlab" else package
+        message = f"{prefix}.{name} needs {missing}, which is not installed: {cure}"
         raise ImportError(message, name=missing) from error

@@ -118,7 +118,7 @@ def in_units(units: Sequence[str], text: str) -> str:
         return text
     own = {"m": length, "N": force, "J": f"{force} {length}", "W": f"{force} {length}/s"}
     words, bracket, unit = text.rpartition("(")
-    return words + bracket + re.sub(r"\b[mNJW](?![^\W²])", lambda found: own[found[0]], unit)
+    return words + bracket + re.sub(r"\b[mNJW](?![^\W²])", lambda match: own[match[0]], unit)
 
 
 def shorten(items: Iterable[str], most: int = MAX_LISTED, separator: str = ", ") -> str:
@@ -225,10 +225,10 @@ def html_table(table: Any) -> str:
     def with_unit(name: Any) -> str:
         return f"{name} ({units[name]})" if units.get(name) else str(name or "")
 
-    shown = table.head(MAX_ROWS).rename(columns=with_unit)
-    shown.index.names = [with_unit(name) for name in shown.index.names]
+    head = table.head(MAX_ROWS).rename(columns=with_unit)
+    head.index.names = [with_unit(name) for name in head.index.names]
     more = f"<p>{len(table)} rows</p>" if len(table) > MAX_ROWS else ""
-    return str(shown.to_html(float_format="{:.5g}".format, max_cols=MAX_COLUMNS)) + more
+    return str(head.to_html(float_format="{:.5g}".format, max_cols=MAX_COLUMNS)) + more
 
 
 class Drawable:
@@ -279,10 +279,10 @@ class Drawable:
 
         draw = getattr(plotting, self.drawn_by)
         if self.several_axes:
-            drawn = draw(self, ax, **options)[0]
+            axes = draw(self, ax, **options)[0]
         else:
-            drawn = plotting.axes_or_new(ax)
-            draw(self, drawn, **options)
+            axes = plotting.axes_or_new(ax)
+            draw(self, axes, **options)
         if ax is None and options.get("legend", True):
-            plotting.add_missing_legend(drawn.figure)
-        return drawn
+            plotting.add_missing_legend(axes.figure)
+        return axes

@@ -232,10 +232,10 @@ def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> n
     if np.ma.is_masked(values):
         raise refusal("numbers without a mask")
     try:
-        given = np.array(values)
-        if given.dtype.kind not in "iufO":
+        array = np.array(values)
+        if array.dtype.kind not in "iufO":
             raise TypeError
-        numbers = given if given.dtype.kind != "O" else np.array(_floats(given.tolist()), dtype=float)
+        numbers = array if array.dtype.kind != "O" else np.array(_floats(array.tolist()), dtype=float)
     except (TypeError, ValueError, OverflowError, RecursionError):
         raise refusal("numbers") from None
     if finite and not np.isfinite(numbers).all():

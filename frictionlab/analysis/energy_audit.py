@@ -156,9 +156,9 @@ class Balance:
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies between events."""
         powers = {name: self._at(power, states) for name, power in self._terms.powers.items()}
-        if (moved := self._terms.moved) is not None:
-            powers["moving masses"] = self._at(moved.free, states) + sum(
-                self._output(name, states, modes) * self._at(share, states) for name, share in moved.along
+        if (motion := self._terms.moved) is not None:
+            powers["moving masses"] = self._at(motion.free, states) + sum(
+                self._output(name, states, modes) * self._at(share, states) for name, share in motion.along
             )
         for contact in self._terms.contacts:
             for name, power in self._contact_powers(contact, states, modes):
@@ -176,8 +176,8 @@ class Balance:
             # a stop takes out what is left of the velocity across the slip
             stops = np.char.startswith(run.events.guard.astype(str), STOP)
             jumps = {"impacts": np.where(ends | stops, 0.0, gained), "friction": np.where(stops, gained, 0.0)}
-        if (moved := self._terms.moved) is not None:
-            carried = np.where(ends, gained, self._gain(moved.energy, before, after))
+        if (imposed := self._terms.moved) is not None:
+            carried = np.where(ends, gained, self._gain(imposed.energy, before, after))
             jumps = {"impacts": gained - carried, "moving masses": carried}
         if ends.any():  # what depends on the phase may differ between 0 and 2 pi
             changes = [self._gain(energy, before, after) for energy in self._terms.potential.values()]
@@ -187,8 +187,8 @@ class Balance:
         if any(contact.moved is not None for contact in self._terms.contacts):
             work = self._work_of_moved_contacts(run)
             stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
-            moved = work + np.where(ends, stored, 0.0)
-            jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": moved}
+            by_contacts = work + np.where(ends, stored, 0.0)
+            jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": by_contacts}
         if any(contact.bristles is not None for contact in self._terms.contacts):  # lost with the contact
             targets = [run.mode_names.index(name) if name else i for i, name in zip(modes, run.events.target)]
             held = self._in_bristles(after, np.array(targets)) - self._in_bristles(before, np.array(modes))
@@ -220,17 +220,17 @@ class Balance:
         values, pressed = np.zeros(len(states)), self._modes_in_contact(contact)
         arguments = [*self.automaton.states, *self.automaton.parameters]
         for i in np.unique(modes):
-            energy, chosen = (contact.bristles or ())[not pressed[i]], modes == i
+            energy, in_mode = (contact.bristles or ())[not pressed[i]], modes == i
             formula = function_along_run(arguments, of(energy, self.automaton.mode(self.mode_names[int(i)])))
-            values[chosen] = formula(*states[chosen].T, *self.automaton.values.values())
+            values[in_mode] = formula(*states[in_mode].T, *self.automaton.values.values())
         return values
 
     def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
         work = np.zeros(len(run.events))
         for one, (normal, _) in zip(self._striking, impulses_of_contacts(run, self._model), strict=True):
-            moved = self._terms.contacts[one.place].moved
-            work += 0.0 if moved is None else normal * self._at(moved, run.events.before)
+            rate = self._terms.contacts[one.place].moved
+            work += 0.0 if rate is None else normal * self._at(rate, run.events.before)
         return work
 
     def _at(self, function: Any, states: Array) -> Array:
@@ -330,13 +330,13 @@ def terms_of(key: StructureKey) -> Terms:
     def compiled(expression: Any) -> Callable[..., Any]:
         return function_along_run(arguments, expression)
 
-    given = (
+    energies = (
         mechanics.potential if isinstance(mechanics.potential, Mapping) else {"potential": mechanics.stored}
     )
     contacts = tuple(_contact(system, i, compiled, key) for i in range(len(mechanics.contacts)))
     return Terms(
         kinetic=compiled(mechanics.kinetic),
-        potential={name: compiled(energy) for name, energy in given.items() if energy != 0},
+        potential={name: compiled(energy) for name, energy in energies.items() if energy != 0},
         powers={name: compiled(power) for name, power in _powers(system).items()},
         contacts=contacts,
         moved=_moved_masses(system, compiled),
@@ -381,8 +381,8 @@ def _powers(system: LagrangeSystem) -> dict[str, Any]:
     powers = {"dampers": -_dot(damping, system.v), "impacts": sp.S.Zero}
     if any(load != 0 for load in system.loads):
         powers["loads"] = _dot(system.loads, system.v)
-    moved = system.explicit_rate(system.mechanics.stored)
-    return powers if moved == 0 else powers | {"moving springs": moved}
+    power = system.explicit_rate(system.mechanics.stored)
+    return powers if power == 0 else powers | {"moving springs": power}
 
 
 def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: StructureKey) -> ContactTerms:
@@ -432,8 +432,8 @@ def _borders_of_law(force: Any) -> set[Any]:
 
 def _moved(system: LagrangeSystem, contact: AnyContact, compiled: Callable[..., Any]) -> Any:
     """How fast the gap of a contact closes by time alone; None where it does not move with time."""
-    moved = system.explicit_rate(-contact.distance if isinstance(contact, Stop) else contact.penetration)
-    return None if moved == 0 else compiled(moved)
+    rate = system.explicit_rate(-contact.distance if isinstance(contact, Stop) else contact.penetration)
+    return None if rate == 0 else compiled(rate)
 
 
 def _dot(one: Any, other: Any) -> Any:
@@ -502,8 +502,8 @@ class EnergyAudit(Drawable):
         return {name: work for name, work in self.works.items() if not np.abs(work).max() <= least}
 
     def __repr__(self) -> str:
-        done = self.works_above_rounding.items()
-        ends = shorten(f"{name} {work[-1]:+.4g} {self.unit}" for name, work in done)
+        works = self.works_above_rounding.items()
+        ends = shorten(f"{name} {work[-1]:+.4g} {self.unit}" for name, work in works)
         return f"EnergyAudit(0 to {self.t[-1]:g} s, {ends or 'no work'}, error {self.error:.1g})"
 
 
@@ -598,8 +598,8 @@ def _work_integrals(
 ) -> tuple[Any, float]:
     """Works (contributions, edges) since the first edge, and the sum of all magnitudes, J."""
     starts = range(0, len(edges) - 1, PIECES_PER_CHUNK)
-    shown = progress_bar(starts, desc="energy audit", shown=progress)
-    parts = [_work_of_pieces(run, balance, edges[i : i + PIECES_PER_CHUNK + 1]) for i in shown]
+    chunks = progress_bar(starts, desc="energy audit", shown=progress)
+    parts = [_work_of_pieces(run, balance, edges[i : i + PIECES_PER_CHUNK + 1]) for i in chunks]
     net = np.concatenate([np.zeros((len(parts[0][0]), 1)), *(part for part, _ in parts)], axis=1)
     return np.cumsum(net, axis=1, dtype=np.longdouble), sum(size for _, size in parts)
 

@@ -83,8 +83,8 @@ def ensemble(
     (3, 8)
     """
     check_flag("progress", progress)
-    chosen = method_of(method)
-    if not isinstance(chosen, Taylor):
+    solver = method_of(method)
+    if not isinstance(solver, Taylor):
         raise ValueError(
             f"method must be 'taylor' or a Taylor, got {abbreviate(method)}: use fl.sweep for others"
         )
@@ -96,7 +96,7 @@ def ensemble(
     models = list(models)
     if not models:
         raise ValueError("models must hold at least one model, got none: give those that are to be run")
-    problems = _problems(models, x0, float(t_end), chosen)
+    problems = _problems(models, x0, float(t_end), solver)
     for i, problem in enumerate(problems):
         if problem.program is not problems[0].program:
             raise ValueError(
@@ -104,12 +104,12 @@ def ensemble(
                 "call ensemble for each kind, or use fl.sweep"
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
-        ends = integrate_batch(problems, chosen, bar)
+        ends = integrate_batch(problems, solver, bar)
     for i in np.flatnonzero((ends.steps == 0) & (np.array(ends.status) == Status.NOT_FINITE)):
         if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
             raise ValueError(f"x0 of models[{i}] {words}")
     first = automaton_of(models[0])
-    modes = problem_for_batch(first, problems[0].x0, 0.0, chosen).program.modes
+    modes = problem_for_batch(first, problems[0].x0, 0.0, solver).program.modes
     units = tuple(unit_of_state(models[0], name) for name in first.state_names)
     result = replace(ends, names=first.state_names, mode_names=modes, units=units)
     if bar.stopped:

@@ -88,12 +88,12 @@ def impulses(run: Trajectory) -> Mapping[str, Array]:
         )
     contacts = impulse_terms(model.structure_key).contacts
     values = impulses_of_contacts(run, model)
-    named = {}
+    by_name = {}
     for one, (normal, rubbed) in zip(contacts, values, strict=True):
-        named["impulse" + one.suffix] = normal
+        by_name["impulse" + one.suffix] = normal
         if one.rubbing:
-            named["friction_impulse" + one.suffix] = rubbed
-    return MappingProxyType(named)
+            by_name["friction_impulse" + one.suffix] = rubbed
+    return MappingProxyType(by_name)
 
 
 def impulses_of_contacts(run: Trajectory, model: MechanicalModel) -> list[tuple[Array, Array]]:

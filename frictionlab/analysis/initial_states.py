@@ -60,8 +60,8 @@ def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> 
     if not isinstance(model, Model):
         return x0
     n, names = len(model.coordinates), automaton.state_names
-    given = float_array("x0", x0, f"give a number for each of the states {', '.join(names)}")
-    return np.append(given, np.zeros(len(names) - 2 * n)) if given.shape == (2 * n,) else given
+    state = float_array("x0", x0, f"give a number for each of the states {', '.join(names)}")
+    return np.append(state, np.zeros(len(names) - 2 * n)) if state.shape == (2 * n,) else state
 
 
 def _state_at_rest(model: ModelOrAutomaton, automaton: HybridAutomaton) -> np.ndarray:

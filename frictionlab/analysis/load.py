@@ -88,10 +88,10 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: ModelOrAu
     automaton = with_chatter_limit(automaton, about["parameters"].get("chatter", 0.0))
     _check_same(stored, "states", list(automaton.state_names))
     saved = about["mode_names"]  # steps and events give modes as places in this list
-    known = automaton.on_demand and all(name in automaton.names for name in saved)
-    _check_same(stored, "mode_names", saved if known else list(automaton.names))
+    derivable = automaton.on_demand and all(name in automaton.names for name in saved)
+    _check_same(stored, "mode_names", saved if derivable else list(automaton.names))
     _check_same(stored, "parameters", {name: float(value) for name, value in automaton.values.items()})
-    program, numbers = program_of_modes(automaton, tuple(saved)) if known else program_of(automaton)
+    program, numbers = program_of_modes(automaton, tuple(saved)) if derivable else program_of(automaton)
     _check_same(stored, "guards", list(program.guards))
     arrays = {name: stored.arrays[name] for name in STORED_ARRAYS}
     raw = RunData(**arrays, t=float(about["t"]), mode=int(about["mode"]), status=Status[about["status"]])
@@ -116,16 +116,16 @@ def _trajectory(stored: StoredRun, automaton: HybridAutomaton, source: ModelOrAu
     )
 
 
-def _check_same(stored: StoredRun, what: str, given: Any) -> None:
+def _check_same(stored: StoredRun, what: str, value: Any) -> None:
     """Raise ValueError unless the automaton has what the run had."""
     saved = stored.about[what]
-    if given == saved:
+    if value == saved:
         return
     if isinstance(saved, dict):
-        names = sorted(name for name in {**saved, **given} if saved.get(name) != given.get(name))
-        saved, given = ({name: values.get(name) for name in names} for values in (saved, given))
+        names = sorted(name for name in {**saved, **value} if saved.get(name) != value.get(name))
+        saved, value = ({name: values.get(name) for name in names} for values in (saved, value))
     raise ValueError(
-        f"{stored.path} holds a run with the {what.replace('_', ' ')} {saved}, got {given}: "
+        f"{stored.path} holds a run with the {what.replace('_', ' ')} {saved}, got {value}: "
         "give load(path, model=...) the model or automaton of that run"
     )
 

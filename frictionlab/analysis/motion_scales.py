@@ -94,8 +94,8 @@ def time_of_rest(run: Trajectory) -> float:
     """When a run came to rest (s): from then on no coordinate visibly differs from its last value."""
     q = run.states[:, : run.automaton.coordinates or len(run.names)]
     away = np.abs(q - q[-1]).max(axis=1)
-    moved = np.flatnonzero(away > SEEN * away.max())
-    after = min(int(moved[-1]) + 1, len(q) - 1) if len(moved) else len(q) - 1
+    displaced = np.flatnonzero(away > SEEN * away.max())
+    after = min(int(displaced[-1]) + 1, len(q) - 1) if len(displaced) else len(q) - 1
     # The last event may come long after the last visible change, as the impacts of a ball do.
     events = run.events.t
     return max(float(run.t[after]), float(events[-1]) if len(events) else 0.0)
@@ -227,8 +227,8 @@ def amplitude_spectrum(
         None where the part is too short to resolve five lines up to `f_max`.
     """
     check_run(run)
-    shown = heard_state(run) if name is None else name
-    check_choice("name", shown, run.names)
+    state = heard_state(run) if name is None else name
+    check_choice("name", state, run.names)
     stop = float(run.raw.t)
     if f_max is None:
         f_max = highest_frequency_of_run(run)
@@ -249,14 +249,14 @@ def amplitude_spectrum(
     )
     count = int(np.ceil(samples))
     t = np.clip(stop - length + np.arange(count) * (length / count), 0.0, stop)
-    x = run(t)[:, run.names.index(shown)]
+    x = run(t)[:, run.names.index(state)]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
     # Subtract the mean weighted by the window, so that nothing of it is left in the first lines.
     amplitudes = np.abs(np.fft.rfft((x - np.average(x, weights=window)) * window)) * (2 / window.sum())
     frequencies = np.arange(len(amplitudes)) / length
     in_range = frequencies <= f_max
-    unit = unit_of_state(run.source, shown)
-    return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, shown, unit)
+    unit = unit_of_state(run.source, state)
+    return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, state, unit)
 
 
 def highest_frequency(source: ModelOrAutomaton | None) -> float:

@@ -151,14 +151,15 @@ class StudyKeywords(SteadyStateKeywords, ExecutionKeywords, total=False):
     """The fields of :class:`SteadyStateOptions` and :class:`Execution`."""
 
 
-def settings_of(function: str, given: Mapping[str, Any], *kinds: type, unused: str = "") -> list[Any]:
+def settings_of(function: str, values: Mapping[str, Any], *kinds: type, unused: str = "") -> list[Any]:
     """An object of each class of settings, from the keywords that a function was given.
 
     Parameters
     ----------
     function : str
         Its name, for error messages.
-    given : mapping of str to object
+    values : mapping of str to object
+        The keywords.
     *kinds : type
         `SteadyStateOptions`, `Execution` or both.
     unused : str
@@ -169,9 +170,11 @@ def settings_of(function: str, given: Mapping[str, Any], *kinds: type, unused: s
     TypeError
         For a keyword that is no field.
     """
-    known = {kind: [f.name for f in fields(kind) if f.name not in unused.split()] for kind in kinds}
-    every = [name for names in known.values() for name in names]
-    for name in given:
+    names_of = {kind: [f.name for f in fields(kind) if f.name not in unused.split()] for kind in kinds}
+    every = [name for names in names_of.values() for name in names]
+    for name in values:
         if name not in every:
             raise unknown_keyword(function, name, every)
-    return [kind(**{name: given[name] for name in names if name in given}) for kind, names in known.items()]
+    return [
+        kind(**{name: values[name] for name in names if name in values}) for kind, names in names_of.items()
+    ]

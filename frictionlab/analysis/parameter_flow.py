@@ -104,8 +104,8 @@ def parameter_flow(
     states = run(at) if len(at) else np.zeros((0, n))
     plain = None if varied.plain is None else _split_steps(varied.plain, at, states)
     split = _VariedRun(_split_steps(varied.run, at, states), plain)
-    samples, moved, end = _carry(split, frame, at)
-    return ParameterFlow(states, samples[:, :n], run.raw.event_times, moved, end[: n + q])
+    samples, event_slopes, end = _carry(split, frame, at)
+    return ParameterFlow(states, samples[:, :n], run.raw.event_times, event_slopes, end[: n + q])
 
 
 def _split_steps(run: Trajectory, times: Array, states: Array) -> Trajectory:
@@ -139,7 +139,7 @@ def _carry(
     rows = np.ascontiguousarray(frame.T)
     carry = _carrier_of_steps(varied, rows)
     starts = raw.step_times[:, 0]
-    samples, moved = np.zeros((len(times), *frame.shape)), np.zeros((len(raw.event_times), width))
+    samples, event_slopes = np.zeros((len(times), *frame.shape)), np.zeros((len(raw.event_times), width))
     marks = sorted(
         [*((t, 0, i) for i, t in enumerate(times)), *((t, 1, i) for i, t in enumerate(raw.event_times))]
     )
@@ -150,12 +150,12 @@ def _carry(
         first = last
         if is_event:
             saltation = _saltation(varied, i)  # raises where an event has no derivative
-            moved[i] = _event_time_slopes(varied, i, rows)
+            event_slopes[i] = _event_time_slopes(varied, i, rows)
             rows[...] = saltation.carried(rows)
         else:
             samples[i] = rows.T
     carry(slice(first, len(starts)))
-    return samples, moved, rows.T.copy()
+    return samples, event_slopes, rows.T.copy()
 
 
 def _event_time_slopes(varied: _VariedRun, i: int, rows: Array) -> Array:
@@ -259,22 +259,22 @@ def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, 
     """A run as one of the automaton with parameters, and integrals, as further states."""
     automaton = run.automaton
     symbols = {symbol.name: symbol for symbol in automaton.parameters}
-    chosen = tuple(symbols[name] for name in names)
+    free = tuple(symbols[name] for name in names)
     modes = tuple(automaton.mode(name) for name in run.mode_names)
     integrals = tuple(sympy.Symbol(f"integral {i}") for i in range(len(integrands)))
-    held = {_held(symbol): automaton.parameters[symbol] for symbol in chosen}
-    numbers = {symbol: value for symbol, value in automaton.parameters.items() if symbol not in chosen} | held
-    states = (*automaton.states, *integrals, *chosen)
+    held = {_held(symbol): automaton.parameters[symbol] for symbol in free}
+    numbers = {symbol: value for symbol, value in automaton.parameters.items() if symbol not in free} | held
+    states = (*automaton.states, *integrals, *free)
     start = np.concatenate([np.zeros(len(integrands)), [automaton.values[name] for name in names]])
     raw = run.raw._replace(**{name: _with_states(getattr(run.raw, name), start) for name in STATES_OF_RUN})
 
     def with_exponents(vary: bool) -> Trajectory:
-        wider = _with_rates(modes, automaton.states, integrands, chosen, vary)
+        wider = _with_rates(modes, automaton.states, integrands, free, vary)
         of = HybridAutomaton(states, wider, numbers, automaton.coordinates, automaton.cyclic)
         problem = Problem(*program_of(of), np.append(run.problem.x0, start), run.problem.t_end)
         return Trajectory(of, problem, raw, run.samples, description=run.description)
 
-    plain = with_exponents(vary=False) if _in_exponents(modes, chosen) else None
+    plain = with_exponents(vary=False) if _in_exponents(modes, free) else None
     return _VariedRun(with_exponents(vary=True), plain)
 
 
@@ -293,7 +293,7 @@ def _with_rates(
     modes: tuple[Mode, ...],
     states: tuple[Any, ...],
     integrands: tuple[Any, ...],
-    chosen: tuple[Any, ...],
+    free: tuple[Any, ...],
     vary: bool,
 ) -> tuple[Mode, ...]:
     """Modes with the rates of integrals and parameters.
@@ -301,8 +301,8 @@ def _with_rates(
     Functions of parameters alone, which kernels need not know, vary to first order; exponents do, or not at
     all.
     """
-    known, more = {mode.name for mode in modes}, (*integrands, *(sympy.S.Zero for _ in chosen))
-    held = {symbol: _held(symbol) for symbol in chosen}
+    mode_names, more = {mode.name for mode in modes}, (*integrands, *(sympy.S.Zero for _ in free))
+    held = {symbol: _held(symbol) for symbol in free}
 
     def power(base: Any, exponent: Any) -> Any:
         value = exponent.xreplace(held)
@@ -313,7 +313,7 @@ def _with_rates(
 
     def linear(number: Any) -> Any:
         # A function that jumps, as the sign of the belt's speed, has no derivative there, zero elsewhere.
-        slopes = {p: number.diff(p).replace(sympy.DiracDelta, lambda *_: 0) for p in chosen}
+        slopes = {p: number.diff(p).replace(sympy.DiracDelta, lambda *_: 0) for p in free}
         changes = (slope.xreplace(held) * (p - held[p]) for p, slope in slopes.items())
         return sympy.Add(number.xreplace(held), *changes)
 
@@ -327,7 +327,7 @@ def _with_rates(
 
     def varied_event(event: Event) -> Event:
         closing = None if event.accumulation is None else varied_reset(event.accumulation)
-        targets = tuple(name for name in event.targets if name in known)
+        targets = tuple(name for name in event.targets if name in mode_names)
         return Event(event.name, varied(event.function), targets, varied_reset(event.reset), closing)
 
     return tuple(
@@ -343,8 +343,8 @@ def _with_rates(
 
 
 @lru_cache(maxsize=64)
-def _in_exponents(modes: tuple[Mode, ...], chosen: tuple[Any, ...]) -> bool:
+def _in_exponents(modes: tuple[Mode, ...], free: tuple[Any, ...]) -> bool:
     """Whether an exponent in a flow depends on one of the parameters."""
     rates = (sympy.sympify(rate, strict=True) for mode in modes for rate in mode.flow)
     powers = (power for rate in rates for power in rate.atoms(sympy.Pow))
-    return any(not power.exp.free_symbols.isdisjoint(chosen) for power in powers)
+    return any(not power.exp.free_symbols.isdisjoint(free) for power in powers)

@@ -46,8 +46,8 @@ def broken_condition(run: Trajectory) -> str:
 def unjudged_steps(run: Trajectory) -> str:
     """How many steps conditions were looked at in, where these are not all; an empty text else."""
     begins, lengths = run.raw.step_times.T
-    chosen, count = len(_chosen_steps(run)), int((begins + lengths > begins).sum())
-    return f"Event functions were bounded in {chosen} of {count} steps." if chosen < count else ""
+    judged, count = len(_chosen_steps(run)), int((begins + lengths > begins).sum())
+    return f"Event functions were bounded in {judged} of {count} steps." if judged < count else ""
 
 
 def is_of_series(run: Trajectory) -> bool:

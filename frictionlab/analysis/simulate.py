@@ -82,8 +82,8 @@ def simulate(
         model = require_model(
             model, "a model such as SliderOnBelt or a Structure", "write simulate(model, t_end)"
         )
-    chosen = method_of(method)
+    solver = method_of(method)
     options = RunOptions(None, t_eval, sections, quadratures, progress, model)
     automaton = model.automaton()
     start = initial_state_of(model, x0, automaton)
-    return with_warning(run_automaton(automaton, t_end, start, chosen, options))
+    return with_warning(run_automaton(automaton, t_end, start, solver, options))

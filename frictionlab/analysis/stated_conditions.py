@@ -111,9 +111,9 @@ def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Place
     accelerations, errors = differences(velocities, first, TIME_LEVELS)
     fastest = np.abs(run.raw.step_states).max(axis=0)[n : 2 * n]
     errors += ROUNDING * (fastest + np.abs(accelerations) * t[:, None]) / first[:, None]
-    known = np.isfinite(errors).all(axis=1)
-    t = t[known]
-    return Places(t, *run.states_and_modes(t)), accelerations[known], errors[known]
+    finite = np.isfinite(errors).all(axis=1)
+    t = t[finite]
+    return Places(t, *run.states_and_modes(t)), accelerations[finite], errors[finite]
 
 
 def _some_steps(run: Trajectory, steps: Array) -> Array:
@@ -192,8 +192,8 @@ def held_forces(values: Array, forces: tuple[Array, Array, Array], rooms: Array,
         return Held(*missed(free), False)
     from scipy.optimize import lsq_linear
 
-    bounded = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
-    return Held(*missed(bounded), missed(free)[0] < missed(bounded)[0])
+    solution = lsq_linear(matrix, right, (least - slack - 1e-300, most + slack), tol=1e-14).x
+    return Held(*missed(solution), missed(free)[0] < missed(solution)[0])
 
 
 def _sizes_of_holding(values: Array, W: Array, some: Array) -> Array:
@@ -335,7 +335,7 @@ class _StatementCheck:
     def _forces(self, places: Places, slack: float = 0.0) -> Forces:
         """The forces of all contacts, given or holding, at places, with a share less of static friction."""
         shape = len(places.t), self.stated.n
-        given, sizes = np.zeros(shape), np.zeros(shape)
+        total, sizes = np.zeros(shape), np.zeros(shape)
         columns, least, most = [], [], []
         for i, contact in enumerate(self.stated.contacts):
             regimes = self._regimes_of(i, places.modes)
@@ -344,7 +344,7 @@ class _StatementCheck:
             if contact.pressing is not None and contact.speed is None:
                 pressing = np.where(closed, self.stated.at(contact.pressing, places.states), 0.0)
                 force = pressing[:, None] * normal
-                given, sizes = given + force, sizes + np.abs(force)
+                total, sizes = total + force, sizes + np.abs(force)
                 continue
             if contact.speed is None:
                 columns.append(normal)
@@ -359,7 +359,7 @@ class _StatementCheck:
                 continue
             if contact.across is not None:
                 for force, direction, largest in self._in_plane(contact, regimes, normal, places, slack):
-                    given += force[:, None] * direction
+                    total += force[:, None] * direction
                     sizes += np.abs(force[:, None] * direction)
                     columns.append(direction)
                     least.append(-largest)
@@ -375,14 +375,14 @@ class _StatementCheck:
                 & (np.abs(speed) <= RESTING * self._speed_size(contact, along))
                 & ~open_contact
             )
-            known = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
+            friction = np.where(sign > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
             if contact.elastic is not None:
                 signs = np.where(regimes == "slip-", -1, np.where(regimes == "slip+", 1, sign))
-                known = np.where(signs > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
-                known = np.where(regimes == "stick", at(contact.elastic, places.states), known)
-            known = np.where(still | open_contact, 0.0, known)
-            for force, direction in ((pressing, normal), (known, along)):
-                given += force[:, None] * direction
+                friction = np.where(signs > 0, *(at(contact.sliding[s], places.states) for s in (1, -1)))
+                friction = np.where(regimes == "stick", at(contact.elastic, places.states), friction)
+            friction = np.where(still | open_contact, 0.0, friction)
+            for force, direction in ((pressing, normal), (friction, along)):
+                total += force[:, None] * direction
                 sizes += np.abs(force[:, None] * direction)
             limit = 0.0 * speed
             if contact.limit is not None:
@@ -393,8 +393,8 @@ class _StatementCheck:
             least += [-limit, 0.0 * limit]
             most += [limit, np.where(regimes == CHATTER_MODE, np.inf, 0.0)]
         if not columns:
-            return Forces(given, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
-        return Forces(given, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
+            return Forces(total, sizes, np.zeros((shape[0], 0, shape[1])), *np.zeros((2, shape[0], 0)))
+        return Forces(total, sizes, np.stack(columns, axis=1), *(np.array(x).T for x in (least, most)))
 
     def _in_plane(
         self, contact: StatedContact, regimes: Array, normal: Array, places: Places, slack: float
@@ -544,9 +544,9 @@ class _StatementCheck:
         jumps = self._jumps()
         if self.stated.n > MOST_COORDINATES:
             return ""
-        known = self._impact_terms(jumps)
+        terms = self._impact_terms(jumps)
         for k in range(len(jumps.t)):
-            if words := self._broken_impact(jumps, known, k):
+            if words := self._broken_impact(jumps, terms, k):
                 return f"at t = {jumps.t[k]:.6g} s {words}"
         return ""
 
@@ -577,17 +577,17 @@ class _StatementCheck:
             if contact.gap is None or law is None:
                 continue
             gap = contact.gap
-            moved = stated.slope(lambda z, g=gap: stated.at(g, z), jumps.before, still)[0]
+            motion = stated.slope(lambda z, g=gap: stated.at(g, z), jumps.before, still)[0]
             share = np.abs(stated.at(gap, jumps.before)) / self._size_of(gap)
             normal = stated.normal_direction(contact, jumps.before)
-            along, belt = None, 0.0 * moved
+            along, belt = None, 0.0 * motion
             if contact.speed is not None and type(law).friction is not ImpactLaw.friction:
                 along = stated.rubbing_direction(contact, jumps.before)
                 resting = jumps.before.copy()
                 resting[:, stated.n : 2 * stated.n] = 0.0
                 belt = stated.at(contact.speed, resting)
             rate = stated.rate_of(gap, jumps.before)
-            terms = normal, along, moved, belt, rate, contact.normal is None
+            terms = normal, along, motion, belt, rate, contact.normal is None
             rows.append(ImpactTerms(i, law, share <= CLOSED, *terms))
         return rows
 
@@ -598,17 +598,17 @@ class _StatementCheck:
         others = start[
             2 * n : 2 * n + len(self.stated.statement.others)
         ]  # without the states of friction laws
-        known = dict(zip(self.run.names, start))
-        clocks = (known.get(name, 0.0) for name in ("phase", "t"))
+        values = dict(zip(self.run.names, start))
+        clocks = (values.get(name, 0.0) for name in ("phase", "t"))
         phase, time = clocks
         about = mechanics_at(model, start[:n], start[n : 2 * n], phase, others[len(others) - further :], time)
         laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]
         return [None if law is None else law.reduced() for law in laws]
 
-    def _broken_impact(self, jumps: Jumps, known: list[ImpactTerms], k: int) -> str:
+    def _broken_impact(self, jumps: Jumps, terms: list[ImpactTerms], k: int) -> str:
         n, before, after = self.stated.n, jumps.before[k], jumps.after[k]
         change = (self.stated.momenta(after[None]) - self.stated.momenta(before[None]))[0]
-        closed = [one for one in known if one.closed[k]]
+        closed = [one for one in terms if one.closed[k]]
         pairs = [(one, one.normal[k], 0.0) for one in closed]
         pairs += [(one, one.along[k], -np.inf) for one in closed if one.along is not None]
         columns = np.array([column for _, column, _ in pairs]).reshape(-1, n).T
@@ -649,11 +649,11 @@ class _StatementCheck:
         """Whether impulses do work on the bodies and on the grounds, stops and belts that move, or take
         energy where all laws are elastic."""
         n, before, after = self.stated.n, jumps.before[k], jumps.after[k]
-        moved = sum(
+        carried = sum(
             impulse * (one.moved[k] if low == 0.0 else -one.belt[k])
             for impulse, (one, _, low) in zip(impulses, pairs, strict=True)
         )
-        work = change @ (0.5 * (before + after)[n : 2 * n]) + moved
+        work = change @ (0.5 * (before + after)[n : 2 * n]) + carried
         speeds = (np.abs(before) + np.abs(after) + self.stated.sizes)[n : 2 * n]
         room = IMPACT_RTOL * float(np.abs(change) @ speeds) + floor * float(speeds.max())
         if work > room:

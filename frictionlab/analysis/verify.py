@@ -146,14 +146,14 @@ def verify(
     (True, 1.0, True)
     """
     check_flag("progress", progress)
-    chosen = method_of(method)
+    solver = method_of(method)
     t_end = check_t_end(t_end)
     start = initial_state_of(model, x0)
     motion = RunSetup(model, start, float(t_end), progress)
-    run = motion.run(chosen)
+    run = motion.run(solver)
     if not run.raw.t > 0.0:
         raise ValueError(f"the motion must not end where it begins, it does: {run.status}")
-    return verification_of(run, motion, chosen)
+    return verification_of(run, motion, solver)
 
 
 def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verification:

@@ -173,8 +173,8 @@ def multiply_out(expr: Expr | float, **hints: bool) -> Expr:
 
     `hints` are those of sympy's `expand`.
     """
-    given: Expr = sympy.sympify(expr, strict=True)  # a reset may give plain numbers
-    return sympy.expand(given, **hints) if _term_count(given) < inf else given
+    sound: Expr = sympy.sympify(expr, strict=True)  # a reset may give plain numbers
+    return sympy.expand(sound, **hints) if _term_count(sound) < inf else sound
 
 
 def _term_count(expr: Any) -> float:

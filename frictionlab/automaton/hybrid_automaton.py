@@ -153,8 +153,8 @@ class HybridAutomaton:
     @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
-        derived = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
-        any_mode = derived or self.modes
+        so_far = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
+        any_mode = so_far or self.modes
         return tuple(any_mode[0].outputs) if any_mode else ()
 
     def mode(self, name: str) -> Mode:
@@ -190,9 +190,9 @@ class HybridAutomaton:
 
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
-        changed = {symbols[name]: value for name, value in changes.items()}
+        numbers = {symbols[name]: value for name, value in changes.items()}
         kind = type(self) if isinstance(self, WholeAutomaton) else HybridAutomaton
-        return kind(self.states, self.modes, {**self.parameters, **changed}, self.coordinates, self.cyclic)
+        return kind(self.states, self.modes, {**self.parameters, **numbers}, self.coordinates, self.cyclic)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"

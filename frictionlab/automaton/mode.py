@@ -143,25 +143,25 @@ class Mode:
         return bool(self.constraints)
 
 
-def check_elements(what: str, given: Any, *classes: type) -> None:
+def check_elements(what: str, elements: Any, *classes: type) -> None:
     """Raise TypeError unless all elements are of these classes; `what` names the sequence in the message."""
-    if isinstance(given, classes):
-        name = f" {given.name!r}" if hasattr(given, "name") else ""
+    if isinstance(elements, classes):
+        name = f" {elements.name!r}" if hasattr(elements, "name") else ""
         raise TypeError(
-            f"{what} must be a tuple, got the {type(given).__name__}{name} alone: write it in brackets, "
+            f"{what} must be a tuple, got the {type(elements).__name__}{name} alone: write it in brackets, "
             "with a comma after it"
         )
-    for one in check_sequence(what, given, "write it in brackets"):
+    for one in check_sequence(what, elements, "write it in brackets"):
         check_element(what, one, *classes)
 
 
-def check_element(what: str, given: Any, *classes: type) -> None:
+def check_element(what: str, element: Any, *classes: type) -> None:
     """Raise TypeError unless it is of one of these classes."""
-    if not isinstance(given, classes):
+    if not isinstance(element, classes):
         names = [each.__name__ for each in classes]
         calls = " or ".join(f"{name}(...)" for name in names)
         raise TypeError(
-            f"{what} must be of the class {' or '.join(names)}, got {abbreviate(given)}: write {calls}"
+            f"{what} must be of the class {' or '.join(names)}, got {abbreviate(element)}: write {calls}"
         )
 
 

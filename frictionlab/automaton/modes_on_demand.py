@@ -81,13 +81,13 @@ class ModeNames(Sequence[str]):
 
     def combination_of(self, name: Any) -> Combination | None:
         """The combination of that name; None where there is no such mode."""
-        if isinstance(name, str) and (made := self._made.get(name)) is not None:
-            return made if self.allows(made) else None
+        if isinstance(name, str) and (combination_of_name := self._made.get(name)) is not None:
+            return combination_of_name if self.allows(combination_of_name) else None
         words = name.split(JOINT) if isinstance(name, str) and name != NO_PARTS else []
         combination = ()
         for numbers in self._numbers:
-            named = bool(words) and words[0] in numbers
-            combination += (numbers.get(words.pop(0) if named else "", -1),)
+            has_number = bool(words) and words[0] in numbers
+            combination += (numbers.get(words.pop(0) if has_number else "", -1),)
         return combination if not words and -1 not in combination and self.allows(combination) else None
 
     def has_regime(self, name: str) -> bool:
@@ -287,8 +287,8 @@ class ModesOnDemand(Sequence[Mode]):
 
     def select(self, suits: Callable[[Regime], bool]) -> Iterator[Mode]:
         """The modes all of whose regimes suit, in order, derived one by one."""
-        chosen = ([i for i, regime in enumerate(part) if suits(regime)] for part in self.parts)
-        return (mode for one in product(*chosen) if (mode := self.mode(one)) is not None)
+        suitable = ([i for i, regime in enumerate(part) if suits(regime)] for part in self.parts)
+        return (mode for one in product(*suitable) if (mode := self.mode(one)) is not None)
 
     def __iter__(self) -> Iterator[Mode]:
         return self.select(lambda _: True)

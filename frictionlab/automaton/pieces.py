@@ -49,9 +49,9 @@ class Pieces(sympy.Function):
         """A simpler expression, where it is known on which sides of borders x is."""
         count = len(rest) // 2
         borders, values = list(rest[:count]), list(rest[count:])
-        known = [_is_above(x, border) for border in borders]
-        below = known.index(False) if False in known else count
-        above = max((i + 1 for i in range(below) if known[i]), default=0)
+        sides = [_is_above(x, border) for border in borders]
+        below = sides.index(False) if False in sides else count
+        above = max((i + 1 for i in range(below) if sides[i]), default=0)
         borders, values = borders[above:below], values[above : below + 1]
         if all(value == values[0] for value in values):
             return values[0]
@@ -150,9 +150,9 @@ class Division:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the sides, one more than there are borders."""
-        shown = [_text(border) for border in self.borders]
-        between = (f"{low} < {self.label} < {high}" for low, high in pairwise(shown))
-        return (f"{self.label} < {shown[0]}", *between, f"{self.label} > {shown[-1]}")
+        texts = [_text(border) for border in self.borders]
+        between = (f"{low} < {self.label} < {high}" for low, high in pairwise(texts))
+        return (f"{self.label} < {texts[0]}", *between, f"{self.label} > {texts[-1]}")
 
     def name_of_border(self, i: int) -> str:
         """The name of a border, such as "x = d"."""
@@ -191,12 +191,12 @@ def divisions_of(states: Sequence[Any], expressions: Iterable[Any]) -> tuple[Div
         if not _moves(part, moving):
             continue
         numbers = all(border.is_number for border in part.borders)
-        known = (
+        decisions = (
             borders
             for (x, _), borders in by_argument.items()
             if x == part.x and {*part.borders} <= {*borders}
         )
-        if next(known, None) is None:
+        if next(decisions, None) is None:
             key = part.x, True if numbers else part.borders
             by_argument.setdefault(key, {}).update(dict.fromkeys(part.borders))
     divisions = []
@@ -315,15 +315,15 @@ class _Split:
                     events.append(Event(name, value(function), (names.name(mode, crossed),)))
         flow, constraints = tuple(map(value, mode.flow)), tuple(map(value, mode.constraints))
         outputs = {name: value(one) for name, one in mode.outputs.items()}
-        made = replace(mode, flow=flow, events=tuple(events), constraints=constraints, outputs=outputs)
-        return self._with_targets(made, mode, sides, names)
+        piece = replace(mode, flow=flow, events=tuple(events), constraints=constraints, outputs=outputs)
+        return self._with_targets(piece, mode, sides, names)
 
-    def _with_targets(self, made: Mode, mode: Mode, sides: Sides, names: _Names) -> Mode:
+    def _with_targets(self, piece: Mode, mode: Mode, sides: Sides, names: _Names) -> Mode:
         events = [
             replace(event, targets=names.targets(event.targets, sides)) if i < len(mode.events) else event
-            for i, event in enumerate(made.events)
+            for i, event in enumerate(piece.events)
         ]
-        return replace(made, name=names.name(mode, sides), events=tuple(events), whole=mode)
+        return replace(piece, name=names.name(mode, sides), events=tuple(events), whole=mode)
 
 
 class _Names:
@@ -449,16 +449,16 @@ def _on_demand(split: _Split, modes: Any, again: Any, origin: Any) -> ModesOnDem
         tuple(replace(one, conditions=_without_pieces(one.conditions)) for one in part) for part in parts
     )
     all_parts = (*smooth_parts, *map(_part, split.divisions))
-    made = ModesOnDemand(all_parts, derive, names_of_parts(all_parts, allows), again, origin, modes)
-    names = _NamesOnDemand(made.names, places.get if few else modes.names.combination_of, sides_of)
+    on_demand = ModesOnDemand(all_parts, derive, names_of_parts(all_parts, allows), again, origin, modes)
+    names = _NamesOnDemand(on_demand.names, places.get if few else modes.names.combination_of, sides_of)
     for i, mode in enumerate(modes if few else ()):  # limit modes are tried in no other way
         for sides in product(*split.sides(mode)) if mode.limit else ():
-            made.mode((i, *_places(sides)))
-    return made
+            on_demand.mode((i, *_places(sides)))
+    return on_demand
 
 
-def _contains(known: Sequence[Any], side: Any) -> bool:
-    return side in known
+def _contains(sides: Sequence[Any], side: Any) -> bool:
+    return side in sides
 
 
 def _as_regime(mode: Mode) -> Regime:

@@ -36,19 +36,19 @@ def chosen_targets(arguments: argparse.Namespace) -> list[Target]:
     if arguments.all:
         return [*TARGETS, WEB]
     if arguments.target:
-        chosen = [target for target in TARGETS if target.name == arguments.target]
+        targets = [target for target in TARGETS if target.name == arguments.target]
     else:
-        chosen = targets_of_machine()[:1]
-    return [*chosen, WEB] if arguments.web else chosen
+        targets = targets_of_machine()[:1]
+    return [*targets, WEB] if arguments.web else targets
 
 
 def main() -> None:
     """Compile for the targets that the arguments name."""
     arguments = parsed()
-    chosen = chosen_targets(arguments)
-    if not chosen:
+    targets = chosen_targets(arguments)
+    if not targets:
         sys.exit("kernels: there is no target for this processor and system; --help lists them")
-    if arguments.if_changed and not lacking_objects(target.file for target in chosen):
+    if arguments.if_changed and not lacking_objects(target.file for target in targets):
         print("kernels: compiled before, from these sources")
         return
     os.environ["FRICTIONLAB_COMPILE_KERNELS"] = "1"  # read when kernels are imported, as `build` does
@@ -61,7 +61,7 @@ def main() -> None:
             if different
             else 0
         )
-    build(chosen, Path(str(objects_folder(REPOSITORY if arguments.all else MACHINE))), report)
+    build(targets, Path(str(objects_folder(REPOSITORY if arguments.all else MACHINE))), report)
 
 
 def report(text: str) -> None:

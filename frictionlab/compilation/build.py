@@ -75,17 +75,17 @@ def differences(folder: Path, report: Callable[[str], None]) -> list[str]:
     """What differs where the objects in a folder, for all targets, are compiled again."""
     with TemporaryDirectory() as again:
         build([*TARGETS, WEB], Path(again), report)
-        there, made = read_manifest(folder), read_manifest(Path(again))
+        there, other = read_manifest(folder), read_manifest(Path(again))
         files = {path.name for path in (*folder.iterdir(), *Path(again).iterdir())} - {FILE}
         names = [name for name in sorted(files) if _content(folder / name) != _content(Path(again) / name)]
-    if there is None or made is None:
+    if there is None or other is None:
         return [FILE]
-    if [each.code for each in there.sources.values()] != [each.code for each in made.sources.values()]:
+    if [each.code for each in there.sources.values()] != [each.code for each in other.sources.values()]:
         names.append("the sources")
-    if (there.functions, there.symbols, there.objects) != (made.functions, made.symbols, made.objects):
+    if (there.functions, there.symbols, there.objects) != (other.functions, other.symbols, other.objects):
         names.append(FILE)
-    used = {name: (there.versions.get(name), version) for name, version in made.versions.items()}
-    others = [f"{name} ({was}, now {now})" for name, (was, now) in used.items() if was != now]
+    versions = {name: (there.versions.get(name), version) for name, version in other.versions.items()}
+    others = [f"{name} ({was}, now {now})" for name, (was, now) in versions.items() if was != now]
     return [*names, *others] if names else []
 
 
@@ -104,12 +104,12 @@ def _machine_code(instructions: str, exports: list[str], targets: Sequence[Targe
     of_processors = instructions
     if sum(target != WEB for target in targets) > MOST_WITHOUT_SIMPLIFICATION:
         of_processors = simplified(instructions, exports)
-    given = [instructions if target == WEB else of_processors for target in targets]
+    sources = [instructions if target == WEB else of_processors for target in targets]
     count = min(len(targets), os.cpu_count() or 1)
     if count == 1:
-        return [object_file(*each) for each in zip(given, repeat(exports), targets)]
+        return [object_file(*each) for each in zip(sources, repeat(exports), targets)]
     with ProcessPoolExecutor(count, get_context("spawn")) as pool:
-        return list(pool.map(object_file, given, repeat(exports), targets))
+        return list(pool.map(object_file, sources, repeat(exports), targets))
 
 
 def _capture() -> tuple[str, dict[str, Function], list[str]]:
@@ -177,13 +177,13 @@ def scalar_shim(name: str, symbol: str, signature: str) -> str:
     words = re.findall(r"\w+", signature)
     result, *kinds = (SCALARS[word] for word in words)
     declared = ", ".join(["ptr", "ptr", *kinds])
-    named = ", ".join(f"{kind} %a{i}" for i, kind in enumerate(kinds))
+    parameters = ", ".join(f"{kind} %a{i}" for i, kind in enumerate(kinds))
     return f"""
 declare i32 @"{symbol}"({declared})
-define {result} @{name}({named}) {{
+define {result} @{name}({parameters}) {{
   %result = alloca {result}
   %error = alloca ptr
-  %status = call i32 @"{symbol}"(ptr %result, ptr %error, {named})
+  %status = call i32 @"{symbol}"(ptr %result, ptr %error, {parameters})
   %value = load {result}, ptr %result
   ret {result} %value
 }}
@@ -241,8 +241,8 @@ def _machine(target: Target) -> Any:
     place: dict[str, Any] = {"reloc": "static"}
     if not web:
         place = {"reloc": "pic", "codemodel": "default", "jit": True}
-    known = llvm.Target.from_triple(target.triple)
-    return known.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
+    triple = llvm.Target.from_triple(target.triple)
+    return triple.create_target_machine(opt=OPTIMISATION, cpu=target.cpu, features=target.features, **place)
 
 
 def _adapted(instructions: str, target: Target, machine: Any) -> str:
@@ -255,13 +255,13 @@ def _adapted(instructions: str, target: Target, machine: Any) -> str:
 def link_for_web(code: bytes, exports: list[str]) -> bytes:
     """An object of :data:`WEB` made a module of WebAssembly by the linker that comes with zig."""
     with TemporaryDirectory() as folder:
-        given, made = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
-        given.write_bytes(code)
+        object_path, module_path = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
+        object_path.write_bytes(code)
         sizes = ["-z", f"stack-size={STACK_BYTES}", f"--initial-memory={MEMORY_BYTES}"]
-        shown = [f"--export={name}" for name in [*exports, "__heap_base"]]
-        files = [str(given), "-o", str(made)]
-        command = [sys.executable, "-m", "ziglang", *LINKER, "--gc-sections", "-O2", *sizes, *shown, *files]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise RuntimeError(f"the linker for WebAssembly failed: {done.stderr[:2000]}")
-        return made.read_bytes()
+        symbols = [f"--export={name}" for name in [*exports, "__heap_base"]]
+        files = [str(object_path), "-o", str(module_path)]
+        command = [sys.executable, "-m", "ziglang", *LINKER, "--gc-sections", "-O2", *sizes, *symbols, *files]
+        linker = subprocess.run(command, capture_output=True, text=True, check=False)
+        if linker.returncode:
+            raise RuntimeError(f"the linker for WebAssembly failed: {linker.stderr[:2000]}")
+        return module_path.read_bytes()

@@ -79,14 +79,14 @@ class KernelBuildHook(BuildHookInterface):
         """
         manifest, _ = self._modules()
         place = f"frictionlab/compilation/{manifest.REPOSITORY}/{manifest.FILE}"
-        known = manifest.read_manifest(manifest.objects_folder(manifest.REPOSITORY))
-        if known is None or manifest.changed_sources(known) or manifest.refreshed(known) == known:
+        current = manifest.read_manifest(manifest.objects_folder(manifest.REPOSITORY))
+        if current is None or manifest.changed_sources(current) or manifest.refreshed(current) == current:
             path = os.path.join(self.root, *place.split("/"))
             return {path: place} if os.path.exists(path) else {}
         path = os.path.join(self.root, "build", manifest.FILE)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         with open(path, "w", encoding="utf-8", newline="\n") as file:
-            file.write(manifest.refreshed(known).to_json())
+            file.write(manifest.refreshed(current).to_json())
         return {path: place}
 
     def _compile(self) -> None:

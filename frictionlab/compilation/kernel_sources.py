@@ -40,13 +40,13 @@ def kernel_names() -> dict[str, set[str]]:
             continue
         names.setdefault(module, set()).add(name)
         left += needed_names(module, name)
-    return {module: chosen | _named_tuples(module) if chosen else chosen for module, chosen in names.items()}
+    return {module: own | _named_tuples(module) if own else own for module, own in names.items()}
 
 
 def _named_tuples(module: str) -> set[str]:
     """Classes of named tuples in a module: kernels take their fields by the order that they have there."""
     definitions, _ = module_contents(module)
-    nodes = [(name, node) for name, found in definitions.items() for node in found]
+    nodes = [(name, node) for name, statements in definitions.items() for node in statements]
     return {name for name, node in nodes if isinstance(node, ast.ClassDef) and _is_named_tuple(node)}
 
 
@@ -175,16 +175,16 @@ def code_digest(content: bytes, names: tuple[str, ...] = ()) -> str:
 def _chosen_statements(text: str, names: tuple[str, ...]) -> str:
     """The statements of a module that define one of the names, and those that do anything but define."""
     tree, lines = ast.parse(text), text.splitlines()
-    chosen = [node for node in tree.body if _defined_names(node) is None or _defines(node, names)]
-    used = {part.id for node in chosen for part in ast.walk(node) if isinstance(part, ast.Name)}
+    statements = [node for node in tree.body if _defined_names(node) is None or _defines(node, names)]
+    used_names = {part.id for node in statements for part in ast.walk(node) if isinstance(part, ast.Name)}
     origins = [
         f"from {node.module} import {alias.name} as {alias.asname or alias.name}"
         for node in tree.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
-        if (alias.asname or alias.name) in used
+        if (alias.asname or alias.name) in used_names
     ]
-    return "\n".join([*sorted(origins), *(_text(node, lines) for node in chosen)])
+    return "\n".join([*sorted(origins), *(_text(node, lines) for node in statements)])
 
 
 def _defines(node: ast.stmt, names: tuple[str, ...]) -> bool:

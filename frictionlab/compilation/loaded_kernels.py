@@ -113,8 +113,8 @@ class CompiledKernel:
             return self._called(words)
         words, copies = self._converted(arguments)
         result = self._called(words)
-        for given, used in copies:
-            given[...] = used
+        for own, copy in copies:
+            own[...] = copy
         return result
 
     def _called(self, table: array[int]) -> Any:
@@ -136,9 +136,9 @@ class CompiledKernel:
             return _partial(self, arguments, place)
 
         def call(value: Any, _kept: tuple[Any, ...] = arguments) -> Any:  # kept alive: the table points to it
-            changed = array("q")
-            _append((value,), changed, [])
-            table[begin : begin + len(changed)] = changed
+            words = array("q")
+            _append((value,), words, [])
+            table[begin : begin + len(words)] = words
             return self._called(table)
 
         return call
@@ -164,7 +164,7 @@ class CompiledKernel:
             whole = np.ascontiguousarray(leaf, dtype=kind)
             copies.append((leaf, whole))
             _append([whole], words, [])
-        return words, [(given, used) for given, used in copies if used is not given and given.flags.writeable]
+        return words, [(own, copy) for own, copy in copies if copy is not own and own.flags.writeable]
 
 
 def prepared_call(function: Callable, arguments: tuple[Any, ...], place: int) -> Callable[[Any], Any]:
@@ -266,9 +266,9 @@ def with_table(arrays: T) -> T:
     """The same named tuple of arrays with a table of its words, for what is passed again and again."""
     words, kinds = array("q"), []
     _append(arrays, words, kinds)
-    known = _class_with_table(type(arrays))(*arrays)
-    known.table = words, "".join(kinds)
-    return known
+    with_words = _class_with_table(type(arrays))(*arrays)
+    with_words.table = words, "".join(kinds)
+    return with_words
 
 
 def _leaves(arguments: Iterable[Any]) -> Iterator[Any]:

@@ -83,20 +83,20 @@ def objects_folder(name: str) -> Any:
 def read_manifest(folder: Any) -> Manifest | None:
     """The manifest in a folder of objects; None where it is missing or damaged."""
     try:
-        given = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        data = json.loads((folder / FILE).read_text(encoding="utf-8"))
         functions = {
             name: Function(
                 tuple(tuple(word) for word in each["results"]),
                 tuple(tuple(word) for word in each["arguments"]),
                 each["returns"],
             )
-            for name, each in given.pop("functions").items()
+            for name, each in data.pop("functions").items()
         }
         sources = {
             path: Source(of_bytes, of_code, tuple(names))
-            for path, (of_bytes, of_code, names) in given.pop("sources").items()
+            for path, (of_bytes, of_code, names) in data.pop("sources").items()
         }
-        return Manifest(sources, functions, **given)
+        return Manifest(sources, functions, **data)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
@@ -118,8 +118,8 @@ def compiled_object(files: Sequence[str]) -> CompiledObject | str:
         manifest = read_manifest(folder)
         if manifest is None:
             continue
-        if changed := changed_sources(manifest):
-            reason = f"kernels have changed since they were compiled ahead of time ({changed[0]})"
+        if edits := changed_sources(manifest):
+            reason = f"kernels have changed since they were compiled ahead of time ({edits[0]})"
             continue
         for file in files:
             content = _read_object(folder / file, manifest)
@@ -145,16 +145,16 @@ def _read_object(file: Any, manifest: Manifest) -> bytes | None:
 def changed_sources(manifest: Manifest) -> list[str]:
     """Sources that have changed since they were compiled."""
     package = resources.files("frictionlab")
-    return [path for path, known in manifest.sources.items() if not _is_source(package, path, known)]
+    return [path for path, source in manifest.sources.items() if not _is_source(package, path, source)]
 
 
-def _is_source(package: Any, path: str, known: Source) -> bool:
+def _is_source(package: Any, path: str, expected: Source) -> bool:
     """Whether a file has the same bytes, or else the same code that matters, as when it was compiled."""
     try:
         content = (package / path).read_bytes()
     except OSError:
         return False
-    return digest(content) == known.bytes or code_digest(content, known.names) == known.code
+    return digest(content) == expected.bytes or code_digest(content, expected.names) == expected.code
 
 
 def refreshed(manifest: Manifest) -> Manifest:

@@ -248,10 +248,10 @@ class Component:
 
     def __new__(cls, *values: Any, **named: Any) -> Self:
         """Refuse an unknown argument and suggest the name that was meant; Python's own error does not."""
-        known = _names_of_arguments(cls)
+        names = _names_of_arguments(cls)
         for name in named:
-            if known and name not in known:
-                raise unknown_parameter(cls.__name__, name, known)
+            if names and name not in names:
+                raise unknown_parameter(cls.__name__, name, names)
         return super().__new__(cls)
 
     def __post_init__(self) -> None:

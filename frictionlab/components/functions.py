@@ -20,8 +20,8 @@ NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy c
 
 def __getattr__(name: str) -> Any:
     public = [key for key, value in globals().items() if getattr(value, "__module__", "") == __name__]
-    known = [key for key in public if not key.startswith("_")]
-    raise AttributeError(f"fl.functions has no {name!r}: it has {', '.join(known)}")
+    names = [key for key in public if not key.startswith("_")]
+    raise AttributeError(f"fl.functions has no {name!r}: it has {', '.join(names)}")
 
 
 def _evaluate(name: str, x: Any) -> Any:
@@ -143,15 +143,15 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
     return _plain(numpy.select([numpy.less(x, one) for one in borders], values[:-1], values[-1]))
 
 
-def _are_expressions(*given: Any) -> bool:
-    return any(hasattr(one, "free_symbols") for one in given)
+def _are_expressions(*arguments: Any) -> bool:
+    return any(hasattr(one, "free_symbols") for one in arguments)
 
 
-def _number_or_expression(name: str, given: Any) -> Any:
+def _number_or_expression(name: str, value: Any) -> Any:
     """An expression and a plain number as they are; other numbers as a float or an array of floats."""
-    if hasattr(given, "free_symbols") or type(given) is float or (type(given) is int and abs(given) < 2**53):
-        return given
-    return _plain(float_array(name, given, GIVE_NUMBER))
+    if hasattr(value, "free_symbols") or type(value) is float or (type(value) is int and abs(value) < 2**53):
+        return value
+    return _plain(float_array(name, value, GIVE_NUMBER))
 
 
 def _plain(numbers: Any) -> Any:
@@ -221,9 +221,9 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     xs, ys = (
         [
             _number_or_expression(name, one)
-            for one in check_sequence(name, given, "give a number for each point")
+            for one in check_sequence(name, values, "give a number for each point")
         ]
-        for name, given in {"xs": xs, "ys": ys}.items()
+        for name, values in {"xs": xs, "ys": ys}.items()
     )
     if len(xs) != len(ys) or len(xs) < 2:
         raise ValueError(
@@ -289,8 +289,8 @@ def ramp(t: Any, start: Any, end: Any, duration: Any) -> Any:
     0.25
     """
     t, start, end, duration = (
-        _number_or_expression(name, given)
-        for name, given in {"t": t, "start": start, "end": end, "duration": duration}.items()
+        _number_or_expression(name, value)
+        for name, value in {"t": t, "start": start, "end": end, "duration": duration}.items()
     )
     if not _are_expressions(duration) and (getattr(duration, "ndim", 0) or not duration > 0):
         raise ValueError(

@@ -32,13 +32,13 @@ def surroundings_of(kind: type) -> str:
     Empty for classes of the library.  Functions of the same module and those that a decorator wraps are
     followed, other modules are not.
     """
-    found: dict[str, Any] = {}
+    notes: dict[str, Any] = {}
     seen: set[FunctionType] = set()
     for cls in _own_classes(kind):
         for name, value in vars(cls).items():
             if not name.startswith("__"):
-                _note(f"{cls.__qualname__}.{name}", value, found, seen)
-    return sha256(repr(found).encode()).hexdigest() if found else ""
+                _note(f"{cls.__qualname__}.{name}", value, notes, seen)
+    return sha256(repr(notes).encode()).hexdigest() if notes else ""
 
 
 @cache
@@ -48,18 +48,18 @@ def _own_classes(kind: type) -> tuple[type, ...]:
     )
 
 
-def _note(name: str, value: Any, found: dict[str, Any], seen: set[FunctionType]) -> None:
+def _note(name: str, value: Any, notes: dict[str, Any], seen: set[FunctionType]) -> None:
     """Note a value, or a function and what it uses."""
     for each in HOLDERS.get(type(value), ()):
-        _note(f"{name}.{each}", getattr(value, each), found, seen)
+        _note(f"{name}.{each}", getattr(value, each), notes, seen)
     if isinstance(value, FunctionType):
         if value not in seen:
             seen.add(value)
-            found[name] = _instructions(value.__code__)
-            for each, used in _used(value):
-                _note(f"{name}.{each}", used, found, seen)
+            notes[name] = _instructions(value.__code__)
+            for each, inner in _used(value):
+                _note(f"{name}.{each}", inner, notes, seen)
     elif (plain := _plain(value)) is not None:
-        found[name] = plain
+        notes[name] = plain
 
 
 @cache
@@ -78,9 +78,9 @@ def _used(function: FunctionType) -> Iterator[tuple[str, Any]]:
         except ValueError:  # it has no value yet
             continue
     for name in _names(function.__code__):
-        used = function.__globals__.get(name)
-        if getattr(used, "__globals__", function.__globals__) is function.__globals__:
-            yield name, used
+        value = function.__globals__.get(name)
+        if getattr(value, "__globals__", function.__globals__) is function.__globals__:
+            yield name, value
 
 
 @cache

@@ -84,23 +84,23 @@ def check_structure(
                 f"every mode must have the same outputs, got {abbreviate([*mode.outputs])} in {mode.name!r} "
                 f"and {abbreviate([*modes[0].outputs])} in {modes[0].name!r}: give each mode all of them"
             )
-    known = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
+    context = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:
-        check_mode(mode, *known)
+        check_mode(mode, *context)
 
 
 def check_section_or_quadrature(name: str, function: Any, automaton: HybridAutomaton) -> None:
     """Raise ValueError where a section or quadrature asks for what the automaton does not have."""
     outputs = automaton.outputs
-    known = {*automaton.states, *automaton.parameters}
+    symbols = {*automaton.states, *automaton.parameters}
     if isinstance(function, str):
         strange = [] if function in outputs else [function]
     else:
-        strange = sorted(map(str, _symbols(name, function) - known))
+        strange = sorted(map(str, _symbols(name, function) - symbols))
     if strange:
         raise ValueError(
             f"the section or quadrature {name!r} uses {strange}: write it with the states and parameters "
-            f"({', '.join(sorted(map(str, known)))}), or give an output's name "
+            f"({', '.join(sorted(map(str, symbols)))}), or give an output's name "
             f"({', '.join(outputs) or 'there is none'})"
         )
 
@@ -119,7 +119,7 @@ def check_mode(
     mode: Mode,
     names: Sequence[str],
     states: tuple[Symbol, ...],
-    known: frozenset[Symbol],
+    allowed: frozenset[Symbol],
     sound: dict[int, Any],
 ) -> None:
     """Raise ValueError, or TypeError for a text, unless a mode is well formed.
@@ -148,7 +148,7 @@ def check_mode(
                 f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
                 "write it with the automaton's symbols"
             )
-        if strange := _free_symbols(what, mode, expr) - known:
+        if strange := _free_symbols(what, mode, expr) - allowed:
             raise ValueError(
                 f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
                 f"nor a parameter: {_cure_of_unknown(strange)}"
@@ -181,10 +181,10 @@ def _free_symbols(what: str, mode: Mode, expr: Any) -> set:
 def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
     for reset in filter(None, (event.reset, event.accumulation)):
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
-            given = shorten(str(symbol)[:MAX_CHARACTERS] for symbol in strange)
+            listed = shorten(str(symbol)[:MAX_CHARACTERS] for symbol in strange)
             raise ValueError(
                 f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
-                f"({', '.join(sorted(map(str, states)))}), got one for {given}: "
+                f"({', '.join(sorted(map(str, states)))}), got one for {listed}: "
                 "take the symbol that the automaton's states hold, with the same assumptions"
             )
 

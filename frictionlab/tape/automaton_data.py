@@ -173,8 +173,8 @@ class _Writer:
         name = next((name for name, constant in constants().items() if constant is expr), None)
         if name is not None:
             return [name]
-        known = operations().get(type(expr).__name__)
-        if known is not type(expr) or unevaluated(known, expr.args) != expr:
+        operation = operations().get(type(expr).__name__)
+        if operation is not type(expr) or unevaluated(operation, expr.args) != expr:
             raise UnknownOperation(f"the file of a run has no operation for {expr}")
         return [type(expr).__name__, *(self._places[_key(arg)] for arg in expr.args)]
 

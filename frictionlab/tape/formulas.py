@@ -269,9 +269,9 @@ class FormulaBuilder(TapeBuilder):
         if expr.is_Pow and not self.constant(expr.exp) and integer_exponent(expr) is None:
             return {self.operation(REAL_POWER, self.slot(expr.base), self.slot(expr.exp)): sp.S.One}
         if not self.constant(expr):
-            known = _functions_of_formulas().get(expr.func)
-            if known is not None:
-                return {self._fold(known, [self.slot(arg) for arg in expr.args]): sp.S.One}
+            function = _functions_of_formulas().get(expr.func)
+            if function is not None:
+                return {self._fold(function, [self.slot(arg) for arg in expr.args]): sp.S.One}
             if expr.func is sp.Piecewise:
                 return {self._piecewise(expr.args): sp.S.One}
             if expr.func.__name__ == "Pieces":  # of laws in pieces, if there are any
@@ -398,10 +398,10 @@ class Formulas:
         return slots.tolist(), places
 
     def _steps(self, arithmetic: Arithmetic) -> list[tuple[int, Step]]:
-        known = self._steps_by_arithmetic
-        if id(arithmetic) not in known:
-            known[id(arithmetic)] = _steps(self.tape, arithmetic, self.needed)
-        return known[id(arithmetic)]
+        cache = self._steps_by_arithmetic
+        if id(arithmetic) not in cache:
+            cache[id(arithmetic)] = _steps(self.tape, arithmetic, self.needed)
+        return cache[id(arithmetic)]
 
     @cached_property
     def _steps_by_arithmetic(self) -> dict[int, list[tuple[int, Step]]]:
@@ -419,8 +419,8 @@ class Formulas:
     @cached_property
     def dependences(self) -> list[frozenset[int]]:
         """For each function the inputs on which it depends."""
-        known = self._dependences_of_slots
-        return [known[slot] for slot in self.outputs]
+        of_slots = self._dependences_of_slots
+        return [of_slots[slot] for slot in self.outputs]
 
     def moved_by(self, place: int, *inputs: Any) -> list[Any]:
         """Whether each function depends on one input, for numbers or arrays of others; None is any number.
@@ -451,8 +451,8 @@ class Formulas:
     @cached_property
     def step_dependences(self) -> list[frozenset[int]]:
         """For each function the inputs on which steps in it depend: signs, whole parts, conditions."""
-        known = self._dependences_of_slots
-        return [frozenset().union(*(known[slot] for slot in steps)) for steps in self._steps_of_outputs]
+        of_slots = self._dependences_of_slots
+        return [frozenset().union(*(of_slots[slot] for slot in steps)) for steps in self._steps_of_outputs]
 
     @cached_property
     def _steps_of_outputs(self) -> list[frozenset[int]]:
@@ -500,13 +500,13 @@ class Formulas:
             if few and kind != ATAN2 and np.any(self._may_jump(slot, values)):
                 waiting[slot] = ways
         for ways in product(*map(range, waiting.values())):
-            chosen = dict(zip(waiting, ways, strict=True))
+            sides = dict(zip(waiting, ways, strict=True))
             values = [*inputs, *[None] * len(self.tape.ops)]
             for slot, step in self._steps(ARRAYS):
                 values[slot] = step(values)
-                if slot in chosen:
+                if slot in sides:
                     kind = self.tape.ops[slot - self.tape.inputs][0]
-                    values[slot] = _outcome(kind, interval(values[slot]), chosen[slot])
+                    values[slot] = _outcome(kind, interval(values[slot]), sides[slot])
             yield [values[slot] for slot in self.outputs]
 
     def _may_jump(self, slot: int, values: Sequence[Any]) -> Any:
@@ -520,10 +520,10 @@ class Formulas:
 
     @cached_property
     def _dependences_of_slots(self) -> list[frozenset[int]]:
-        known = [frozenset({i}) for i in range(self.tape.inputs)]
+        of_slots = [frozenset({i}) for i in range(self.tape.inputs)]
         for i in range(len(self.tape.ops)):
-            known.append(frozenset().union(*(known[slot] for slot in operands(self.tape, i))))
-        return known
+            of_slots.append(frozenset().union(*(of_slots[slot] for slot in operands(self.tape, i))))
+        return of_slots
 
     def is_polynomial_in(self, i: int) -> bool:
         """Whether the functions are polynomials in an input, by their operations."""
@@ -576,8 +576,8 @@ class Formulas:
                 op = first, len(tape.terms)
             else:
                 op = places[a], places[b]
-            moved = float(places[int(number)]) if kind == SELECT else number
-            places[count + i] = tape.emit(kind, *op, moved)
+            operand = float(places[int(number)]) if kind == SELECT else number
+            places[count + i] = tape.emit(kind, *op, operand)
         return Formulas(tape, tuple(places[slot] for slot in self.outputs))
 
 
@@ -596,8 +596,8 @@ def _along(formulas: Formulas, inputs: tuple[int, ...]) -> Formulas:
     wider = _with_inputs(formulas.tape, len(inputs))
     seeds: dict[int, Derivative] = {i: {0: {count + k: 1.0}} for k, i in enumerate(inputs)}
     builder = _Differentiation(wider, seeds)
-    moved = (slot if slot < count else slot + len(inputs) for slot in formulas.outputs)
-    slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in moved)
+    outputs = (slot if slot < count else slot + len(inputs) for slot in formulas.outputs)
+    slots = tuple(builder.materialised(builder.derivatives[slot].get(0, {})) for slot in outputs)
     return Formulas(builder.tape, slots)
 
 
@@ -648,15 +648,15 @@ def kept_formulas(derivations: Any, name: str, derive: Callable[[], Formulas]) -
     """
     if derivations is None:
         return derive()
-    known = derivations.objects
-    if name not in known:
+    objects = derivations.objects
+    if name not in objects:
         data = derivations.get(f"{name}()")
         if data is not None:
-            known[name] = formulas_from_data(data)
+            objects[name] = formulas_from_data(data)
         else:
-            known[name] = derive()
-            derivations.keep(f"{name}()", known[name].to_data())
-    return known[name]
+            objects[name] = derive()
+            derivations.keep(f"{name}()", objects[name].to_data())
+    return objects[name]
 
 
 def operands(tape: Tape, i: int) -> list[int]:
@@ -675,11 +675,11 @@ def _steps(tape: Tape, arithmetic: Arithmetic, needed: Sequence[int]) -> list[tu
 
     They are remembered for each tape, as a tape grows where modes are derived on demand.
     """
-    known = _STEPS.setdefault(tape, {}).setdefault(id(arithmetic), {})
+    steps = _STEPS.setdefault(tape, {}).setdefault(id(arithmetic), {})
     for i in needed:
-        if i not in known:
-            known[i] = _step(tape, i, arithmetic)
-    return [(tape.inputs + i, known[i]) for i in needed]
+        if i not in steps:
+            steps[i] = _step(tape, i, arithmetic)
+    return [(tape.inputs + i, steps[i]) for i in needed]
 
 
 def _step(tape: Tape, i: int, arithmetic: Arithmetic) -> Step:

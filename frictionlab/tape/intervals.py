@@ -121,8 +121,8 @@ class Interval:
 
     def _varying_power(self, exponent: Interval) -> Interval:
         """A power by its logarithm; unknown where the base may be negative, as a whole exponent may be."""
-        power, known = np.exp(exponent * np.log(self)), self.low >= 0
-        return Interval(np.where(known, power.low, -np.inf), np.where(known, power.high, np.inf))
+        power, positive = np.exp(exponent * np.log(self)), self.low >= 0
+        return Interval(np.where(positive, power.low, -np.inf), np.where(positive, power.high, np.inf))
 
     def __rpow__(self, base: Any) -> Interval:
         if isinstance(base, Interval) or not np.all(np.asarray(base) > 0):

@@ -81,12 +81,12 @@ def program_of(
             program = kept_program(derivations, name, partial(_packed, automaton))
         return program, numbers_at(program, automaton.values.values())
     modes, parameters = automaton.modes, tuple(automaton.parameters)
-    asked = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
-    about = parameters, automaton.coordinates, *asked
+    functions = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
+    about = parameters, automaton.coordinates, *functions
     with _ONE_AT_A_TIME:  # else two threads might have two programs of one structure
         if grows:
             growing = _growing_program(automaton.states, modes, *about)
-            program = growing.with_modes(combinations) if any(asked) else growing.with_known_modes()
+            program = growing.with_modes(combinations) if any(functions) else growing.with_known_modes()
         else:
             program = pack_program(automaton.states, tuple(modes), *about)
     return program, numbers_at(program, automaton.parameters.values())
@@ -498,8 +498,10 @@ class Packer:
         rows = []
         for mode in self.modes:
             for event in mode.events:
-                named = [places[name] for name in event.targets]
-                rows.append([*dict.fromkeys([i for i in named if mode.limit or i in tried] + [*initial])])
+                places_of_targets = [places[name] for name in event.targets]
+                rows.append(
+                    [*dict.fromkeys([i for i in places_of_targets if mode.limit or i in tried] + [*initial])]
+                )
         columns = max(map(len, rows), default=len(initial))
         return int_array([row + row[:1] * (columns - len(row)) for row in rows], columns=columns)
 

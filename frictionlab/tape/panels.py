@@ -47,7 +47,7 @@ def _panels(matrix: NDArray[np.float64]) -> Panels:
     columns = [np.flatnonzero(block.any(axis=0)) for block in blocks]
     entries = np.zeros((sum(map(len, columns)), ROWS))
     starts = [0]
-    for block, used in zip(blocks, columns, strict=True):
-        starts.append(starts[-1] + len(used))
-        entries[starts[-2] : starts[-1], : len(block)] = block[:, used].T
+    for block, nonzero in zip(blocks, columns, strict=True):
+        starts.append(starts[-1] + len(nonzero))
+        entries[starts[-2] : starts[-1], : len(block)] = block[:, nonzero].T
     return Panels(starts, np.concatenate([*columns, np.zeros(0, dtype=np.intp)]), entries.ravel())

@@ -65,16 +65,16 @@ def _jumps(function: Expr, reset: Reset, surface: Mapping[Any, Expr]) -> bool:
 
     This is exact, and quicker than multiplying out.  Each symbol is a different integer there.
     """
-    given = [function, *reset.jump.values(), *surface.values()]
+    functions = [function, *reset.jump.values(), *surface.values()]
     symbols = sorted(
-        set().union(*(sp.sympify(one, strict=True).free_symbols for one in given), reset.jump), key=str
+        set().union(*(sp.sympify(one, strict=True).free_symbols for one in functions), reset.jump), key=str
     )
     try:
         place = dict(zip(symbols, map(interval, map(float, range(3, 3 + len(symbols))))))
-        for known in (surface, reset.jump):
+        for values_of in (surface, reset.jump):
             before = place
-            values = formulas_of(symbols, [*known.values()]).arrays(*place.values())
-            place = place | dict(zip(known, map(interval, values), strict=True))
+            values = formulas_of(symbols, [*values_of.values()]).arrays(*place.values())
+            place = place | dict(zip(values_of, map(interval, values), strict=True))
         formula = formulas_of(symbols, [function])
     except TapeError:
         return False

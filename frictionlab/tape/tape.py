@@ -263,13 +263,13 @@ class TapeBuilder:
 
     def constant(self, expr: Expr) -> bool:
         """Whether `expr` depends on the parameters alone."""
-        known = self._constants.get(expr)
+        is_constant = self._constants.get(expr)
         if (
-            known is None
+            is_constant is None
         ):  # what free_symbols tells, which searches a deep expression again for each of its parts
-            known = all(map(self.constant, expr.args)) if expr.args else self._stands_still(expr)
-            self._constants[expr] = known
-        return known
+            is_constant = all(map(self.constant, expr.args)) if expr.args else self._stands_still(expr)
+            self._constants[expr] = is_constant
+        return is_constant
 
     def _stands_still(self, atom: Expr) -> bool:
         if is_matrix_row(atom):
@@ -278,15 +278,15 @@ class TapeBuilder:
         return atom not in self._states
 
     def _lower(self, expr: Expr) -> AffineTerms:
-        known = self._affine.get(expr)
-        if known is None:
-            known = self._linear_terms.get(expr)
-            if known is None:
-                known = self._lower_new(expr)
-                if all(slot < self.tape.inputs for slot in known):
-                    self._linear_terms[expr] = known
-            self._affine[expr] = known
-        return known
+        terms = self._affine.get(expr)
+        if terms is None:
+            terms = self._linear_terms.get(expr)
+            if terms is None:
+                terms = self._lower_new(expr)
+                if all(slot < self.tape.inputs for slot in terms):
+                    self._linear_terms[expr] = terms
+            self._affine[expr] = terms
+        return terms
 
     def _lower_new(self, expr: Expr) -> AffineTerms:
         if self.constant(expr):
@@ -426,8 +426,8 @@ class TapeBuilder:
         factors: Any = sp.Mul.make_args(rest)
         factors = factors if self.has_corners else _without_signs(factors)
         if len(factors) == 1:
-            lowered = self._lower(factors[0]).items()
-            return {slot: factor if value is sp.S.One else factor * value for slot, value in lowered}
+            terms = self._lower(factors[0]).items()
+            return {slot: factor if value is sp.S.One else factor * value for slot, value in terms}
         below = [f for f in factors if f.is_Pow and (integer_exponent(f) or 0) < 0]
         above = [f for f in factors if f not in below]
         slot = self._product(above) if above else self.slot(sp.S.One)

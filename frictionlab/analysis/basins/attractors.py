@@ -213,12 +213,12 @@ def attractor_scale(attractors: Sequence[AttractorData], spread: Array, coordina
     It is at least a share of the range over those motions: smaller differences tell no attractors apart.  How
     far states drift says nothing of a motion.
     """
-    known = [a for a in attractors if a["kind"] in RANGE_RTOL]
+    steady = [a for a in attractors if a["kind"] in RANGE_RTOL]
     size = np.array(spread)
-    if known:
-        size = np.max([a["high"] for a in known], axis=0) - np.min([a["low"] for a in known], axis=0)
+    if steady:
+        size = np.max([a["high"] for a in steady], axis=0) - np.min([a["low"] for a in steady], axis=0)
         size = np.maximum(size, MIN_RANGE_SHARE * spread)
-        size[sorted({i for a in known for i in drifting_of(a)})] = 0.0
+        size[sorted({i for a in steady for i in drifting_of(a)})] = 0.0
     for group in state_groups(coordinates):
         size[group] = np.maximum(size[group], MIN_RANGE_SHARE * size[group].max(initial=0.0))
     return np.where(size > 0, size, 1.0)
@@ -236,8 +236,8 @@ def same_attractor(one: AttractorData, other: AttractorData, size: Array) -> boo
     if one["kind"] == MotionKind.PERIODIC and abs(one["period"] / other["period"] - 1.0) > PERIOD_RTOL:
         return False
     differences = [np.abs(np.subtract(one[side], other[side])) / size for side in ("low", "high")]
-    settled = np.delete(differences, drifting_of(one), axis=1)
-    return bool(settled.max(initial=0.0) < RANGE_RTOL[one["kind"]])
+    distances = np.delete(differences, drifting_of(one), axis=1)
+    return bool(distances.max(initial=0.0) < RANGE_RTOL[one["kind"]])
 
 
 class AttractorCatalogue:

@@ -183,9 +183,9 @@ def _collect_labels(
     probes, group = specification["probes"], specification["group"]
     ends = [results[i] for i in range(probes) if i in results]
     catalogue = catalogue_of_probes(ends, specification["coordinates"], specification["rtol"])
-    known, labels = len(catalogue.attractors), np.full(specification["count"], UNDECIDED)
+    shared, labels = len(catalogue.attractors), np.full(specification["count"], UNDECIDED)
     for i in sorted(i for i in results if i >= probes):
-        index = np.array([*range(known), *(catalogue.place(attractor) for attractor in results[i]["found"])])
+        index = np.array([*range(shared), *(catalogue.place(attractor) for attractor in results[i]["found"])])
         first = (i - probes) * group
         labels[first : first + group] = index[results[i]["labels"]]
     return labels, name_attractors(catalogue.attractors)
@@ -253,7 +253,7 @@ def basins(
     >>> [attractor.kind for attractor in portrait.attractors]
     ['equilibrium', 'periodic']
     """
-    chosen, how = _options("basins", keywords)
+    options, how = _options("basins", keywords)
     axes = [_axis(model, "x", x), _axis(model, "y", y)]
     if axes[0][0] == axes[1][0]:
         raise ValueError(f"x and y must be two states, got {abbreviate(x[0])} twice: choose another")
@@ -266,7 +266,7 @@ def basins(
     plane = np.stack(np.meshgrid(axes[0][1], axes[1][1]), axis=-1).reshape(-1, 2)
     starts = _initial_states(model, [name for name, _ in axes], plane, x0)
     about = {key: {"name": name, "values": v.tolist()} for key, (name, v) in zip("xy", axes)}
-    return run_basin_tasks(model, starts, about, chosen, how, basins_from_results)
+    return run_basin_tasks(model, starts, about, options, how, basins_from_results)
 
 
 def basin_stability(
@@ -311,7 +311,7 @@ def basin_stability(
     >>> stability.fractions
     {'equilibrium': 1.0}
     """
-    chosen, how = _options("basin_stability", keywords)
+    options, how = _options("basin_stability", keywords)
     samples = check_number(
         "samples", samples, integer=True, least=1, most=MAX_SAMPLES, cure="1000 give errors of 0.016 at most"
     )
@@ -323,20 +323,20 @@ def basin_stability(
     points = random_initial_values(limits, samples, seed)
     starts = _initial_states(model, list(limits), points, x0)
     about = {"ranges": limits, "samples": int(samples), "seed": seed}
-    return run_basin_tasks(model, starts, about, chosen, how, basin_stability_from_results)
+    return run_basin_tasks(model, starts, about, options, how, basin_stability_from_results)
 
 
 def _options(function: str, keywords: Mapping[str, Any]) -> tuple[SteadyStateOptions, Execution]:
     """How motions are classified, and how the tasks are run."""
-    chosen, how = settings_of(function, keywords, SteadyStateOptions, Execution, unused="t_max")
-    if not isinstance(chosen.method, Taylor):
+    options, how = settings_of(function, keywords, SteadyStateOptions, Execution, unused="t_max")
+    if not isinstance(options.method, Taylor):
         raise ValueError(
-            f"method must be 'taylor' or a Taylor, got {abbreviate(chosen.method)}: others have no ensembles"
+            f"method must be 'taylor' or a Taylor, got {abbreviate(options.method)}: others have no ensembles"
         )
-    check_number("transient", chosen.transient, above=0.0, cure="give the seconds in which motions settle")
-    if chosen.t_max is not None:
-        raise ValueError(f"t_max must be None, got {chosen.t_max}: give a longer transient")
-    return chosen, how
+    check_number("transient", options.transient, above=0.0, cure="give the seconds in which motions settle")
+    if options.t_max is not None:
+        raise ValueError(f"t_max must be None, got {options.t_max}: give a longer transient")
+    return options, how
 
 
 def _axis(model: ModelOrAutomaton, which: str, axis: Any) -> tuple[str, Array]:
@@ -360,12 +360,12 @@ def _range(model: ModelOrAutomaton, name: str, limits: Any) -> tuple[float, floa
 def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array, x0: Any) -> Array:
     """Initial states (N, n): the named states take their values from the columns of `points`, the others from
     `x0`."""
-    known = automaton_of(model).state_names
+    state_names = automaton_of(model).state_names
     own = callable(x0) and not isinstance(x0, type)
-    base = np.zeros(len(known)) if own else initial_state_of(model, x0)
+    base = np.zeros(len(state_names)) if own else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)
-    starts[:, [known.index(name) for name in names]] = points
-    return _complete_states(x0, starts, known) if own else starts
+    starts[:, [state_names.index(name) for name in names]] = points
+    return _complete_states(x0, starts, state_names) if own else starts
 
 
 def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
@@ -373,9 +373,9 @@ def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str
     return np.array([_complete_state(x0(start.copy()), names) for start in starts])
 
 
-def _complete_state(given: Any, names: tuple[str, ...]) -> Array:
+def _complete_state(x0: Any, names: tuple[str, ...]) -> Array:
     rule, cure = f"a finite number for each of {', '.join(names)}", "return all of them"
-    state = float_array("what x0 gives", given, f"return {rule}")
+    state = float_array("what x0 gives", x0, f"return {rule}")
     if state.shape != (len(names),) or not np.isfinite(state).all():
-        raise ValueError(f"x0 must give {rule}, got {abbreviate(given)}: {cure}")
+        raise ValueError(f"x0 must give {rule}, got {abbreviate(x0)}: {cure}")
     return state

@@ -64,19 +64,24 @@ def run_basin_tasks(
     refuse_time(model, "basins")
     check_section(model, options.section)
     initial_state_of(model, starts[0])
-    automaton, chosen = automaton_of(model), probe_indices(len(starts))
+    automaton, sample = automaton_of(model), probe_indices(len(starts))
     size = max(MIN_GROUP_SIZE, min(MAX_GROUP_SIZE, len(starts) // TARGET_TASK_COUNT))
     groups = [starts[i : i + size] for i in range(0, len(starts), size)]
-    layout = {"count": len(starts), "group": size, "probes": len(chosen), "starts": _digest(starts.tobytes())}
+    layout = {
+        "count": len(starts),
+        "group": size,
+        "probes": len(sample),
+        "starts": _digest(starts.tobytes()),
+    }
     specification = _basin_arguments(model, automaton, {**about, **layout}, options)
-    probes = [(automaton, starts[i], options) for i in chosen]
-    names = [f"initial state {i}" for i in chosen]
+    probes = [(automaton, starts[i], options) for i in sample]
+    names = [f"initial state {i}" for i in sample]
     with Journal(specification, execution.resume) as journal:
         journal.run_tasks(probe_attractor, probes, names.__getitem__, execution, "attractors")
         if journal.complete:
-            _run_groups(journal, automaton, groups, options, len(chosen), execution)
+            _run_groups(journal, automaton, groups, options, len(sample), execution)
     result = result_of(specification, journal.results) if journal.results else None
-    return journal.finish(result, len(chosen) + len(groups))
+    return journal.finish(result, len(sample) + len(groups))
 
 
 def _run_groups(
@@ -94,12 +99,12 @@ def _run_groups(
         return attractor_points(automaton, attractor, options)
 
     try:
-        known = catalogue_of_probes(ends, automaton.coordinates, options.rtol, points_on)
+        catalogue = catalogue_of_probes(ends, automaton.coordinates, options.rtol, points_on)
     except KeyboardInterrupt:
         journal.interrupt()
         return
     spread = transient_ranges(ends)
-    tasks = [(automaton, group, known, spread, options) for group in groups]
+    tasks = [(automaton, group, catalogue, spread, options) for group in groups]
     names = [f"initial states from {i * size} on" for i in range(len(groups))]
     journal.run_tasks(
         label_initial_states, tasks, names.__getitem__, execution, f"basins, {size} states each", probes
@@ -108,8 +113,8 @@ def _run_groups(
 
 def probe_indices(count: int) -> list[int]:
     """Indices of the initial states to probe: chosen at random, as the rows of a grid may be alike."""
-    drawn = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
-    return np.sort(drawn).tolist()
+    sample = np.random.default_rng(0).choice(count, min(PROBE_COUNT, count), replace=False)
+    return np.sort(sample).tolist()
 
 
 def _basin_arguments(
@@ -144,7 +149,7 @@ def check_times(transient: float) -> Array:
 def label_initial_states(
     automaton: HybridAutomaton,
     starts: Array,
-    known: AttractorCatalogue,
+    attractors: AttractorCatalogue,
     spread: Array,
     options: SteadyStateOptions,
 ) -> dict[str, list[Any]]:
@@ -159,7 +164,7 @@ def label_initial_states(
     dict
         "labels": N indices; those beyond the known attractors refer to "found".
     """
-    catalogue, states = known.copy(), np.array(starts, dtype=float)
+    catalogue, states = attractors.copy(), np.array(starts, dtype=float)
     labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
     method: Any = options.method  # a Taylor
     group = start_group(automaton, states, method)
@@ -178,7 +183,7 @@ def label_initial_states(
         if labels[i] == UNDECIDED:
             start = states[i], None if modes is None else str(modes[row])
             labels[i] = _label_after_transient(automaton, start, catalogue, spread, options)
-    return {"labels": labels.tolist(), "found": catalogue.attractors[len(known.attractors) :]}
+    return {"labels": labels.tolist(), "found": catalogue.attractors[len(attractors.attractors) :]}
 
 
 def _modes_of_runs(group: Batch) -> np.ndarray:

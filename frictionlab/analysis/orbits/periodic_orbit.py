@@ -247,8 +247,8 @@ def mode_to_state(run: Trajectory, t: float) -> str | None:
         return mode
     if automaton.on_demand or len(automaton.names) < 2:
         return None
-    chosen = solve(automaton, SHORTEST_STAY * run.raw.t, x0=run(t), progress=False)
-    return mode if chosen.modes_at(0.0) != mode else None
+    again = solve(automaton, SHORTEST_STAY * run.raw.t, x0=run(t), progress=False)
+    return mode if again.modes_at(0.0) != mode else None
 
 
 def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array) -> int:
@@ -258,8 +258,8 @@ def freest_stay(automaton: HybridAutomaton, names: Sequence[str], lengths: Array
     shortest = SHORTEST_STAY * lengths.sum()
     lasting = [n for n, length in zip(names, lengths, strict=True) if length > shortest and n in counts]
     fewest = min(counts[name] for name in lasting)
-    chosen = [name in counts and counts[name] == fewest for name in names]
-    return int(np.argmax(np.where(chosen, lengths, 0.0)))
+    freest = [name in counts and counts[name] == fewest for name in names]
+    return int(np.argmax(np.where(freest, lengths, 0.0)))
 
 
 def _shortest_period(
@@ -535,10 +535,10 @@ def _damped_step(
     if not np.isfinite(step).all():
         return None
     for share in 0.5 ** np.arange(MAX_HALVINGS):
-        moved, longer = guess.state + share * step[:-1] * guess.size, period * (1.0 + share * step[-1])
+        state, longer = guess.state + share * step[:-1] * guess.size, period * (1.0 + share * step[-1])
         if not period / MAX_PERIOD_FACTOR < longer < period * MAX_PERIOD_FACTOR:
             continue
-        other = guess._replace(state=moved, period=longer)
+        other = guess._replace(state=state, period=longer)
         try:
             after = run_one_period(automaton, other)
         except ValueError:  # it ends early, or leaves the states of its mode

@@ -242,8 +242,8 @@ def _centre_in_stay(automaton: HybridAutomaton, point: BranchPoint) -> BranchPoi
     carried = (closing.matrix(tangent_flow(part, progress=False).matrix) @ physical)[:-1] / scale[:-2]
     flow = closing.end_rates(part)[1][:-1] / scale[:-2]
     carried -= flow * (flow @ carried) / (flow @ flow)
-    moved = np.append(carried, tangent[-2:])
-    return point._replace(state=part.final_state, tangent=moved / np.linalg.norm(moved), mode=mode)
+    turned = np.append(carried, tangent[-2:])
+    return point._replace(state=part.final_state, tangent=turned / np.linalg.norm(turned), mode=mode)
 
 
 def cyclic_mode_sequence(run: Trajectory) -> tuple[str, ...]:

@@ -45,8 +45,8 @@ def drifting_states(run: Trajectory) -> list[int]:
 
 def mean_rates(run: Trajectory) -> dict[str, float]:
     """Mean rates (units of the state per s) of the states that drift, by name."""
-    moved = run.final_state - run.raw.step_states[0]
-    return {run.names[i]: float(moved[i] / run.raw.t) for i in drifting_states(run)}
+    change = run.final_state - run.raw.step_states[0]
+    return {run.names[i]: float(change[i] / run.raw.t) for i in drifting_states(run)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,8 +136,8 @@ def _common_turn(run: Trajectory, places: list[int], angle: int) -> Array:
 
     From their mean motion, corrected by Newton's method so that all functions are as before the turn.
     """
-    moved = (run.final_state - run.raw.step_states[0])[places]
-    shift = TURN / moved[angle] * moved
+    change = (run.final_state - run.raw.step_states[0])[places]
+    shift = TURN / change[angle] * change
     others = [k for k in range(len(places)) if k != angle]
     slopes = np.concatenate([np.concatenate(each) for each in _along_run(run, _gradients, places)])
     before = _along_run(run, _values, places, 0.0)
@@ -223,9 +223,9 @@ def _remembered_formulas(inputs: tuple[Any, ...], functions: tuple[Any, ...]) ->
 def _functions(mode: Mode, states: Sequence[Any], places: tuple[int, ...]) -> tuple[Any, ...]:
     """All that says how a mode goes on; of states that are shifted and jump, how far they jump."""
     shifted = {states[i] for i in places}
-    given = [*mode.flow, *mode.constraints]
+    expressions = [*mode.flow, *mode.constraints]
     for event in mode.events:
-        given.append(event.function)
+        expressions.append(event.function)
         for reset in filter(None, (event.reset, event.accumulation)):
-            given += [value - x if x in shifted else value for x, value in reset.jump.items()]
-    return tuple(sympy.sympify(one, strict=True) for one in given)
+            expressions += [value - x if x in shifted else value for x, value in reset.jump.items()]
+    return tuple(sympy.sympify(one, strict=True) for one in expressions)

@@ -33,8 +33,8 @@ def phase_resets(run: Trajectory) -> np.ndarray:
         return np.zeros(len(events), dtype=bool)
     pairs = list(zip(events.source.tolist(), events.guard.tolist()))
     modes = {name: automaton.mode(name) for name in {*events.source.tolist()}}
-    known = {(name, guard) for name, mode in modes.items() for guard in _phase_guards(run, mode)}
-    return np.array([pair in known for pair in pairs], dtype=bool)
+    guards = {(name, guard) for name, mode in modes.items() for guard in _phase_guards(run, mode)}
+    return np.array([pair in guards for pair in pairs], dtype=bool)
 
 
 def _phase_guards(run: Trajectory, mode: Mode) -> list[str]:
@@ -63,11 +63,11 @@ def turns_of_phases(run: Trajectory) -> tuple[tuple[np.ndarray, np.ndarray], ...
     guards = _phase_guards(run, mode)
     for jump in (event.reset.jump for event in mode.events if event.name in guards):
         for state, after in jump.items():
-            moved = state - after
-            if moved.is_number and moved.is_positive:
+            shift = state - after
+            if shift.is_number and shift.is_positive:
                 place = automaton.states.index(state)
                 along = np.eye(len(automaton.states))[place]
-                turns[place] = along / float(moved), float(moved) * along
+                turns[place] = along / float(shift), float(shift) * along
     return tuple(turns.values())
 
 
@@ -168,8 +168,8 @@ def section_crossings(run: Trajectory, section: Section) -> SectionPoints:
     At an onset of stick the state is that after the event, at other events that before it.
     """
     if section == STICK:
-        chosen = stick_onsets(run)
-        return SectionPoints(run.events.t[chosen], run.events.state[chosen])
+        onsets = stick_onsets(run)
+        return SectionPoints(run.events.t[onsets], run.events.state[onsets])
     if not isinstance(section, str) and not isinstance(section[0], str):  # an expression for this run alone
         return _states_before_events(run, _search_crossings(run, *section))
     crossings = run.sections.get("section")
@@ -224,8 +224,8 @@ def phase_returns(run: Trajectory) -> SectionPoints:
     """
     at = np.flatnonzero(phase_resets(run))
     guards, counts = np.unique(run.events.guard[at], return_counts=True)
-    chosen = at[run.events.guard[at] == guards[np.argmin(counts)]] if len(at) else at
-    return SectionPoints(run.events.t[chosen], run.events.state[chosen])
+    returns = at[run.events.guard[at] == guards[np.argmin(counts)]] if len(at) else at
+    return SectionPoints(run.events.t[returns], run.events.state[returns])
 
 
 def returns_without_coordinates(run: Trajectory, least: int) -> SectionPoints:

@@ -255,8 +255,8 @@ def steady_state(
     SteadyState(periodic, period 0.0905161 s, 1 onset of stick in it, L_s 0.0011701)
     """
     check_flag("progress", progress)
-    (chosen,) = settings_of("steady_state", keywords, SteadyStateOptions, unused="rtol")
-    return settled_motion(model, x0, chosen, progress)
+    (options,) = settings_of("steady_state", keywords, SteadyStateOptions, unused="rtol")
+    return settled_motion(model, x0, options, progress)
 
 
 def settled_motion(
@@ -303,22 +303,22 @@ def _reach(run: Trajectory) -> float:
 
 
 def _run_transient(
-    model: ModelOrAutomaton, start: tuple[Any, str | None], chosen: SteadyStateOptions, progress: bool
+    model: ModelOrAutomaton, start: tuple[Any, str | None], settings: SteadyStateOptions, progress: bool
 ) -> Trajectory:
-    options: dict[str, Any] = {"method": chosen.solver, "progress": progress, "source": model}
-    return solve_from_end(automaton_of(model), chosen.transient, *start, **options)
+    options: dict[str, Any] = {"method": settings.solver, "progress": progress, "source": model}
+    return solve_from_end(automaton_of(model), settings.transient, *start, **options)
 
 
 def _run_window(
-    model: ModelOrAutomaton, start: tuple[Any, str | None], chosen: SteadyStateOptions, progress: bool
+    model: ModelOrAutomaton, start: tuple[Any, str | None], settings: SteadyStateOptions, progress: bool
 ) -> Trajectory:
     """A run with the section and the integrand of L_s along it, where the method can record them."""
-    method = chosen.solver
+    method = settings.solver
     options: dict[str, Any] = {"method": method, "progress": progress, "source": model}
     automaton, point = automaton_of(model), equilibrium_coordinates(model)
     if method.records_sections:
-        options["sections"] = sections_to_record(automaton, chosen.section)
+        options["sections"] = sections_to_record(automaton, settings.section)
     if method.records_sections and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
         options["quadratures"] = {SQUARED_DISTANCE: squared_distance(automaton)}
-    return solve_from_end(automaton, chosen.window, *start, **options)
+    return solve_from_end(automaton, settings.window, *start, **options)

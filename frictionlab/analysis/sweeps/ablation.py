@@ -172,13 +172,13 @@ class Ablation(Drawable):
         return self._numbers[name].reshape(len(self.scenes), -1, starts)
 
     def _quantity(self, quantity: str | None) -> str:
-        known = self.quantities
-        if quantity is None and len(known) == 1:
-            return known[0]
-        if not isinstance(quantity, str) or quantity not in known:
-            hint = did_you_mean(quantity, known) if isinstance(quantity, str) else ": name one"
+        names = self.quantities
+        if quantity is None and len(names) == 1:
+            return names[0]
+        if not isinstance(quantity, str) or quantity not in names:
+            hint = did_you_mean(quantity, names) if isinstance(quantity, str) else ": name one"
             raise ValueError(
-                f"quantity must be one of {', '.join(map(repr, known)) or 'none: no result holds a number'}, "
+                f"quantity must be one of {', '.join(map(repr, names)) or 'none: no result holds a number'}, "
                 f"got {abbreviate(quantity)}{hint}"
             )
         return quantity
@@ -322,32 +322,32 @@ def ablation(
     """
     cure = "write ablation(model, study), the model made, such as fl.SliderOnBelt()"
     require_model_or_automaton(model, cure)
-    named = _studies_by_name(studies)
+    by_name = _studies_by_name(studies)
     for study, what in AT_REST.items():
-        if any(study is one for one in named.values()):
+        if any(study is one for one in by_name.values()):
             refuse_time(model, what)
     (how,) = settings_of("ablation", keywords, Execution)
     factors = switches_of(model, switches)
     starts = check_sequence("x0", x0, "give initial states in a list")
     plan = _Plan(model, factors, Grid({} if over is None else check_over(over), starts))
-    specification = {} if how.resume is None else plan.specification(named)
-    tasks, names = plan.tasks(named)
+    specification = {} if how.resume is None else plan.specification(by_name)
+    tasks, names = plan.tasks(by_name)
     with Journal(specification, how.resume) as journal:
         journal.run_tasks(call, tasks, names.__getitem__, how, "ablation")
     results = [journal.results.get(i) for i in range(len(tasks))]
-    return journal.finish(plan.ablation(results, tuple(named)), len(tasks))
+    return journal.finish(plan.ablation(results, tuple(by_name)), len(tasks))
 
 
 def _studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:
     """The studies by name."""
-    named = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
-    if not named:
+    by_name = dict(studies) if isinstance(studies, Mapping) else {own_name(studies): studies}
+    if not by_name:
         raise ValueError('studies must be one at least, got none: give {"onset": a function of a model}')
-    for study in named.values():
+    for study in by_name.values():
         check_function(
             "studies" if isinstance(studies, Mapping) else "study", study, "give one such as fl.steady_state"
         )
-    return {str(name): study for name, study in named.items()}
+    return {str(name): study for name, study in by_name.items()}
 
 
 @dataclass(frozen=True)

@@ -118,8 +118,10 @@ class Bifurcation(Drawable):
         column = self.names.index(name)
         for kind in kinds:
             check_choice("kinds", kind, tuple(MotionKind), "name some of them")
-        chosen = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
-        points = [self._states(i)[:, column] if kind in chosen else () for i, kind in enumerate(self.kinds)]
+        selection = kinds or tuple({*self.kinds} - {MotionKind.EQUILIBRIUM, ""})
+        points = [
+            self._states(i)[:, column] if kind in selection else () for i, kind in enumerate(self.kinds)
+        ]
         return np.repeat(self.values, [len(f) for f in points]), np.concatenate([*points, np.zeros(0)])
 
     def _states(self, i: int) -> Array:
@@ -255,18 +257,18 @@ def bifurcation(
     >>> fl.bifurcation(model, "mu_k", [0.2, 1.4], transient=150, window=20, progress=False).kinds
     ('equilibrium', 'periodic')
     """
-    chosen, how = settings_of("bifurcation", keywords, SteadyStateOptions, Execution, unused="rtol")
+    options, how = settings_of("bifurcation", keywords, SteadyStateOptions, Execution, unused="rtol")
     if isinstance(x0, str):
         check_choice("x0", x0, INITIAL_STATES)
     models = _models(model, parameter, values)
     refuse_time(models[0], "a bifurcation diagram")
-    check_section(models[0], chosen.section)
+    check_section(models[0], options.section)
     starts = _initial_states(models, "rest" if _is_continued(x0) else x0)
-    specification = _sweep_arguments(model, parameter, models, x0, chosen)
+    specification = _sweep_arguments(model, parameter, models, x0, options)
     names = [f"{parameter} = {values_of(m)[parameter]:g}" for m in models]
     run = _run_continued if _is_continued(x0) else _run_independently
     with Journal(specification, how.resume) as journal:
-        journal.attempt(lambda: run(list(zip(models, starts, names)), chosen, journal, how))
+        journal.attempt(lambda: run(list(zip(models, starts, names)), options, journal, how))
     return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 
 
@@ -281,8 +283,8 @@ def _models(model: ModelOrAutomaton, parameter: str, values: Any) -> list[ModelO
 
 def _initial_states(models: Sequence[ModelOrAutomaton], x0: Any) -> list[np.ndarray]:
     """The initial state of each model; names and mappings are resolved for each."""
-    first, named = initial_state_of(models[0], x0), isinstance(by_names(x0), (str, Mapping))
-    return [first, *(initial_state_of(m, x0) if named else first for m in models[1:])]
+    first, by_name = initial_state_of(models[0], x0), isinstance(by_names(x0), (str, Mapping))
+    return [first, *(initial_state_of(m, x0) if by_name else first for m in models[1:])]
 
 
 def _is_continued(x0: Any) -> bool:

@@ -90,8 +90,8 @@ class CEAAgainstMotion(Drawable):
     def growth_rates(self) -> Array:
         """The largest growth rate at each value (N,), 1/s; NaN without an equilibrium."""
         rates = self.locus.growth_rates
-        known = np.isfinite(rates).any(axis=1)
-        return np.where(known, np.max(np.where(np.isfinite(rates), rates, -np.inf), axis=1), np.nan)
+        finite = np.isfinite(rates).any(axis=1)
+        return np.where(finite, np.max(np.where(np.isfinite(rates), rates, -np.inf), axis=1), np.nan)
 
     @property
     def fastest(self) -> Array:
@@ -132,8 +132,8 @@ class CEAAgainstMotion(Drawable):
         return f"CEAAgainstMotion({at}: {tally(map(str, self.agreement))})"
 
 
-def _agreement(unstable: bool, known: bool, kind: str) -> Agreement:
-    if not known or kind not in (*VIBRATIONS, MotionKind.EQUILIBRIUM):
+def _agreement(unstable: bool, has_equilibrium: bool, kind: str) -> Agreement:
+    if not has_equilibrium or kind not in (*VIBRATIONS, MotionKind.EQUILIBRIUM):
         return Agreement.OPEN
     if unstable == (kind in VIBRATIONS):
         return Agreement.AGREES
@@ -168,14 +168,14 @@ class SettledMotion:
         options = replace(self.options, **times)
         steady = find_steady_state(model, initial_state_of(model, x0), options, progress=False)
         spectrum = steady.spectrum(self.state, f_max=self.f_max)
-        settled = {"kind": steady.kind, "amplitude": _amplitude(steady.trajectory, self.state)}
+        result = {"kind": steady.kind, "amplitude": _amplitude(steady.trajectory, self.state)}
         if spectrum is None or steady.kind == MotionKind.EQUILIBRIUM:
-            return settled | {"dominant": None, "lines": [0.0] * FREQUENCY_BINS}
+            return result | {"dominant": None, "lines": [0.0] * FREQUENCY_BINS}
         bands = (spectrum.frequencies * (FREQUENCY_BINS / self.f_max)).astype(int)
         lines = np.zeros(FREQUENCY_BINS)
         np.maximum.at(lines, np.minimum(bands, FREQUENCY_BINS - 1), spectrum.amplitudes)
         peaks = spectrum.peaks()[0]
-        return settled | {"dominant": float(peaks[0]) if len(peaks) else None, "lines": lines.tolist()}
+        return result | {"dominant": float(peaks[0]) if len(peaks) else None, "lines": lines.tolist()}
 
 
 def _times(model: ModelOrAutomaton) -> dict[str, float]:
@@ -260,20 +260,20 @@ def cea_against_motion(
     >>> fl.cea_against_motion(model, "mu_k", [0.1, 1.0], progress=False)
     CEAAgainstMotion(mu_k 0.1 to 1, 2 values: 2 agrees)
     """
-    chosen, how = settings_of("cea_against_motion", keywords, SteadyStateOptions, Execution, unused="rtol")
+    options, how = settings_of("cea_against_motion", keywords, SteadyStateOptions, Execution, unused="rtol")
     require_model_or_automaton(model, cure="write cea_against_motion(model, parameter, values)")
     refuse_time(model, "a comparison with eigenvalues")
-    check_section(model, chosen.section)
+    check_section(model, options.section)
     automaton = automaton_of(model)
-    shown: str = automaton.shown_state if state is None else state
-    check_choice("state", shown, automaton.state_names)
+    observed: str = automaton.shown_state if state is None else state
+    check_choice("state", observed, automaton.state_names)
     if f_max is None:
         f_max = highest_frequency(model)
     f_max = float(check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own"))
     initial_state_of(model, x0)
     locus = root_locus(model, parameter, values)
-    given = frozenset(keywords) & {"transient", "window", "t_max"}
-    study = SettledMotion(shown, f_max, chosen, given)
+    own_times = frozenset(keywords) & {"transient", "window", "t_max"}
+    study = SettledMotion(observed, f_max, options, own_times)
     swept = sweep(model, study, {parameter: locus.at}, x0=[x0], **vars(how))
     return _result(model, locus, study, swept.results[:, 0])
 

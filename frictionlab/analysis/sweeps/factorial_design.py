@@ -106,14 +106,14 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
 
 def _known(model: ModelOrAutomaton, name: Any) -> str:
     of_model = model if isinstance(model, Model) else None
-    known = () if of_model is None else tuple(of_model.nonlinearities)
-    if not isinstance(name, str) or name not in known:
+    names = () if of_model is None else tuple(of_model.nonlinearities)
+    if not isinstance(name, str) or name not in names:
         if of_model is not None and isinstance(name, str) and name in nonlinearities_of(of_model):
             of_model.without(name)  # it says why the model cannot be without
-        hint = did_you_mean(name, known) if isinstance(name, str) else ""
+        hint = did_you_mean(name, names) if isinstance(name, str) else ""
         raise ValueError(
             f"switches must be nonlinearities of {type(model).__name__} "
-            f"({', '.join(known) or 'it has none'}) or have alternatives, "
+            f"({', '.join(names) or 'it has none'}) or have alternatives, "
             f"got {abbreviate(name)}{hint or ': give it a list of alternatives'}"
         )
     return name
@@ -123,15 +123,15 @@ def _on_off(name: str) -> Switch:
     return Switch(name, (WITH, WITHOUT), None, reference=1, end=0)
 
 
-def _alternatives(model: ModelOrAutomaton, name: str, given: Any) -> Switch:
-    if isinstance(given, (str, Component)) or not isinstance(given, (Mapping, Sequence)) or len(given) < 2:
+def _alternatives(model: ModelOrAutomaton, name: str, levels: Any) -> Switch:
+    if isinstance(levels, (str, Component)) or not isinstance(levels, (Mapping, Sequence)) or len(levels) < 2:
         raise ValueError(
-            f"switches[{abbreviate(name)}] must be two alternatives at least, "
-            f"got {abbreviate(given)}: give a list, or a mapping "
+            f"switches[{abbreviate(name)}] must be two levels at least, "
+            f"got {abbreviate(levels)}: give a list, or a mapping "
             "of a label to each"
         )
-    values = list(given.values()) if isinstance(given, Mapping) else list(given)
-    labels = [str(label) for label in given] if isinstance(given, Mapping) else _labels(values)
+    values = list(levels.values()) if isinstance(levels, Mapping) else list(levels)
+    labels = [str(label) for label in levels] if isinstance(levels, Mapping) else _labels(values)
     for value in values:
         if isinstance(value, Mapping):
             check_mapping(
@@ -165,9 +165,9 @@ def model_of_scene(model: Any, switches: Sequence[Switch], scene: Scene) -> Any:
     changes: dict[str, Any] = {}
     for switch, level in zip(switches, scene, strict=True):
         changes |= {} if switch.changes is None else switch.changes[level]
-    changed = model.replace(**changes) if changes else model
+    variant = model.replace(**changes) if changes else model
     lacks = left_out(switches, scene)
-    return changed.without(*lacks) if lacks else changed
+    return variant.without(*lacks) if lacks else variant
 
 
 def check_scene_at(
@@ -190,10 +190,10 @@ def left_out(switches: Sequence[Switch], scene: Scene) -> tuple[str, ...]:
 def scene_name(switches: Sequence[Switch], scene: Scene) -> str:
     """A scene in words: "with all three", "without geometry", "contact HertzContact, without geometry"."""
     without = left_out(switches, scene)
-    chosen = [s.label(level) for s, level in zip(switches, scene) if s.changes is not None]
-    if not without and not chosen:
+    labels = [s.label(level) for s, level in zip(switches, scene) if s.changes is not None]
+    if not without and not labels:
         return f"{WITH} {all_of(len(switches))}"
-    return ", ".join([*chosen, *([f"{WITHOUT} {', '.join(without)}"] if without else [])])
+    return ", ".join([*labels, *([f"{WITHOUT} {', '.join(without)}"] if without else [])])
 
 
 def all_of(count: int) -> str:
@@ -207,9 +207,9 @@ def state_of_scene(model: ModelOrAutomaton, full: Any, start: Any) -> Any:
     if isinstance(start, str):
         return start
     names = list(automaton_of(full).state_names)
-    given = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
-    known = set(automaton_of(model).state_names)
-    return {name: value for name, value in given.items() if name in known}
+    by_name = start if isinstance(start, Mapping) else dict(zip(names, whole.tolist()))
+    state_names = set(automaton_of(model).state_names)
+    return {name: value for name, value in by_name.items() if name in state_names}
 
 
 def numbers_of(result: Any, name: str, within: str = "") -> dict[str, float]:
@@ -340,29 +340,29 @@ def effects_of(quantity: str, numbers: Array, switches: Sequence[Switch]) -> Eff
     """The effects in an array (levels of each switch, ..., P conditions, S repetitions)."""
     conditions = numbers.shape[-2]
     terms = list(_terms(switches))
-    known = np.asarray(np.isfinite(numbers).all(axis=tuple(range(len(switches)))))
+    finite = np.asarray(np.isfinite(numbers).all(axis=tuple(range(len(switches)))))
     kinds: list[Callable[[Array], Array]] = [
         lambda mean: np.array([_mixed_difference(mean, switches, term) for term in terms]),
         lambda mean: _shapley_values(mean, switches),
         _variance_shares,
     ]
     columns = [
-        [_jackknife(numbers[..., p, np.flatnonzero(known[p])], kind) for kind in kinds]
+        [_jackknife(numbers[..., p, np.flatnonzero(finite[p])], kind) for kind in kinds]
         for p in range(conditions)
     ]
     tables = [[np.stack(rows, axis=-1) for rows in zip(*kind)] for kind in zip(*columns)]
     names = tuple(switch.name for switch in switches)
     term_names = tuple(_term_name(term, switches) for term in terms)
     orders = np.array([len(term) for term in terms], dtype=int)
-    return Effects(quantity, names, term_names, orders, *chain(*tables), used=known.sum(axis=-1))
+    return Effects(quantity, names, term_names, orders, *chain(*tables), used=finite.sum(axis=-1))
 
 
 def _terms(switches: Sequence[Switch]) -> Iterator[Term]:
     """All effects, those of few switches first."""
     places = range(len(switches))
-    for chosen in chain.from_iterable(combinations(places, size) for size in range(1, len(switches) + 1)):
-        for levels in product(*(switches[i].others for i in chosen)):
-            yield tuple(zip(chosen, levels))
+    for subset in chain.from_iterable(combinations(places, size) for size in range(1, len(switches) + 1)):
+        for levels in product(*(switches[i].others for i in subset)):
+            yield tuple(zip(subset, levels))
 
 
 def _term_name(term: Term, switches: Sequence[Switch]) -> str:
@@ -403,8 +403,8 @@ def _shapley_values(mean: Array, switches: Sequence[Switch]) -> Array:
     """
     m = len(switches)
 
-    def value(chosen: Sequence[int]) -> float:
-        return mean[tuple(s.end if i in chosen else s.reference for i, s in enumerate(switches))]
+    def value(subset: Sequence[int]) -> float:
+        return mean[tuple(s.end if i in subset else s.reference for i, s in enumerate(switches))]
 
     values = np.zeros(m)
     for i in range(m):

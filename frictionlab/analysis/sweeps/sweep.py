@@ -176,11 +176,11 @@ def sweep(
     study = {"function": function_name(function), **grid.specification()}
     specification = {} if path is None else {"model": data_of(model), **study}
     tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
-    chosen, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
+    indices, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
     with Journal(specification, path, parts) as journal:
-        journal.run_tasks(at_point, tasks, tasks.name, how, "sweep", chosen=chosen)
+        journal.run_tasks(at_point, tasks, tasks.name, how, "sweep", chosen=indices)
     results = [journal.results.get(i) for i in range(len(tasks))]
-    return journal.finish(grid.sweep(results, model, own_name(function)), len(chosen))
+    return journal.finish(grid.sweep(results, model, own_name(function)), len(indices))
 
 
 def _check_shard(shard: Any) -> tuple[int, int]:

@@ -245,16 +245,16 @@ class _Run:
 
 def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
     """Collect the results of tasks that have begun; after ctrl-C, tell the user of the wait."""
-    since, told = monotonic(), False
+    since, has_warned = monotonic(), False
     if run.executor_error is not None:  # what is still running may never end
         run.collect(0.0)
         return
     while run.chunks and interrupts.count < LEAVING_PRESS:
-        if interrupts.count and not told and monotonic() - since > SILENT_TIME:
+        if interrupts.count and not has_warned and monotonic() - since > SILENT_TIME:
             count = len(run.chunks)
             tasks = "the task that has" if count == 1 else f"the {count} tasks that have"
             tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
-            told = True
+            has_warned = True
         run.collect(POLL_TIME)
 
 
@@ -286,10 +286,10 @@ def _executor(
 class _Workers:
     """How many workers an executor has, as far as it tells; a cluster's number changes."""
 
-    def __init__(self, executor: Executor, given: int | None) -> None:
+    def __init__(self, executor: Executor, count: int | None) -> None:
         fixed = (getattr(executor, name, None) for name in ("_max_workers", "num_workers"))  # of mpi4py
-        self._count = given or next((n for n in fixed if isinstance(n, int)), MANY_WORKERS)
-        self._client: Any = None if given else getattr(executor, "_client", None)  # of Dask
+        self._count = count or next((n for n in fixed if isinstance(n, int)), MANY_WORKERS)
+        self._client: Any = None if count else getattr(executor, "_client", None)  # of Dask
         self._asked = -WORKER_CHECK_TIME
 
     def __call__(self) -> int:
