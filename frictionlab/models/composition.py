@@ -169,13 +169,13 @@ def refuse_positional(values: tuple[Any, ...], cls: type) -> None:
 
 
 def refuse_unknown(
-    given: Iterable[str], cls: type, roles: Mapping[str, type], components: Mapping[str, Component]
+    given: Iterable[str], cls: Any, parameters: Iterable[str], components: Mapping[str, Component]
 ) -> None:
     """Raise TypeError for the first name that is no parameter, component or structural field."""
-    known = [*parameter_owners(cls, components), *roles, *structural_fields(cls)]
+    names = [*parameters, *components, *structural_fields(cls)]
     for name in given:
-        if name not in known:
-            raise unknown_parameter(cls.__name__, name, known, owner_among_laws(name, roles, components))
+        if name not in names:
+            raise unknown_parameter(cls.__name__, name, names, owner_among_laws(name, cls.roles, components))
 
 
 def check_component(role: str, base: type, component: object) -> Component:

@@ -46,7 +46,14 @@ if TYPE_CHECKING:
 
 M = TypeVar("M", bound="Model")
 AUTOMATON, REST = "_automaton", "_state_at_rest"
-NOTES = AUTOMATON, REST, "structure_key"  # what a model notes of itself, as it never changes
+NOTES = (
+    AUTOMATON,
+    REST,
+    "structure_key",
+    "components",
+    "parameters",
+    "nonlinearities",
+)  # what a model notes of itself, as it never changes
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 
@@ -164,12 +171,12 @@ class Model(Component):
             for role, base in self.roles.items()
         }
         structure = structural_values(cls, given)
-        refuse_unknown(given, cls, self.roles, components)
+        owner = parameter_owners(cls, components)
+        refuse_unknown(given, cls, owner, components)
         for name, value in structure.items():
             object.__setattr__(self, name, value)
         for name, about in parameters_of(cls).items():
             object.__setattr__(self, name, given.get(name, about.default))
-        owner = parameter_owners(cls, components)
         for role, component in components.items():
             values = {name: value for name, value in given.items() if owner[name] == role}
             object.__setattr__(self, role, with_values(component, values))
@@ -216,20 +223,18 @@ class Model(Component):
                 like = "like the solver's limit" if name == "chatter" else "like the coordinate"
                 raise ValueError(f"a parameter must not be named {like} {name!r}: rename it")
 
-    @property
+    @cached_property
     def components(self) -> Mapping[str, Component]:
         """Role -> component."""
         return MappingProxyType({role: getattr(self, role) for role in self.roles})
 
-    @property
+    @cached_property
     def parameters(self) -> Mapping[str, float]:
         """Name -> value of every parameter (SI units), read-only; change them with :meth:`replace`."""
-        values = {name: getattr(self, name) for name in parameters_of(type(self))}
-        for role in self.roles:
-            component = getattr(self, role)
-            for name in parameters_of(type(component)):
-                values[name] = getattr(component, name)
-        return MappingProxyType(values)
+        parts = (self, *self.components.values())
+        return MappingProxyType(
+            {name: getattr(part, name) for part in parts for name in parameters_of(type(part))}
+        )
 
     def replace(self, **changes: Any) -> Self:
         """A new model with other parameters or components.
@@ -275,7 +280,7 @@ class Model(Component):
         """The mechanism for `animate` and `watch`; None where the model has none."""
         return None
 
-    @property
+    @cached_property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
         """The nonlinearities that can be switched off, by name, in `without`, `ablation` and `explore`.
 

@@ -173,25 +173,28 @@ def restoring_components(model: Model) -> dict[str, dict[str, Any]]:
     return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
 
 
-def chosen_model(model: Model, controls: Mapping[str, Control]) -> Model:
+def chosen_model(
+    model: Model, restoring: Mapping[str, Mapping[str, Any]], controls: Mapping[str, Control]
+) -> Model:
     """The model that the controls are set to, from the one with which they were made.
+
+    `restoring` is what :func:`restoring_components` gives of that one.
 
     Raises
     ------
     ValueError
         If a law cannot do without its nonlinearity, or a parameter breaks a rule.
     """
-    chosen: dict[str, Any] = {role: controls[role].value for role in model.roles if role in controls}
-    nonlinearities = model.nonlinearities
-    off = [name for name in nonlinearities if not controls[f"switch-{name}"].value]
-    restored = restoring_components(model)
-    for name in nonlinearities:
+    changes: dict[str, Any] = {role: controls[role].value for role in model.roles if role in controls}
+    off = [name for name in model.nonlinearities if not controls[f"switch-{name}"].value]
+    for name, components in restoring.items():
         if name not in off:
-            chosen |= restored.get(name, {})
+            changes |= components
     # A nonlinearity that the initial model lacks is already left out by that model's components.
-    chosen |= without(model, tuple(name for name in off if name not in restored))
-    made = model.replace(**chosen)
-    return made.replace(**{name: controls[name].value for name in made.parameters})
+    changes |= without(model, tuple(name for name in off if name not in restoring))
+    components = {role: changes.get(role, component) for role, component in model.components.items()}
+    names = parameter_metadata(type(model), components)
+    return model.replace(**changes | {name: controls[name].value for name in names})
 
 
 def run_choices(settings: Settings) -> Iterator[Control]:

@@ -21,7 +21,7 @@ from frictionlab.widgets.panels.standard import (
     select_panels,
 )
 
-from .controls import State, chosen_model, chosen_settings, controls_of, set_state
+from .controls import State, chosen_model, chosen_settings, controls_of, restoring_components, set_state
 from .front_end import FrontEnd, result_data
 from .result import Result, Settings, default_settings, starting_model
 from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
@@ -58,6 +58,7 @@ class Explorer:
         self.settings, self.result = settings, Result(settings)
         self.error: BaseException | None = None
         self.start_model, self.panels = settings.model, panels
+        self._restoring = restoring_components(settings.model)
         self.drawings: dict[str, Drawing] = {}
         self._images: dict[str, bytes] = {}
         self.updates = 0  # computed so far
@@ -134,6 +135,8 @@ class Explorer:
     def _moved(self, change: Any) -> None:
         """Set the controls as the browser says; what they cannot have is told there."""
         state = {name: data for name, data in change["new"].items() if name in self.controls}
+        if state == self.values():  # an answer that was sent to the browser
+            return
         try:
             self.set_values(state)
         except (TypeError, ValueError) as error:
@@ -158,7 +161,7 @@ class Explorer:
         self.widget.computing = True
         asked = self.widget.state
         try:
-            model = chosen_model(self.start_model, self.controls)
+            model = chosen_model(self.start_model, self._restoring, self.controls)
             settings = chosen_settings(model, self.controls)
             result = self.result if settings == self.settings else Result(settings)
             goes_on = result is self.result and bool(self.progress)

@@ -15,9 +15,11 @@ import traitlets
 from matplotlib.colors import to_hex
 
 from frictionlab.analysis.motion_scales import time_of_rest
+from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model
+from frictionlab.models.symbols import symbol
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
 from frictionlab.pages.scene import Data, friction_points, has_friction_curve, quantity_data
@@ -31,6 +33,7 @@ MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+",
 SOLID = "-", "solid"
 TURN_OF_FORCE = "period"  # the event at each period of a force in time, which is no impact
 NO_LINE = "none", "None", "", " "
+_QUANTITIES: dict[StructureKey, Data] = {}
 FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
 
@@ -140,7 +143,15 @@ def result_data(
 
 
 def _without_run(model: Model) -> Data:
-    return {"structure": quantity_data(model, model.automaton()), "finished": True, "status": ""}
+    return {"structure": quantities_of(model), "finished": True, "status": ""}
+
+
+def quantities_of(model: Model) -> Data:
+    """What `quantity_data` says of a model; it depends on the structure alone."""
+    key = model.structure_key
+    if key not in _QUANTITIES:
+        _QUANTITIES[key] = quantity_data(model, model.automaton())
+    return _QUANTITIES[key]
 
 
 def friction_data(result: Result) -> Data | None:
@@ -152,15 +163,15 @@ def friction_data(result: Result) -> Data | None:
     model, automaton = result.model, result.model.automaton()
     if not has_friction_curve(model):
         return None
-    formulas = friction_formulas(model.structure_key, tuple(automaton.parameters))
+    formulas = friction_formulas(model.structure_key, tuple(map(symbol, automaton.values)))
     values, known = tuple(automaton.values.values()), result.eigenvalues
     point = None if known is None else known.equilibrium
     last = max((model.parameters[speed] for speed, _ in friction_points(model) if speed), default=0.0)
     if point is None or "relative_velocity" not in automaton.outputs:  # one curve, but several contacts
         speeds = np.linspace(0.0, FRICTION_REACH * (last or 1.0), FRICTION_SAMPLES)
         return {"speeds": packed(speeds), "mu": packed(formulas.arrays(speeds, 1.0, *values)[0]), "at": None}
-    names, normal = [mode.name for mode in automaton.modes], point.normal_force
-    slip = abs(evaluate_output(automaton, "relative_velocity", point.state[None], np.zeros(1), names)[0])
+    mode, normal = next(iter(automaton.names)), point.normal_force
+    slip = abs(evaluate_output(automaton, "relative_velocity", point.state[None], np.zeros(1), [mode])[0])
     speeds = np.linspace(0.0, FRICTION_REACH * max(last, slip), FRICTION_SAMPLES)
     force, damper = formulas.numbers(slip, normal, *values)
     mu = np.broadcast_to(formulas.arrays(speeds, normal, *values)[0], speeds.shape) / normal
@@ -196,7 +207,7 @@ def sampled_run(run: Trajectory, model: Model, times: Array, states: Array, mode
     automaton, names, colours = run.automaton, run.mode_names, mode_colours(run)
     columns = {name: states[:, i] for i, name in enumerate(run.names)}
     columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
-    own = quantity_data(model, automaton)
+    own = quantities_of(model)
     return {
         "structure": own | {"modes": list(names), "colours": [colours[name] for name in names]},
         "samples": {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,6 +96,7 @@ def starting_model(model: Model | None) -> Model:
     return SliderOnBelt() if model is None else require_shown_model(model, MAKE_ONE)
 
 
+@cache  # methods never change
 def limit_steps(method: Method) -> Method:
     """The method with at most MAX_STEPS steps: a motion that grows without bounds takes ever shorter ones."""
     return replace(method, max_steps=MAX_STEPS) if isinstance(method, Taylor) else method
@@ -117,6 +118,7 @@ def python_snippet(settings: Settings) -> str:
     return "\n".join(["import frictionlab as fl", *_import_lines(settings.model), model, run])
 
 
+@cache
 def _method_argument(method: Method) -> str:
     """The method as an argument, with the options that differ from its defaults."""
     usual = type(method)()
@@ -187,11 +189,16 @@ class Result:
         return amplitude_spectrum(self.run, f"{name}'" if name in getattr(self.model, "cyclic", ()) else name)
 
     @cached_property
+    def _period(self) -> float:
+        """The period of which the shown part is a multiple, s."""
+        return rounded_period(self.model)
+
+    @cached_property
     def _span(self) -> tuple[float, float]:
         end, window = float(self.run.raw.t), self.settings.window
         if window is None:
             return 0.0, end
-        shown = SHOWN_PERIODS * rounded_period(self.model)
+        shown = SHOWN_PERIODS * self._period
         if window == BEGINNING:
             return 0.0, min(end, shown)
         if window == WHAT_MOVES and not self.is_moving:
@@ -202,12 +209,12 @@ class Result:
     def is_moving(self) -> bool:
         """Whether the coordinates change in the last periods of the run."""
         end = float(self.run.raw.t)
-        return not is_at_rest(self.run, (max(0.0, end - SHOWN_PERIODS * rounded_period(self.model)), end))
+        return not is_at_rest(self.run, (max(0.0, end - SHOWN_PERIODS * self._period), end))
 
     @cached_property
     def decays(self) -> bool:
         """Whether the motion is smaller in the last periods of the run than in as many in its middle."""
-        end, seconds = float(self.run.raw.t), SHOWN_PERIODS * rounded_period(self.model)
+        end, seconds = float(self.run.raw.t), SHOWN_PERIODS * self._period
         spans = [np.linspace(max(0.0, t - seconds), t, MIN_SAMPLES) for t in (end / 2, end)]
         early, late = self.run(np.array(spans))[..., : len(self.model.coordinates)]
         return bool(np.ptp(late, axis=0).max() < STEADY * np.ptp(early, axis=0).max())
@@ -215,15 +222,8 @@ class Result:
     def times(self) -> Array:
         """Times (s) of the part of the run that is shown, at equal distances."""
         start, stop = self._span
-        count = (
-            int(
-                np.clip(
-                    (stop - start) / rounded_period(self.model) * SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES
-                )
-            )
-            + 1
-        )
-        return np.clip(np.linspace(start, stop, count), start, stop)
+        count = np.clip((stop - start) / self._period * SAMPLES_PER_PERIOD, MIN_SAMPLES, MAX_SAMPLES)
+        return np.clip(np.linspace(start, stop, int(count) + 1), start, stop)
 
     def samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
         """Times (N,), states (N, 2n) and modes (N,) of what is shown: at :meth:`times` and, where there are

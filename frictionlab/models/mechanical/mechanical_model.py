@@ -7,6 +7,7 @@ belt.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -61,7 +62,7 @@ class MechanicalModel(Model):
     cyclic: ClassVar[tuple[str, ...]] = ()
     interface: Interface = StickSlipSeparation()
 
-    @property
+    @cached_property
     def nonlinearities(self) -> Mapping[str, Nonlinearity]:
         """The nonlinearities of the components; "nonsmooth" only if there are contacts, whose belts move."""
         nonlinearities, contacts = nonlinearities_of(self), numbers_of_contacts(self)

@@ -14,6 +14,7 @@ from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.borders import borders_at
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import eigenpairs_of_matrices, eigenvalue_order, is_neutral
 
@@ -170,7 +171,7 @@ def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
             2,
         )
     problem = equilibrium_problem(model)
-    whole = jacobian(model, point.state)
+    whole = _state_matrix(problem, point.state)
     matrix = problem.without_following(whole)
     values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
     values.real[is_neutral(matrix, values)] = 0.0
@@ -194,7 +195,11 @@ def jacobian(model: ModelOrAutomaton, state: Array) -> Array:
         If friction has no derivative, as the belt rests and the model has stick; or if a law has no
         derivative or no value at this state.
     """
-    problem = equilibrium_problem(model)
+    return _state_matrix(equilibrium_problem(model), state)
+
+
+def _state_matrix(problem: EquilibriumProblem, state: Array) -> Array:
+    model = problem.model
     if by_penetration(model) and sliding_equations(model).rests(problem.values):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     with np.errstate(all="ignore"):
