@@ -108,7 +108,8 @@ class BoundedGuards(Guards):
         if which == len(steps) - 1:
             for function in np.flatnonzero(self.values(last.state) < 0.0):
                 other = self._zero(last, int(function), last.end)
-                zero, guard = min((zero, guard), other) if guard >= 0 else other
+                if not self.only_turned(int(function), last.dense(other[0])):
+                    zero, guard = min((zero, guard), other) if guard >= 0 else other
         return which, zero, guard
 
     def longest_step(self, pieces: Pieces) -> float:

@@ -33,7 +33,8 @@ class LyapunovSpectrum(Drawable):
     Parameters
     ----------
     exponents : array (n,)
-        1/s, the largest first; -inf for a direction that events remove (onsets of stick, plastic impacts).
+        1/s, the largest first; -inf for a direction that events remove (onsets of stick, plastic impacts),
+        or that constraints never leave free (a contact that stays closed).
     standard_errors : array (n,)
         Of the exponents, from the scatter of `blocks`; NaN where the exponent is -inf.
     blocks : array (K, n)

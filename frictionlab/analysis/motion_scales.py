@@ -61,10 +61,11 @@ def state_scales(states: Array, coordinates: int) -> Array:
     by its own small range.  A state or group that does not move beyond rounding is measured by its values.
     """
     ranges, values = state_ranges(states), np.abs(states).max(axis=0)
-    still = ranges < AT_REST_RTOL * values
+    still = ranges <= AT_REST_RTOL * values
     for group in state_groups(coordinates):
         largest = ranges[group].max(initial=0.0) or values[group].max(initial=0.0) or 1.0
         ranges[group] = np.maximum(ranges[group], MIN_RANGE_RTOL * largest)
+        values[group] = np.maximum(values[group], MIN_RANGE_RTOL * values[group].max(initial=0.0))
     return np.where(still, np.maximum(ranges, values), ranges)
 
 

@@ -28,10 +28,12 @@ from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.mechanical.friction_in_plane import STOP
 
 MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
 HALVINGS = 30  # by which the time of a violation is found
-SAMPLES_OF_SIZES = 2000
+SAMPLES_OF_SIZES, SAMPLES_OF_ROUNDING = 2000, 500
+MOST_OF_TIME = 0.9  # rounding of rates grows for an instant where friction in the plane comes to a stop
 VIOLATION_WITHOUT_TOLERANCE = 1e-6  # share of a condition's size, for methods whose tolerance is not known
 ROUNDING_MARGIN = 10.0  # times the rounding errors of a state: what moves less is at rest
 STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relative velocity zero
@@ -76,15 +78,24 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
     Of such a size these errors are the share by which a condition may be broken.  Those of other states are
     zero, as a motion is judged by its own size.
     """
-    n, modes = run.automaton.coordinates, run.raw.step_modes
-    rates = np.zeros(len(run.names))
+    n = run.automaton.coordinates
+    states, modes = run.states_and_modes(np.linspace(0.0, run.raw.t, SAMPLES_OF_ROUNDING))
+    rates = np.zeros_like(states)
     for mode in np.unique(modes):
-        tape = Tape(run.problem.program.code, run.problem.numbers, int(mode))
-        rates = np.maximum(rates, tape.sizes(run.raw.step_states[modes == mode], tape.flow))
+        tape, here = Tape(run.problem.program.code, run.problem.numbers, int(mode)), modes == mode
+        with np.errstate(all="ignore"):
+            rates[here] = tape.magnitudes(states[here], tape.flow)
+    rates = np.quantile(np.nan_to_num(rates, posinf=0.0), MOST_OF_TIME, axis=0)
     rounding = RESIDUAL_ROUNDING * run.raw.t * rates
     rounding[:n] = rounding[n : 2 * n] * run.raw.t
     only_rounding = state_ranges(run.states) <= ROUNDING_MARGIN * rounding
     return np.where(only_rounding, rounding / largest_violation(run), 0.0)
+
+
+def steps_to_stops(run: Trajectory) -> Array:
+    """The steps that end by a stop of friction in the plane, over which accelerations count as constant."""
+    stops = run.events.t[np.char.startswith(run.events.guard.astype(str), STOP)]
+    return np.searchsorted(run.raw.step_times[:, 0], stops) - 1
 
 
 def evenly_spread(count: int, most: int) -> Array:
@@ -210,7 +221,7 @@ def _broken_flow(run: Trajectory, limit: float) -> str:
     sizes = judged_size(run)
     for mode, steps in _steps_by_mode(run):
         tape = Tape(run.problem.program.code, run.problem.numbers, mode)
-        for some in _at_once(steps):
+        for some in _at_once(np.setdiff1d(steps, steps_to_stops(run))):
             defect = largest_defect(tape, _pieces(run, some), sizes)
             if defect.share > limit:
                 return (

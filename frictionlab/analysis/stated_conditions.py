@@ -18,7 +18,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.analysis.run_conditions import evenly_spread, is_of_series, judged_size, largest_violation
+from frictionlab.analysis.run_conditions import (
+    evenly_spread,
+    is_of_series,
+    judged_size,
+    largest_violation,
+    steps_to_stops,
+)
 from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
@@ -99,6 +105,7 @@ def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Place
     begins, lengths = run.raw.step_times.T
     modes = run.raw.step_modes
     steps = np.concatenate([_some_steps(run, np.flatnonzero(modes == mode)) for mode in np.unique(modes)])
+    steps = np.setdiff1d(steps, steps_to_stops(run))
     share = 0.5 if is_of_series(run) else NEAR_START
     t, first = begins[steps] + share * lengths[steps], share * lengths[steps] * 2.0 * STEP_SHARE
     n = stated.n

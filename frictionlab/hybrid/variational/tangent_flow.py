@@ -116,12 +116,15 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
 
 
 def initial_frame(run: Trajectory) -> np.ndarray:
-    """The perturbations (n, n) that a run's first mode admits: the unit matrix projected onto its
-    constraints."""
+    """The perturbations (n, n) that a run's first mode admits."""
+    return admissible_frame(run, 0) if len(run.raw.step_modes) else np.eye(run.raw.state.size)
+
+
+def admissible_frame(run: Trajectory, step: int) -> np.ndarray:
+    """The perturbations (n, n) that are admitted where a step begins: the unit matrix projected onto the
+    constraints of its mode."""
     program, numbers, raw = run.problem.program, run.problem.numbers, run.raw
-    if not len(raw.step_modes):
-        return np.eye(raw.state.size)
-    mode, z = int(raw.step_modes[0]), raw.step_states[0]
+    mode, z = int(raw.step_modes[step]), raw.step_states[step]
     return admissible_tangents(constraint_gradients(program, mode, linearise_mode(program, numbers, mode, z)))
 
 
@@ -283,24 +286,36 @@ def carry_orthonormal_steps(code, numbers, truncation, steps, z, frame, scratch,
 def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rows (m, n) propagated to the end of a run, orthonormal in units of `size` (n,), and their growth.
 
-    The growth (m,) is the logarithm of a factor: -inf where an event removes a direction.
+    The growth (m,) is the logarithm of a factor: -inf where an event or a mode's constraints remove a
+    direction.
     """
     growth, rows = np.zeros(len(rows)), rows.copy()
     for part, event in smooth_segments(run):
-        carry_rows(carry_orthonormal_steps, run, part, rows, Growth(size, growth))
+        constrained = _is_constrained(run, part)
+        for some in [slice(i, i + 1) for i in range(part.start, part.stop)] if constrained else [part]:
+            if constrained:  # each step: what leaves constraints by rounding would outgrow vectors that decay
+                rows = _orthonormalise_anew(rows @ admissible_frame(run, some.start).T, size, growth)
+            carry_rows(carry_orthonormal_steps, run, some, rows, Growth(size, growth))
         if event is not None:
-            rows = _orthonormalise_after_event(event_saltation(run, event).carried(rows), size, growth)
+            rows = _orthonormalise_anew(event_saltation(run, event).carried(rows), size, growth)
     return rows, growth
 
 
-def _orthonormalise_after_event(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
-    """Orthonormalise after an event.
+def _is_constrained(run: Trajectory, part: slice) -> bool:
+    """Whether the mode of a segment has constraints."""
+    modes = run.raw.step_modes[part]
+    return len(modes) > 0 and bool(np.diff(run.problem.program.code.mode_constraints)[modes[0]])
 
-    A vector that the event removes has a growth of -inf, and an arbitrary one takes its place.
+
+def _orthonormalise_anew(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
+    """Orthonormalise rows some of which an event or constraints may have removed.
+
+    They were orthonormal.  A vector that is removed has a growth of -inf, and an arbitrary one takes its
+    place.
     """
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
     left, lengths = np.abs(np.diag(upper)), np.linalg.norm(columns, axis=0)
     with np.errstate(divide="ignore"):
-        growth += np.log(np.where(left > LOST_SHARE * lengths, left, 0.0))
+        growth += np.log(np.where(left > LOST_SHARE * np.maximum(lengths, 1.0), left, 0.0))
     return np.ascontiguousarray(frame.T * size)

@@ -49,6 +49,17 @@ class Coupled(fl.MechanicalModel):
 
 
 @fl.model
+class Braked(Coupled):
+    """The same on a belt that brakes."""
+
+    def mechanics(self, q, v):
+        belt = fl.ramp(q.t, start=1.0, end=0.0, duration=8.0)
+        energy = (v.x**2 + v.y**2) / 2
+        rubbing = fl.Friction((belt - v.x, -v.y), 1.0, self.friction)
+        return fl.Mechanics(energy, 2.0 * q.x**2 + 4.5 * q.y**2, contacts=(rubbing,))
+
+
+@fl.model
 class Stacked(fl.MechanicalModel):
     """A block on a board that slides freely."""
 
@@ -303,10 +314,17 @@ def test_stick_slip_keeps_its_energy(law):
     assert fl.energy_audit(run, progress=False).error < 1e-12
 
 
-@pytest.mark.slow  # 3 s: a verification takes three runs, one of them scipy's
-def test_stick_slip_is_verified():
-    model = Coupled()
-    assert fl.verify(model, 10.0, x0=[0.0, 0.5, 0.2, 0.0], progress=False).ok
+@pytest.mark.parametrize(
+    ("model", "t_end", "x0"),
+    [
+        # 3 s: a verification takes three runs, one of them scipy's
+        pytest.param(Coupled(), 10.0, [0.0, 0.5, 0.2, 0.0], marks=pytest.mark.slow),
+        (Braked(), 6.0, [0.3, 0.2, 0.1, 0.2]),  # rates near the stop are rounding alone
+        (fl.DitheredOscillator(), 1.0, "rest"),  # v_r turns back, and does not stop
+    ],
+)
+def test_slip_that_stops_or_turns_is_verified(model, t_end, x0):
+    assert fl.verify(model, t_end, x0=x0, progress=False).ok
 
 
 def test_a_periodic_orbit_with_stick_in_the_plane_has_multipliers():

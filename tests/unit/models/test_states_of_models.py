@@ -65,6 +65,23 @@ class Warm(fl.MechanicalModel):
         )
 
 
+@fl.model
+class Clutch(fl.MechanicalModel):
+    """Two shafts that friction keeps together, a motor on one of them, a damper, and the heat of slip."""
+
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=1.0, mu_s=1.0)
+    coordinates = ("phi1", "phi2")
+    cyclic = ("phi1", "phi2")
+    states = ("i", "T")
+
+    def mechanics(self, q, v, s):
+        slip, loads = v.phi1 - v.phi2, {"phi1": 2.0 * s.i}
+        rates = {"i": 1.0 - 2.0 * s.i, "T": 10.0 * fl.functions.absolute(slip) - 0.3 * s.T}
+        contacts = (fl.Friction(slip, 10.0, self.friction),)
+        kinetic = (v.phi1**2 + v.phi2**2) / 2
+        return fl.Mechanics(kinetic, dissipation=v.phi2**2 / 2, loads=loads, rates=rates, contacts=contacts)
+
+
 def test_a_motor_comes_to_the_speed_of_its_closed_form():
     """K U/(2 c + K^2), and before that the solution of two linear equations."""
     run = fl.simulate(Motor(), 300.0, progress=False)
@@ -116,6 +133,13 @@ def test_friction_that_a_temperature_softens_agrees_with_another_integrator():
     assert {"impact_2"} <= {*run.events.guard.tolist()}
     assert fl.verify(model, 10.0, x0={"T": 0.5}, progress=False).ok
     assert fl.energy_audit(run, progress=False).error < 1e-12
+
+
+def test_exponents_of_shafts_that_stick_together():
+    """w' = -0.5 w + i and i' = 1 - 2 i, turning and a twist that stays; heat is gone, and decays at 0.3."""
+    model = Clutch()
+    exponents = fl.lyapunov(model, transient=100.0, t_end=200.0, progress=False).exponents
+    assert exponents == pytest.approx([0.0, 0.0, -0.3, -0.5, -2.0, -np.inf], abs=0.02)
 
 
 def test_the_equations_and_the_conformance_suite_have_them():

@@ -94,6 +94,18 @@ def test_a_rigid_contact_changes_and_regains_stability_with_its_hopf_point():
     assert maps[0] == maps[1]
 
 
+def test_what_a_contact_holds_has_no_lyapunov_exponent():
+    """Neighbours in flight are none of a motion in contact: its exponents are those of the free coordinate."""
+    held, flat = (
+        fl.lyapunov(model, transient=20.0, t_end=40.0, progress=False)
+        for model in (OnTheBelt(v=3.0), InOneCoordinate(v=3.0))
+    )
+    assert held.exponents[:2] == pytest.approx(flat.exponents, rel=1e-2)
+    decay = fl.eigenvalues(OnTheBelt(v=3.0)).growth_rates
+    assert held.exponents[:2].sum() == pytest.approx(decay.sum(), rel=1e-6)
+    assert (held.exponents[2:] == -np.inf).all()
+
+
 def test_a_contact_that_would_pull_has_no_equilibrium():
     assert len(fl.equilibria(OnTheBelt(lift=9.9))) == 1
     assert not fl.equilibria(OnTheBelt(lift=10.1))
