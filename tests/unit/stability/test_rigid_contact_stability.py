@@ -95,7 +95,7 @@ def test_a_rigid_contact_changes_and_regains_stability_with_its_hopf_point():
 
 
 def test_what_a_contact_holds_has_no_lyapunov_exponent():
-    """Neighbours in flight are none of a motion in contact: its exponents are those of the free coordinate."""
+    """Neighbours in flight are none of a motion in contact: it has the exponents of the free coordinate."""
     held, flat = (
         fl.lyapunov(model, transient=20.0, t_end=40.0, progress=False)
         for model in (OnTheBelt(v=3.0), InOneCoordinate(v=3.0))
