@@ -1,6 +1,6 @@
 // The engine of an exported page: the kernels in the browser.  A state gives a result, as panels and words take it.
 const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 500, SPECTRUM_SAMPLES = 4096, REST_SAMPLES = 65, DECAY_SAMPLES = 400;
-const DRAG_PATIENCE = 40, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
+const DRAG_PATIENCE = 20, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
 const PERIODS_SHOWN = 10, PERIODS_HEARD = 100;
 const AT_REST = 1e-9, SEEN = 1e-3, AFTER_REST = 1.15, STEADY = 0.95; // as in frictionlab/widgets/result.py
 const FRICTION_REACH = 1.1, FRICTION_SAMPLES = 200; // of a friction curve; as in frictionlab/widgets/front_end.py

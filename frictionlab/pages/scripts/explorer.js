@@ -358,7 +358,7 @@ class Explorer {
     const [drawing, , , kept] = this.compared(panel.name, look, panel.memory), before = panel.axes;
     panel.axes = layoutOf(c, width, height, drawing, look, panel.memory, kept);
     if (panel.axes !== before) paintFrame(fit(panel.frame)[0], panel.axes);
-    paintCurves(c, panel.axes, drawing, kept);
+    paintCurves(c, panel.axes, drawing, kept, !this.result.complete);
   }
 
   compared(name, look, memory) { // what is painted: of two scenes with many coordinates, the chosen one
@@ -411,10 +411,12 @@ class Explorer {
     if (this.picture) this.drag?.paint(look);
     for (const name of ["response", "forces", "phase"]) {
       const panel = this.panels[name], { axes, over, figure } = panel ?? {};
-      if (!axes || figure.hidden || name !== "phase" && panel.marked === axes && panel.t === t) continue;
+      if (!axes || figure.hidden) continue;
+      const marked = `${axes.X.at(t)} ${axes.top} ${axes.bottom} ${axes.width} ${look.grey}`;
+      if (name !== "phase" && panel.marked === marked) continue;
       const [c, width] = fit(over);
       if (!width) continue;
-      Object.assign(panel, { marked: axes, t });
+      panel.marked = marked;
       if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
         axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);

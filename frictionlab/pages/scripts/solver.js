@@ -7,6 +7,7 @@ const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode c
 const [MODE, STEPS, EVENTS, POINTS] = [0, 1, 2, 3];
 const RECORDS = 24; // there is room for so many records at first, each of 2048 steps and as many events
 const MOST_RECORDS = 768; // for one and a half million steps, some 160 MB
+const HASTE = 100, FEW_STEPS = 128; // with a patience of fewer milliseconds the clock is read after so many steps
 const SAMPLES = 4096; // most samples in a call
 const KINDS = { i8: BigInt64Array, f8: Float64Array, u4: Uint32Array, u1: Uint8Array, b1: Uint8Array };
 const NO_MODE = -1n;
@@ -167,25 +168,26 @@ class Solver {
     return Number(this.call(this.structure.affine ? "advance_affine" : "advance_taylor", record).integers[0]);
   }
 
-  record(steps, events) { // the parts of the arrays behind what has been recorded
+  record(steps, events, length) { // the parts of the arrays behind what has been recorded, with room for `length` more
     const found = {};
     for (const a of this.structure.arrays.filter(({ name }) => name.startsWith("record."))) {
-      const row = a.shape.slice(1).reduce((x, y) => x * y, KINDS[a.type].BYTES_PER_ELEMENT);
+      const [rows, ...shape] = a.shape, row = shape.reduce((x, y) => x * y, KINDS[a.type].BYTES_PER_ELEMENT);
       const before = a.name.startsWith("record.step") ? steps : a.name.startsWith("record.event") ? events : 0;
-      found[a.name] = { shape: a.shape, place: this.arrays[a.name].place + row * before };
+      found[a.name] = { shape: [Math.min(rows, length), ...shape], place: this.arrays[a.name].place + row * before };
     }
     return found;
   }
 
   run(structure, values, state, end, patience = Infinity) { // to the end time, or for about `patience` milliseconds
     this.load(structure);
-    const { arrays } = this, began = performance.now(), length = arrays["record.step_modes"].shape[0];
+    const { arrays } = this, began = performance.now(), capacity = arrays["record.step_modes"].shape[0];
+    const length = patience < HASTE ? Math.min(capacity, FEW_STEPS) : capacity; // between two looks at the clock
     let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : 2, 0, 0];
-    const full = (kind, count) => count + length > this.room[kind] * length && !this.makeRoom(kind);
+    const full = (kind, count) => count + length > this.room[kind] * capacity && !this.makeRoom(kind);
     while (status === RUNNING && !full("step", steps) && !full("event", events)) {
       const counts = arrays["run.counts"].view; // taken again each time, as the memory may have grown
       for (const part of [STEPS, EVENTS, POINTS]) counts[part] = 0n;
-      status = this.advance(this.record(steps, events));
+      status = this.advance(this.record(steps, events, length));
       steps += Number(counts[STEPS]);
       events += Number(counts[EVENTS]);
       if (performance.now() - began > patience) break;

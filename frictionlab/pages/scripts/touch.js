@@ -11,7 +11,7 @@ const TOUCH_KEYS = "Drag a body, or choose one with n and move it with the arrow
 
 class BodyDrag {
   constructor(explorer, over) {
-    Object.assign(this, { explorer, over, chosen: null, from: null, touched: {} });
+    Object.assign(this, { explorer, over, chosen: null, from: null, touched: {}, framed: false });
     Object.assign(over, { tabIndex: 0, title: TOUCH_KEYS, ariaLabel: TOUCH_KEYS, role: "application" });
     const unlessOnBody = (event) => { if (this.bodyAt(event.touches[0])) event.preventDefault(); };
     over.addEventListener("touchstart", unlessOnBody, { passive: false }); // beside bodies a finger scrolls the page
@@ -116,7 +116,10 @@ class BodyDrag {
   }
 
   paint(look) { // a frame around the body that the keys move
-    const [c] = fit(this.over), body = this.chosen === null ? null : this.bodies[this.chosen];
+    const body = this.chosen === null ? null : this.bodies[this.chosen];
+    if (!body && !this.framed) return;
+    const [c] = fit(this.over);
+    this.framed = Boolean(body);
     if (!body) return;
     const { k, x, y } = this.scale, [left, up, w, h] = body.box;
     Object.assign(c, { strokeStyle: look.ink, lineWidth: 2 });
