@@ -46,14 +46,8 @@ if TYPE_CHECKING:
 
 M = TypeVar("M", bound="Model")
 AUTOMATON, REST = "_automaton", "_state_at_rest"
-NOTES = (
-    AUTOMATON,
-    REST,
-    "structure_key",
-    "components",
-    "parameters",
-    "nonlinearities",
-)  # what a model notes of itself, as it never changes
+# What a model notes of itself, as it never changes.
+NOTES = AUTOMATON, REST, "structure_key", "components", "parameters", "nonlinearities"
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 

@@ -15,6 +15,7 @@ import traitlets
 from matplotlib.colors import to_hex
 
 from frictionlab.analysis.motion_scales import time_of_rest
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
@@ -143,14 +144,14 @@ def result_data(
 
 
 def _without_run(model: Model) -> Data:
-    return {"structure": quantities_of(model), "finished": True, "status": ""}
+    return {"structure": quantities_of(model, model.automaton()), "finished": True, "status": ""}
 
 
-def quantities_of(model: Model) -> Data:
-    """What `quantity_data` says of a model; it depends on the structure alone."""
+def quantities_of(model: Model, automaton: HybridAutomaton) -> Data:
+    """What `quantity_data` says of a model and its automaton; it depends on the structure alone."""
     key = model.structure_key
     if key not in _QUANTITIES:
-        _QUANTITIES[key] = quantity_data(model, model.automaton())
+        _QUANTITIES[key] = quantity_data(model, automaton)
     return _QUANTITIES[key]
 
 
@@ -207,7 +208,7 @@ def sampled_run(run: Trajectory, model: Model, times: Array, states: Array, mode
     automaton, names, colours = run.automaton, run.mode_names, mode_colours(run)
     columns = {name: states[:, i] for i, name in enumerate(run.names)}
     columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
-    own = quantities_of(model)
+    own = quantities_of(model, automaton)
     return {
         "structure": own | {"modes": list(names), "colours": [colours[name] for name in names]},
         "samples": {
