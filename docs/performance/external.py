@@ -20,9 +20,9 @@ from frictionlab.compilation.loaded_kernels import prepared_call
 from frictionlab.compilation.machine_code import HAS_MACHINE_CODE
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
-from frictionlab.hybrid.methods.base import ActiveRun, Method
+from frictionlab.hybrid.methods.base import ActiveRun, Method, RecordList
 from frictionlab.hybrid.methods.scipy_methods import Scipy
-from frictionlab.hybrid.problem import Problem, RecordList, Status
+from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.presentation import import_optional
 
 Array = Any
@@ -170,9 +170,9 @@ class ExternalMethod(Method):
             return run_state.FINISHED if t >= end else failed
         return switch(GuardZero(t - now, guard + int(code.mode_guards[mode]), 1))
 
-    def _begin(self, problem: Problem) -> ActiveRun:
+    def _begin(self, problem: Problem, order: int) -> ActiveRun:
         self.count[0] = 0
-        return super()._begin(problem)
+        return super()._begin(problem, order)
 
     def _status(self, status: Status, pieces: RecordList) -> Status:
         capped = status is Status.RUNNING and self.steps >= self.max_steps
