@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -51,6 +52,12 @@ def test_what_was_not_looked_at_is_said(monkeypatch):
     monkeypatch.setattr(stated_conditions, "MOST_COORDINATES", 1)
     said = str(fl.verify(A, 0.1, progress=False))
     assert said.endswith("Lagrange's equations were not compared: there are more than 1 coordinates.")
+
+
+def test_the_independent_method_takes_a_bounded_number_of_steps_however_many_the_run_has(monkeypatch):
+    monkeypatch.setattr(sys.modules[fl.verify.__module__], "INDEPENDENT_STEPS", 50)
+    found = fl.verify(A, 0.4, progress=False)
+    assert str(found).endswith(f"up to t = {found.independent_until:.4g} s, where it had taken 50 steps.")
 
 
 def test_chaos_is_told_from_error():
