@@ -29,6 +29,7 @@ MACHINE_EPSILON = float(np.finfo(float).eps)  # spacing of floats at 1
 BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a column below this share
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
 EQUILIBRATION_ROUNDS = 8  # each halves the decades by which norms differ from 1
+DEPENDENT = 1e-12  # share of the largest singular value of vectors, below which they are dependent
 SINGULAR_RTOL = 1e-13  # of the largest singular value, of a matrix scaled by its rows and columns
 
 
@@ -58,6 +59,23 @@ def eigenpairs_of_matrices(matrices: Array) -> tuple[ComplexArray, ComplexArray]
     coordinates = np.concatenate([vectors, vectors], axis=-1)
     vectors = np.concatenate([coordinates, coordinates * values[:, None, :]], axis=-2)
     return values, vectors / np.linalg.norm(vectors, axis=-2, keepdims=True)
+
+
+def left_eigenvectors(right: Any) -> Any:
+    """Left vectors (..., k, m) of right ones (..., m, k) of length 1, as columns: left @ right = 1.
+
+    Where vectors are dependent, as those of a rigid motion, their inverse is without meaning, for other modes
+    too.  The pseudo-inverse has the left vectors of the others.
+    """
+    if right.shape[-1] != right.shape[-2]:
+        return np.linalg.pinv(right, DEPENDENT)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(right, DEPENDENT)
+    dependent = np.linalg.norm(left, axis=(-2, -1)) > 1.0 / DEPENDENT
+    left[dependent] = np.linalg.pinv(right[dependent], DEPENDENT)
+    return left
 
 
 def _is_undamped(matrices: Array) -> bool:

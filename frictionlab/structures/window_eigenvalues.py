@@ -77,10 +77,12 @@ class WindowEigenvalues(Eigenvalues):
     @property
     def participation(self) -> Array:
         """Share of each freedom in each mode, (n, m); columns sum to 1."""
-        pencil, y = self.structure.pencil, self.left_vectors
+        pencil, x, y = self.structure.pencil, self._displacements, self.left_vectors
         velocities = pencil.M.T @ y
-        left = np.vstack([self.values * velocities + pencil.C.T @ y, velocities]).T
-        return participation_factors(left, self.vectors, len(y))
+        rates = self.values * velocities + pencil.C.T @ y
+        rigid = ~y.any(axis=0)  # at rest: a double eigenvalue, whose left vectors are those of momentum
+        rates[:, rigid] = pencil.M.T @ x[:, rigid].conj()
+        return participation_factors(np.vstack([rates, velocities]).T, self.vectors, len(y))
 
     def sensitivities(self, parameter: str) -> ComplexArray:
         """Derivatives (m,) of the eigenvalues by a parameter, 1/s over its unit: -y (dQ/dp) x.

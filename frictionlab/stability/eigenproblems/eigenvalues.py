@@ -16,7 +16,12 @@ from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equ
 from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.large_system import LargeSystem
-from frictionlab.stability.state_matrices import eigenpairs_of_matrices, eigenvalue_order, is_neutral
+from frictionlab.stability.state_matrices import (
+    eigenpairs_of_matrices,
+    eigenvalue_order,
+    is_neutral,
+    left_eigenvectors,
+)
 
 Array = NDArray[np.float64]
 UNITS = {"growth_rate": "1/s", "frequency": "Hz"}  # in tables
@@ -81,9 +86,7 @@ class Eigenvalues(Drawable):
     @property
     def participation(self) -> Array:
         """Share of each coordinate in each mode, (n, m); columns sum to 1."""
-        square = len(self.vectors) == len(self.values)
-        left: Any = np.linalg.inv(self.vectors) if square else np.linalg.pinv(self.vectors)
-        return participation_factors(left, self.vectors, len(self.equilibrium.q))
+        return participation_factors(left_eigenvectors(self.vectors), self.vectors, len(self.equilibrium.q))
 
     def to_dataframe(self) -> Any:
         """One row for each eigenvalue, as a pandas DataFrame (needs the extra ``data``).

@@ -28,6 +28,7 @@ from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import (
     eigenpairs_of_matrices,
     equal_eigenvalues,
+    left_eigenvectors,
     unstable_pairs,
 )
 
@@ -99,7 +100,7 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
         order = _upper_half(values, k)
         modes.values[finite] = np.take_along_axis(values, order, axis=1)
         modes.right[finite] = np.take_along_axis(right, order[:, None, :], axis=2)
-        modes.left[finite] = np.take_along_axis(_inverse(right), order[:, :, None], axis=1)
+        modes.left[finite] = np.take_along_axis(left_eigenvectors(right), order[:, :, None], axis=1)
     return modes
 
 
@@ -116,14 +117,6 @@ def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
     upper = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
     frequency = np.take_along_axis(values.imag, upper, axis=1)
     return np.take_along_axis(upper, np.argsort(frequency, axis=1, kind="stable"), axis=1)
-
-
-def _inverse(vectors: ComplexMatrices) -> ComplexMatrices:
-    # At a defective matrix the vectors are dependent; the left ones are then large, or without meaning.
-    try:
-        return np.linalg.inv(vectors)
-    except np.linalg.LinAlgError:
-        return np.linalg.pinv(vectors)
 
 
 def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:

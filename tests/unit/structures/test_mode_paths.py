@@ -49,6 +49,25 @@ def test_root_locus_of_two_modes():
     assert locus.shapes.shape == (5, 2, 2)
 
 
+@pytest.mark.parametrize("damping", [0.0, 1e-4])
+def test_shares_of_a_free_chain(damping):
+    """Those of kinetic energy, cos^2((i + 1/2) k pi/n), also beside a rigid motion's double eigenvalue 0."""
+    n = 6
+    springs = 1e3 * (np.diag([1.0, *[2.0] * (n - 2), 1.0]) - np.eye(n, k=1) - np.eye(n, k=-1))
+    skew = np.zeros((n, n))
+    skew[0, 1], skew[1, 0] = 1.0, -1.0
+    free = fl.Structure(
+        np.eye(n), springs, damping * springs, circulatory=[("mu", skew)], parameters={"mu": 0.0}
+    )
+    expected = np.cos(np.outer(np.arange(n) + 0.5, np.arange(n)) * np.pi / n) ** 2
+    expected /= expected.sum(axis=0)
+    locus = fl.root_locus(free, "mu", [0.0, 1e-3, 1e-2])
+    assert np.allclose(locus.participation, expected, atol=1e-5)
+    assert np.allclose(locus.participation[0], expected, atol=1e-12)
+    found = fl.eigenvalues(free)
+    assert np.allclose(found.participation[:, ::2], expected, atol=1e-12)
+
+
 def test_a_warning_where_it_is_unstable_from_the_start():
     structure = fl.Structure(**COUPLED)
     with pytest.warns(RuntimeWarning, match="unstable from mu = 0.6 on, in all of the range"):
