@@ -23,6 +23,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
 ``reduction``
     `reduce` and `ReducedStructure`: few freedoms with the modes of a large structure.
+``eigenvalue_bounds``
+    How far known eigenvalues are at most from exact ones.
 ``mode_paths``
     Root loci and maps of structures.
 ``changes_of_stability``

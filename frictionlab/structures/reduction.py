@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from frictionlab.stability.large_system import LargeSystem
+from frictionlab.structures.eigenvalue_bounds import eigenvalue_bounds
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum
 from frictionlab.validation import abbreviate, check_limits, check_mapping, check_number, explains_keywords
@@ -183,6 +184,22 @@ def estimated_errors(small: ReducedStructure) -> Array:
     parts = (sparse.csc_array(wider.T @ (part @ wider)) for part in pencil.parts)
     moved = dense_spectrum(QuadraticPencil(*parts)).values
     return np.abs(known.values[:, None] - moved).min(axis=1)
+
+
+def bounded_errors(small: ReducedStructure, modes: Any = None) -> Array:
+    """Bounds of the distances of eigenvalues, or some of them, from those of the large structure, 1/s."""
+    known, pencil = small.find_eigenvalues(), small.full.at_values(small.parameters).pencil
+    values, vectors = known.values, small.basis @ known.vectors[: small.size]
+    mirrored = np.abs(values[:, None].conj() - values).argmin(axis=1)
+    upper = np.where(values.imag < 0.0, mirrored, np.arange(len(values)))
+    try:
+        places = upper if modes is None else np.atleast_1d(upper[modes])
+    except IndexError as error:
+        raise IndexError(
+            f"modes must be places of the {len(values)} eigenvalues, got {abbreviate(modes)}: give such as "
+            "eigenvalues(structure).growing"
+        ) from error
+    return eigenvalue_bounds(pencil, values, vectors, places)
 
 
 def _with_samples_between(

@@ -696,11 +696,33 @@ class ReducedStructure(Structure):
         """Estimated distances (m,) of ``eigenvalues(self).values`` from those of the large structure, 1/s.
 
         By so much they move where responses of the large structure to what the modes leave in its equations
-        join the basis.
+        join the basis.  :meth:`error_bounds` takes longer, and is sure.
         """
         from frictionlab.structures.reduction import estimated_errors
 
         return estimated_errors(self)
+
+    def error_bounds(self, modes: Any = None) -> Array:
+        """Bounds (m,) of the distances of ``eigenvalues(self).values`` from the large structure's, 1/s.
+
+        Within each distance there is an eigenvalue of the large structure, and of close ones as many as there
+        are here.  It is infinite where the modes here are too rough to tell.  Each group of close eigenvalues
+        takes a factorisation of the large matrices.  The bounds rest on Rouche's theorem; rounding alone is
+        estimated in them, and the norm of an inverse, which is too small with a probability of 1e-10.
+
+        Parameters
+        ----------
+        modes : array of int, optional
+            Places of eigenvalues, such as ``eigenvalues(self).growing``.  Without them all.
+
+        Raises
+        ------
+        IndexError
+            For a place that no eigenvalue has.
+        """
+        from frictionlab.structures.reduction import bounded_errors
+
+        return bounded_errors(self, modes)
 
     def __repr__(self) -> str:
         return super().__repr__().replace("(", f"({self.full.size} freedoms to ", 1)

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import linear_sum_assignment
 
 import frictionlab as fl
 from tests.helpers.finite_elements import unsymmetric_chain
@@ -80,8 +81,57 @@ def test_random_chains_err_as_estimated_between_the_samples(seed):
         found, exact = (fl.eigenvalues(one).values for one in (there, large.replace(mu=mu, window=None)))
         missed = np.abs(found[:, None] - exact).min(axis=1)
         assert (missed <= 2.0 * there.error_estimates() + 1e-12 * np.abs(found)).all()
+        assert (missed <= there.error_bounds()).all()
         weak = (np.abs(found.real) < 0.05 * np.abs(found)) & (np.abs(found.imag) < 0.98 * 2 * np.pi * edge)
         assert (missed[weak] <= 1.5 * tol * np.abs(found[weak])).all()
+
+
+@pytest.mark.parametrize("hysteretic", [False, True])
+def test_bounds_hold_for_doublets(hysteretic):
+    """Of two chains that are nearly alike, coupled by friction and rotation, against LAPACK."""
+    shares = []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        n, split = 40, 10.0 ** rng.uniform(-12, -1)
+        k, m = rng.uniform(5e3, 2e4, n + 1), np.tile(rng.uniform(5e-3, 2e-2, n), 2)
+        one = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
+        K, skew = np.kron(np.diag([1.0, 1.0 + split]), one), np.zeros((2 * n, 2 * n))
+        skew[7, n + 7], skew[n + 7, 7] = 1.0, -1.0
+        N, G = 10.0 ** rng.uniform(0, 4) * skew, 10.0 ** rng.uniform(-4, 0) * skew
+        edge = 1.02 * np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[16]) / (2 * np.pi)
+        C, K = (0.0 * K, (1.0 + 0.02j) * K) if hysteretic else (np.diag(m) + 1e-7 * K, K)
+        parts = {"gyroscopic": G, "circulatory": [("mu", N)], "parameters": {"mu": 0.3}}
+        large = fl.Structure(np.diag(m), K, C, window=(0.0, edge), **parts)
+        small = fl.reduce(large, {"mu": (0.0, 1.0)}, tol=10.0 ** rng.uniform(-9, -2))
+        for mu in (0.21, 0.77):  # none is a sample
+            there = small.replace(mu=mu)
+            values, bounds = fl.eigenvalues(there).values, there.error_bounds()
+            rates = -np.hstack([K + mu * N, C + G]) / m[:, None]
+            exact = np.linalg.eigvals(np.vstack([np.eye(2 * n, 4 * n, 2 * n), rates]))
+            distances = np.abs(values[:, None] - exact)
+            rows, columns = linear_sum_assignment(distances)  # as many exact ones as there are here
+            assert (distances[rows, columns] <= bounds + 1e-12 * np.abs(values)).all()
+            shares.extend(distances.min(axis=1) / bounds)
+    assert len(shares) >= 90 * (2 - hysteretic)
+    assert np.median(shares) > 0.9
+
+
+def test_bounds_of_a_uniform_chain():
+    """Its eigenvalues are 2i sin(k pi / (2 n + 2)); the bounds hold to rounding."""
+    springs = 2 * np.eye(90) - np.eye(90, k=1) - np.eye(90, k=-1)
+    small = fl.reduce(fl.Structure(np.eye(90), springs, window=(0, 0.05)))
+    values, bounds = fl.eigenvalues(small).values, small.error_bounds()
+    exact = 2j * np.sin(np.arange(1, len(values) // 2 + 1) * np.pi / 182)
+    assert (np.abs(values[values.imag > 0] - exact) <= bounds[values.imag > 0]).all()
+    assert bounds.max() < 1e-12
+    assert np.array_equal(small.error_bounds([3]), bounds[3:4])
+    with pytest.raises(IndexError, match="modes must be places of the"):
+        small.error_bounds([len(values)])
+
+
+def test_a_basis_that_is_too_small_has_no_bounds():
+    small = chain().projected(np.eye(80)[:, :12])
+    assert np.isinf(small.error_bounds()).any()
 
 
 @pytest.mark.slow
