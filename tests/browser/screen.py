@@ -80,7 +80,7 @@ CUT = """(root) => {
   const shown = (e) => e.checkVisibility({ visibilityProperty: true }) && box(e).width && box(e).height;
   const says = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
   for (const e of document.querySelectorAll(root + " *")) {
-    if (!shown(e) || e.closest("option, sub, sup, .fl-files > div")) continue;
+    if (!shown(e) || e.closest("option, sub, sup")) continue;
     if (!says(e) && !/^(INPUT|SELECT|BUTTON|TEXTAREA|IMG|CANVAS)$/.test(e.tagName)) continue;
     const b = box(e), name = `${e.tagName} ${e.className} "${(e.textContent || e.value || "").slice(0, 30)}"`;
     if (b.left < -0.5 || b.right > width + 0.5) found.push(`${name} leaves the window`);

@@ -93,11 +93,11 @@ class Place:
 
     def file_of(self, button, path):
         """What a button of the menu of files writes."""
-        self.page.locator(".fl-files").evaluate("(menu) => { menu.open = true }")
+        self.page.locator(".fl-files > summary").click()
         with self.page.expect_download() as waiting:
             self.press_button(button)
         waiting.value.save_as(path)
-        self.page.locator(".fl-files").evaluate("(menu) => { menu.open = false }")
+        assert self.page.locator(".fl-files[open]").count() == 0
         return path.read_text(encoding="utf-8")
 
     def make_dark(self, dark):
@@ -233,9 +233,11 @@ def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipp
     shown = model.automaton().shown_state
     for unit in ("s", unit_of_state(model, shown), unit_of_state(model, f"{shown}'"), "Hz"):
         assert re.search(rf"\((10\S+ )?{re.escape(unit.replace('^2', '²'))}\)", texts), unit
+    page.locator(".fl-files > summary").click()
     for width, height in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
         assert come_to(page, [], lambda: cut_off(page, ROOT)) == []
+    page.keyboard.press("Escape")
     page.set_viewport_size({"width": 1280, "height": 800})
     fields = page.evaluate(ROUND_TRIP, ROOT)
     assert len(fields["before"]) > 1
@@ -312,7 +314,12 @@ def test_a_slider_stops_where_a_rule_does(slider):
 
 @everywhere
 @pytest.mark.parametrize(
-    ("text", "words"), [("1,234", "a comma of two meanings"), ("abc", "must be one number")]
+    ("text", "words"),
+    [
+        ("1,234", "a comma of two meanings"),
+        ("abc", "must be one number"),
+        ("1e400", "must be a finite number"),
+    ],
 )
 def test_what_is_no_number_is_refused_beside_the_control(slider, text, words):
     number = slider.page.locator(".fl-control.fl-mu_k .fl-field")

@@ -98,6 +98,17 @@ def test_all_eight_structures_have_the_bits_of_simulate(page, without):
     assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()
 
 
+def test_a_scene_that_is_kept_has_the_colours_of_now(page):
+    inks = "[explorer.picture, explorer.kept.picture].map(({ scene }) => scene.ink)"
+    page.click("button.fl-compare")
+    light = page.evaluate(inks)
+    page.click("button.fl-theme")
+    dark = page.evaluate(inks)
+    for button in ("theme", "compare"):
+        page.click(f"button.fl-{button}")
+    assert light[0] == light[1] != dark[0] == dark[1]
+
+
 BOTH_WAYS = """async ([without, mu]) => {
   const { solver } = explorer.engine, structure = STRUCTURES[without];
   const value = (name) => name === "mu_k" ? mu : explorer.state[name] ?? structure.fixed[name];

@@ -134,21 +134,22 @@ class Explorer {
   fileMenu() {
     const name = this.scene.model.replace(/\(.*/s, ""),
       load = html("input", { type: "file", accept: ".json", hidden: true });
-    const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: does });
+    const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: () => {
+      this.files.open = false;
+      does();
+    } });
     load.onchange = async () => {
       try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); }
       load.value = "";
     };
-    return html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), html("div", {}, [
+    const entries = html("div", {}, [
       entry("figure svg", () => this.save(`${name}.svg`, "image/svg+xml", this.figure())),
       entry("data csv", () => this.save(`${name}.csv`, "text/csv", csvText(this.result))),
       entry("save state", () => this.save(`${name}.json`, "application/json", stateText(this.state, this.scene))),
-      entry("record a lesson", ({ target }) => {
-        target.closest("details").open = false;
-        this.lesson.record();
-      }),
+      entry("record a lesson", () => this.lesson.record()),
       entry("load state or lesson", () => load.click()), load,
-    ])]);
+    ]);
+    return (this.files = html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), entries]));
   }
 
   controlGroups() {
@@ -329,8 +330,10 @@ class Explorer {
   }
 
   redraw() {
-    const look = this.look(), { result } = this;
-    this.picture = this.panels.mechanism && result.samples ? pictureOf(this.scene.mechanism, result, look) : null;
+    const look = this.look(), { result, kept } = this,
+      drawn = (one) => (this.panels.mechanism && one.samples ? pictureOf(this.scene.mechanism, one, look) : null);
+    this.picture = drawn(result);
+    if (kept) kept.picture = drawn(kept.result); // in the colours of now
     for (const name of this.scene.panels) if (name !== "mechanism") this.paint(this.panels[name], look);
     if (this.panels.mechanism && result.samples) {
       this.panels.mechanism.figure.hidden = !this.picture;
@@ -590,6 +593,7 @@ class Explorer {
 
   key(event) {
     event.stopPropagation(); // a notebook takes keys for its own commands
+    if (event.key === "Escape") this.files.open = false;
     const { tagName, type } = event.target;
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(tagName) && type !== "range" && type !== "checkbox" || event.ctrlKey
       || event.metaKey || event.altKey) return;

@@ -17,7 +17,8 @@ function samplesByName(times, modes, names, columns) {
 }
 
 const isAngle = (result, name) => result.structure.units[name].startsWith("rad");
-const steadyMotion = ({ structure }) => (structure.slides ? "steady sliding" : "the equilibrium");
+const steadyMotion = ({ structure: { slides, cyclic, units } }) => (!slides ? "the equilibrium"
+  : cyclic.some((name) => units[name] === "rad") ? "steady rotation" : "steady sliding");
 // whose spectrum is shown: of an angle that turns for ever the rate
 const heardState = ({ structure, coordinate: name }) => (structure.cyclic.includes(name) ? `${name}'` : name);
 const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;

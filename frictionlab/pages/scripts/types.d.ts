@@ -6,7 +6,7 @@ interface BodyDrag { explorer: Explorer; over: HTMLCanvasElement; body: any; mod
 interface BrowserEngine { solver: Solver }
 interface Explorer {
   root: HTMLElement; scene: any; engine: any; options: { address?: boolean }; audio: AudioContext | undefined;
-  words: HTMLElement; numbers: HTMLElement; comparison: HTMLElement;
+  files: HTMLDetailsElement; words: HTMLElement; numbers: HTMLElement; comparison: HTMLElement;
   compareButton: HTMLButtonElement; linkButton: HTMLButtonElement; playButton: HTMLButtonElement;
   redoButton: HTMLButtonElement; resetButton: HTMLButtonElement; swapButton: HTMLButtonElement;
   themeButton: HTMLButtonElement; undoButton: HTMLButtonElement;
