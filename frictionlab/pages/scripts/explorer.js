@@ -3,7 +3,7 @@
 // An engine has ask(state, dragging, explorer), which comes back with explorer.show(result) or explorer.fail(text),
 // now or later; instant(t), the samples of an instant and its place in them; has(name, state), whether the model has
 // a parameter; python(state), the code that computes the same; hear(explorer), what the run sounds like. One that
-// computes while the page lives has stop().
+// computes while the page lives has stop(explorer).
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
 const BUSY_AFTER = 300; // milliseconds
 const OF_COORDINATE = ["phase", "spectrum"]; // panels of one coordinate
@@ -82,7 +82,7 @@ class Explorer {
     this.busy = html("p", { className: "fl-busy", hidden: true },
       [html("progress", { ariaLabel: "computing" }), " computing … ",
       ...(this.engine.stop ? [html("button", { type: "button", className: "fl-stop", textContent: "stop",
-        title: "End the computation; the pictures stay", onclick: () => this.engine.stop() })] : [])]);
+        title: "End the computation; the pictures stay", onclick: () => this.engine.stop(this) })] : [])]);
     return html("div", { className: "fl-told" }, [this.status, this.busy]);
   }
 

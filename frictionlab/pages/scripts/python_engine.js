@@ -19,9 +19,11 @@ class PythonEngine {
   has(name) { return !this.parameters || name in this.parameters; }
   choose(name, changed = {}) { this.model.send({ open: name, changed }); }
 
-  stop() { // what is done in parts stops by a message, a computation that hears none by ctrl-C
+  async stop(explorer) { // what is done in parts stops by a message, a computation that hears none by ctrl-C
     this.model.send({ stop: true });
-    if (this.model.get("computing")) this.model.widget_manager?.kernel?.interrupt(); // it may run a cell
+    if (!this.model.get("computing")) return; // the kernel may run a cell
+    try { await this.model.widget_manager?.kernel?.interrupt();
+    } catch { explorer.say("This server does not let a computation be stopped: wait until it is done.", true); }
   }
 
   python() { return this.model.get("picture").python; }
