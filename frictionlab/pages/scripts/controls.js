@@ -43,8 +43,9 @@ function typedNumber(text) { // with a point or a comma before its decimals; an 
   if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(number)) {
     throw new RangeError(`must be one number, got ${text || "nothing"}: write for example 0.5 or 2e4`);
   }
-  if (!Number.isFinite(Number(number))) throw new RangeError(`must be a finite number, got ${text}: write a smaller one`);
-  return Number(number);
+  const value = Number(number);
+  if (!Number.isFinite(value)) throw new RangeError(`must be a finite number, got ${text}: write a smaller one`);
+  return value;
 }
 
 const isTyped = (field) => document.activeElement === field; // into it: a result that arrives leaves it as it is

@@ -149,7 +149,8 @@ class Explorer {
       entry("record a lesson", () => this.lesson.record()),
       entry("load state or lesson", () => load.click()), load,
     ]);
-    return (this.files = html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), entries]));
+    this.files = html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), entries]);
+    return this.files;
   }
 
   controlGroups() {
