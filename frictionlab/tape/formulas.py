@@ -370,24 +370,24 @@ class Formulas:
         What has no real value is NaN.
         """
         slots, places = self._distinct_outputs
-        values = self._values(NUMBERS, inputs)
+        values = self._values(self._number_steps, inputs)
         return np.array([values[slot] for slot in slots], dtype=float)[places]
 
     def arrays(self, *inputs: Any) -> list[Any]:
         """The values at arrays, complex numbers and intervals."""
-        values = self._values(ARRAYS, inputs)
+        values = self._values(self._array_steps, inputs)
         return [values[slot] for slot in self.outputs]
 
     def along_run(self, *inputs: Any) -> list[Any]:
         """The values at states of a run: the base of a power counts as zero where it is negative."""
-        values = self._values(ALONG_RUNS, inputs)
+        values = self._values(self._run_steps, inputs)
         return [values[slot] for slot in self.outputs]
 
-    def _values(self, arithmetic: Arithmetic, inputs: Sequence[Any]) -> list[Any]:
+    def _values(self, steps: Sequence[tuple[int, Step]], inputs: Sequence[Any]) -> list[Any]:
         if len(inputs) != self.tape.inputs:
             raise TypeError(f"{self.tape.inputs} values are needed, got {len(inputs)}")
         values = [*inputs, *[None] * len(self.tape.ops)]
-        for slot, step in self._steps(arithmetic):
+        for slot, step in steps:
             values[slot] = step(values)
         return values
 
@@ -397,15 +397,17 @@ class Formulas:
         slots, places = np.unique(np.array(self.outputs, dtype=np.intp), return_inverse=True)
         return slots.tolist(), places
 
-    def _steps(self, arithmetic: Arithmetic) -> list[tuple[int, Step]]:
-        cache = self._steps_by_arithmetic
-        if id(arithmetic) not in cache:
-            cache[id(arithmetic)] = _steps(self.tape, arithmetic, self.needed)
-        return cache[id(arithmetic)]
+    @cached_property
+    def _number_steps(self) -> list[tuple[int, Step]]:
+        return _steps(self.tape, NUMBERS, self.needed)
 
     @cached_property
-    def _steps_by_arithmetic(self) -> dict[int, list[tuple[int, Step]]]:
-        return {}
+    def _array_steps(self) -> list[tuple[int, Step]]:
+        return _steps(self.tape, ARRAYS, self.needed)
+
+    @cached_property
+    def _run_steps(self) -> list[tuple[int, Step]]:
+        return _steps(self.tape, ALONG_RUNS, self.needed)
 
     @cached_property
     def needed(self) -> tuple[int, ...]:
@@ -469,7 +471,7 @@ class Formulas:
 
     def steps(self, *inputs: Any) -> list[Any]:
         """The values of all steps in the functions: signs, whole parts, conditions."""
-        values = self._values(ARRAYS, inputs)
+        values = self._values(self._array_steps, inputs)
         return [values[slot] for slot in self._step_slots]
 
     def jumps(self, *inputs: Any) -> dict[tuple[int, int], Any]:
@@ -478,7 +480,7 @@ class Formulas:
         Functions and inputs along which there are no jumps are left out.
         """
         jumps: dict[tuple[int, int], Any] = {}
-        values = self._values(ARRAYS, inputs) if self._step_slots else []
+        values = self._values(self._array_steps, inputs) if self._step_slots else []
         jumping = {slot: where for slot in self._step_slots if np.any(where := self._may_jump(slot, values))}
         for row, steps in enumerate(self._steps_of_outputs):
             for slot in steps & jumping.keys():
@@ -491,7 +493,7 @@ class Formulas:
 
         A step from -1 to 1 is -1, 0 or 1.  So bounds tell that a function has no zero where it jumps past it.
         """
-        values = self._values(ARRAYS, inputs) if self._step_slots else []
+        values = self._values(self._array_steps, inputs) if self._step_slots else []
         waiting: dict[int, int] = {}  # in how many ways each step may turn out
         for slot in self._step_slots:
             kind = self.tape.ops[slot - self.tape.inputs][0]
@@ -502,7 +504,7 @@ class Formulas:
         for ways in product(*map(range, waiting.values())):
             sides = dict(zip(waiting, ways, strict=True))
             values = [*inputs, *[None] * len(self.tape.ops)]
-            for slot, step in self._steps(ARRAYS):
+            for slot, step in self._array_steps:
                 values[slot] = step(values)
                 if slot in sides:
                     kind = self.tape.ops[slot - self.tape.inputs][0]
