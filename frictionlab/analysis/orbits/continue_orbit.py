@@ -30,8 +30,9 @@ from frictionlab.analysis.orbits.pseudo_arclength import (
 )
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
+from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_parameter_name
-from frictionlab.presentation import Drawable, shorten
+from frictionlab.presentation import Drawable, dataframe, shorten
 from frictionlab.validation import abbreviate, check_flag, check_limits, check_number
 
 
@@ -91,6 +92,23 @@ class OrbitBranch(Drawable):
         return np.array([orbit.period for orbit in self.orbits])
 
     @property
+    def frequencies(self) -> Array:
+        """1/period (N,), Hz."""
+        return 1.0 / self.periods
+
+    def amplitudes(self, name: str) -> Array:
+        """Half the range of a coordinate along each orbit (N,), m or rad.
+
+        Raises
+        ------
+        ValueError
+            For what is no coordinate.
+        """
+        from frictionlab.analysis.quantities.orbit_quantities import amplitude_along
+
+        return np.array([amplitude_along(orbit, name) for orbit in self.orbits])
+
+    @property
     def multipliers(self) -> Array:
         """Floquet multipliers (N, n), the largest first."""
         return np.array([orbit.multipliers for orbit in self.orbits])
@@ -99,6 +117,22 @@ class OrbitBranch(Drawable):
     def stable(self) -> np.ndarray:
         """Whether each orbit is stable (N,)."""
         return np.array([orbit.stable for orbit in self.orbits])
+
+    def to_dataframe(self) -> Any:
+        """One row for each orbit, as a pandas DataFrame (needs the extra ``data``).
+
+        Columns: period, frequency, stability, and the size of the largest multiplier but for that along the
+        orbit.
+        """
+        columns: dict[str, Any] = {"period": self.periods, "frequency": self.frequencies}
+        columns |= {"stability": [orbit.stability for orbit in self.orbits]}
+        along = np.abs(self.multipliers - 1.0).argmin(axis=1)
+        sizes = np.abs(self.multipliers)
+        sizes[np.arange(len(sizes)), along] = 0.0
+        columns |= {"largest_multiplier": sizes.max(axis=1)}
+        units = {"period": "s", "frequency": "Hz"}
+        units |= {self.parameter: parameter_unit(self.orbits[0].model, self.parameter)}
+        return dataframe(columns, {self.parameter: self.values}, units)
 
     def __repr__(self) -> str:
         special = shorten(f"{s.kind} at {s.value:.6g}" for s in self.special) or "nothing special"

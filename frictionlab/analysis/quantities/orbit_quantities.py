@@ -125,6 +125,14 @@ def _extremes(orbit: PeriodicOrbit, name: str) -> tuple[_Extreme, _Extreme]:
     return of_side(1), of_side(-1)
 
 
+def amplitude_along(orbit: PeriodicOrbit, name: str) -> float:
+    """Half the range of a coordinate along an orbit."""
+    names = orbit.trajectory.names[: orbit.trajectory.automaton.coordinates]
+    check_choice("name", name, names, "name one of the coordinates")
+    top, bottom = _extremes(orbit, name)
+    return 0.5 * (top.value - bottom.value)
+
+
 def _rest_point(model: ModelOrAutomaton, names: tuple[str, ...], count: int) -> tuple[Array, Array]:
     """The coordinates (c,) of the equilibrium, and their derivatives (c, P)."""
     problem = equilibrium_problem(model)
@@ -290,8 +298,7 @@ class OrbitAmplitude(_OfOrbit):
         return super()._orbit(model)
 
     def _value(self, orbit: PeriodicOrbit) -> float:
-        top, bottom = _extremes(orbit, self.name)
-        return 0.5 * (top.value - bottom.value)
+        return amplitude_along(orbit, self.name)
 
     def _with_slopes(self, orbit: PeriodicOrbit, names: tuple[str, ...]) -> tuple[float, Array]:
         # Where the coordinate turns smoothly its rate is zero, and the value moves as the state does; where

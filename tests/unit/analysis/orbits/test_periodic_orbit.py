@@ -357,6 +357,23 @@ def test_a_motion_with_hysteresis_goes_on_in_its_mode():
     assert branch.periods * branch.values == pytest.approx(2 * np.pi / 3, rel=1e-9)
 
 
+def test_amplitude_and_frequency_over_friction():
+    """Of stick-slip under Coulomb's law: slip is an arc of a circle around mu_k N/k, stick its chord."""
+    model = fl.MassOnBelt()
+    N, k, m, v, mu_k = (model.parameters[name] for name in ("N", "k", "m", "v", "mu_k"))
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 60.0))
+    branch = fl.continue_orbit(orbit, "mu_s", (model.mu_s, model.mu_s + 0.4), progress=False)
+    a, w = (branch.values - mu_k) * N / k, np.sqrt(k / m)
+    assert branch.amplitudes("x") == pytest.approx(np.hypot(a, v / w), rel=1e-9)
+    periods = 2 * a / v + (2 * np.pi - 2 * np.arctan(a * w / v)) / w
+    assert branch.frequencies == pytest.approx(1 / periods, rel=1e-9)
+    table = branch.to_dataframe()
+    assert set(table["stability"]) == {"stable"}
+    assert table["largest_multiplier"].max() < 1e-6  # of states that stick before they slip again
+    with pytest.raises(ValueError, match="name must be one of 'x'"):
+        branch.amplitudes("x'")
+
+
 def test_pieces_of_a_fit_go_on_in_their_mode():
     two, t = hysteresis(), np.linspace(0.1, 6.0, 60)
     record = fl.TimeRecord(t, {"x": fl.solve(two, 6.1, x0=[5.5, 0.0])(t)[:, 0]}, error=1e-3)
