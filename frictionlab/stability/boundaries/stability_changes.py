@@ -9,7 +9,7 @@ halving intervals; in each the change is solved for.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -684,24 +684,28 @@ def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> F
     The weaker two modes couple, the narrower is the window in which they are unstable.
     """
     ends = (pieces.at_low, pieces.at_high)
-    distance = np.maximum(*(eigenvalue_distances(at_middle, end).min(axis=2) for end in ends))
+    to_ends = [eigenvalue_distances(at_middle, end) for end in ends]
+    distance = np.maximum(*(each.min(axis=2) for each in to_ends))
     between = eigenvalue_distances(at_middle, at_middle)
     between[:, range(distance.shape[1]), range(distance.shape[1])] = np.inf
     # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
-    # Nor do modes with equal eigenvalues throughout.
-    between[equal_eigenvalues(at_middle) & _stay_equal(at_middle, *ends)[:, :, None]] = np.inf
+    equal = equal_eigenvalues(at_middle)
+    if equal.any():  # nor do modes with equal eigenvalues throughout
+        between[equal & _stay_equal(ends, to_ends)[:, :, None]] = np.inf
     distance[distance < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
     close = between < 2 * (distance[:, :, None] + distance[:, None, :])
     within_reach = between + distance[:, :, None] > least.min(axis=1)[:, None, None]
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
 
 
-def _stay_equal(at_middle: ComplexArray, *ends: ComplexArray) -> Flags:
-    """Whether an eigenvalue (N, m) has an equal one at both ends as well."""
-    near = (eigenvalue_distances(at_middle, end).argmin(axis=2) for end in ends)
-    stay = [np.take_along_axis(equal_eigenvalues(end).any(axis=2), n, axis=1) for end, n in zip(ends, near)]
-    return stay[0] & stay[1]
+def _stay_equal(ends: Sequence[ComplexArray], distances: Sequence[Array]) -> Flags:
+    """Whether the eigenvalue at each end to which an eigenvalue (N, m) is nearest has an equal one there."""
+    first, second = (
+        np.take_along_axis(equal_eigenvalues(end).any(axis=2), each.argmin(axis=2), axis=1)
+        for end, each in zip(ends, distances)
+    )
+    return first & second
 
 
 def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, selection: Flags) -> Intervals:
