@@ -394,9 +394,13 @@ def _component_parameters(model: Model) -> set[str]:
 
 
 def _check_agreement(model: Model, t_end: float) -> None:
-    own = simulate(model, t_end, progress=False).final_state
-    other = simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
-    error = np.abs(own - other).max() / (np.abs(own).max() or 1.0)
+    run = simulate(model, t_end, progress=False)
+    own, other = run.final_state, simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
+    apart = own - other
+    if isinstance(model, MechanicalModel) and "phase" in run.names:  # one of them may have begun anew
+        clock = run.names.index("phase")
+        apart[clock] = np.angle(np.exp(1j * apart[clock]))
+    error = np.abs(apart).max() / (np.abs(own).max() or 1.0)
     if not error <= COMPARISON_RTOL:
         fail(
             model,

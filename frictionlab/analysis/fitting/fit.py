@@ -361,9 +361,10 @@ def _solve(problem: FitProblem, pieces: Segments | None, first: Array, what: str
     evaluate = _misfit_function(problem, pieces)
     begin = evaluate(first)
     if not np.isfinite(begin.values).all():
+        single = ", or write segments=1, as where a rigid contact stays closed" if "segments" in what else ""
         raise ValueError(
-            f"{what} must reach the end of the data where the search begins, got a run that ends early: "
-            "change the model's values or x0"
+            f"{what} must reach the end of the data where the search begins, and have derivatives, got a run "
+            f"that ends early or has none: change the model's values or x0{single}"
         )
     low, high = np.full(len(first), -np.inf), np.full(len(first), np.inf)
     for i, name in enumerate(problem.names):

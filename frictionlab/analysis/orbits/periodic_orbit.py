@@ -25,6 +25,7 @@ from frictionlab.analysis.motion_scales import (
 )
 from frictionlab.analysis.orbits.closing import Closing, closing_of
 from frictionlab.analysis.steady_state.classification import MotionKind
+from frictionlab.analysis.steady_state.drift import drifting_states
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import end_of, problem_of, solve, solve_from_end
@@ -359,9 +360,12 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
         after = float(abs(minimum.x - start))
         if minimum.fun < RETURN_RTOL and _in_mode_near(run, minimum.x, RETURN_RTOL * after, start):
             return after
+    drifting = [run.names[i] for i in drifting_states(run)]
+    cyclic = f", or list {' and '.join(drifting)} in cyclic, as what grows for ever" if drifting else ""
     raise ValueError(
         f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
-        f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as period="
+        f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as "
+        f"period={cyclic}"
     )
 
 

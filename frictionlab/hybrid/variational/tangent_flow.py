@@ -227,7 +227,7 @@ def event_saltation(run: Trajectory, i: int) -> Saltation:
     before, after = raw.event_states[i]
     if (last := step_to_stop(run, i)) is not None:
         before = raw.step_states[last]
-    dwell = float(t - entry_time(run, i))
+    dwell = float(t - entry_time(run, i)) or (0.0 if i else np.finfo(float).tiny)  # none before the first
     event = EventCrossing(int(guard), int(target), before, after, dwell)
     try:
         return saltation(problem.program, problem.numbers, event, bool(closed))

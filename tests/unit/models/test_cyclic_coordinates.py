@@ -280,3 +280,36 @@ def test_the_order_in_which_coordinates_are_called_cyclic_does_not_matter(cyclic
     assert state[2:] == pytest.approx([3 * speed, speed])
     run = fl.simulate(Gears(), 400.0, progress=False)
     assert run.v[-1] == pytest.approx(state[2:])
+
+
+@fl.model
+class InertiaDrive(fl.MechanicalModel):
+    """A slider on a rod that goes forth slowly, with 2, and back fast, with 8: it follows forth alone."""
+
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    coordinates = ("x",)
+    cyclic = ("x",)
+    period = 1.0
+
+    def mechanics(self, q, v):
+        speed = fl.functions.piecewise(q.phase, (1.6 * math.pi,), (2.0, -8.0))
+        rubbing = fl.Friction(speed - v.x, 20.0, self.friction)
+        return fl.Mechanics(v.x**2 / 2, contacts=(rubbing,), frequency=2 * math.pi)
+
+
+def test_an_inertia_drive_steps_on():
+    """In slip its speed changes by 6 s: back for 0.2 s, and forth again for 0.2 s, until it sticks."""
+    model = InertiaDrive()
+    run = fl.simulate(model, 31.0, x0={"x'": 2.0}, progress=False)
+    assert run.final_state[0] - run(30.0)[0] == pytest.approx(2.0 * 0.6 + 2 * (0.2 * (2.0 - 0.6)), rel=1e-12)
+    # Both begin at the end of a period, where the clock may or may not have begun anew.
+    fl.testing.check_model(model, t_end=4.0)
+    exponents = fl.lyapunov(model, transient=20.0, t_end=20.0, progress=False).exponents
+    assert exponents == pytest.approx([0.0, 0.0, -np.inf], abs=1e-9)
+
+
+def test_an_orbit_whose_coordinate_grows_asks_for_its_name():
+    growing = type("Growing", (InertiaDrive,), {"cyclic": (), "__module__": __name__, "__annotations__": {}})
+    model = fl.model(growing)()
+    with pytest.raises(ValueError, match="or list x in cyclic, as what grows for ever"):
+        fl.periodic_orbit(model, fl.simulate(model, 30.0, progress=False))
