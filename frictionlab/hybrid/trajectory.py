@@ -22,6 +22,7 @@ from frictionlab.hybrid.accuracy import chatter_warning, defect_warning, defects
 from frictionlab.hybrid.chatter_limit import CHATTER
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import condition_violation
+from frictionlab.hybrid.jamming import jammed_contact
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
@@ -362,16 +363,20 @@ class Trajectory(Drawable):
     def warning(self) -> str | None:
         """What is wrong with the run, or None.
 
-        There are three warnings.  Some steps by series are far less exact than the tolerance.  Flights were
+        There are four warnings.  Some steps by series are far less exact than the tolerance.  Flights were
         replaced by their limit and are not short beside the stays in modes.  The run ended because the base
-        of a power became negative.  Defects are measured as a share of the motion's size, in some steps of
-        each mode whose equations are no polynomials of a low degree.
+        of a power became negative, or because a rigid contact that rubs has no reaction.  Defects are
+        measured as a share of the motion's size, in some steps of each mode whose equations are no
+        polynomials of a low degree.
         """
         code = self.problem.program.code
         if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
             words = negative_base(self.automaton, self.problem, self.raw.state, self.raw.mode)
             if words:
                 return f"it ended at {self.raw.t:g} s with {words}"
+        ended = self.raw.status in (Status.NO_ADMISSIBLE_MODE, Status.NOT_FINITE, Status.STALLED)
+        if ended and (words := jammed_contact(self.automaton, self.problem, self.raw.state)):
+            return f"it ended at {self.raw.t:g} s with {words}"
         visited = np.bincount(self.raw.step_modes, minlength=len(code.degrees)) > 0
         if visited[code.limits].any():
             words = chatter_warning(self.raw, self.automaton.values.get(CHATTER, 0.0))

@@ -36,6 +36,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
 )
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
+from frictionlab.presentation import WEDGE
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
@@ -347,7 +348,7 @@ def _rigid_slip(contact: Stop, system: LagrangeSystem, name: str) -> ContactRegi
     normal, tangent = system.direction(contact), rubbing_direction(system, contact)
 
     def leaving(reaction: Any, softness: Any) -> tuple[RegimeEnd, ...]:
-        jams = () if softness is None else (RegimeEnd("wedge", softness, ("flight",)),)
+        jams = () if softness is None else (RegimeEnd(WEDGE, softness, ("flight",)),)
         return (RegimeEnd("off", reaction, ("flight",), "open"), *jams)
 
     def slip(coefficient: Any, constraints: tuple[Any, ...], ends: Any, **more: Any) -> ContactRegime:

@@ -1,0 +1,36 @@
+"""Where a run ends because a rigid contact that rubs has no reaction: Painleve's paradox."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.guard_bounds import Tape
+from frictionlab.hybrid.problem import Problem
+from frictionlab.presentation import WEDGE
+
+ZERO_SHARE = 1e-9  # share of a function's size that counts as zero
+
+
+def jammed_contact(automaton: HybridAutomaton, problem: Problem, state: np.ndarray) -> str:
+    """Words for a contact that a state keeps closed in some mode without a reaction; empty where none is."""
+    for number, name in enumerate(problem.program.modes):
+        events = automaton.mode(name).events
+        places = [i for i, event in enumerate(events) if event.name.split("_")[0] == WEDGE]
+        if not places:
+            continue
+        tape = Tape(problem.program.code, problem.numbers, number)
+        states = state[None, : problem.program.code.inputs]  # integrals may follow
+        with np.errstate(all="ignore"):
+            shares = tape.values(states)[0] / np.maximum(tape.sizes(states), np.finfo(float).tiny)
+        others = np.delete(shares[: len(events)], places)
+        closed = (np.abs(shares[len(events) :]) <= ZERO_SHARE).all() and (others >= -ZERO_SHARE).all()
+        for i in places if closed else ():
+            if shares[i] <= ZERO_SHARE:
+                sign = "negative" if shares[i] < -ZERO_SHARE else "zero"
+                return (
+                    f"Painleve's paradox in mode {name!r}: {events[i].name!r}, by which a normal force "
+                    f"moves its contact apart with its friction, is {sign}, so that no reaction keeps it "
+                    "closed: lower its friction, or give it a stiffness, Contact in place of Stop"
+                )
+    return ""
