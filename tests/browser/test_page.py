@@ -453,8 +453,13 @@ def test_a_further_state_and_names_of_several_words(browser, tmp_path):
     assert final(page) == fl.simulate(HeatedMass(), 5.0, x0=[0.0, 0.0], progress=False).final_state.tolist()
     page.evaluate("explorer.startAt({ x: 0.1 }, 'x')")
     assert page.evaluate("explorer.state.own") == "0.1, 0, 2"
-    page.evaluate("explorer.set({ ...SCENE.initial, m: 0 })")
-    wait_until(page, "explorer.error.includes('none with m = 0, mu_gap = 0')")
+    zeros = {
+        "m": "the mass of 'x' is 0 at m = 0",
+        "heat_capacity": "none with heat_capacity = 0, mu_gap = 0",
+    }
+    for name, rule in zeros.items():
+        page.evaluate("(zero) => explorer.set({ ...SCENE.initial, ...zero })", {name: 0})
+        wait_until(page, "(rule) => explorer.error.includes(rule)", rule)
     assert not page.problems
     page.context.close()
 

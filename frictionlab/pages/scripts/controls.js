@@ -50,6 +50,14 @@ function typedNumber(text) { // with a point or a comma before its decimals; an 
 
 const isTyped = (field) => document.activeElement === field; // into it: a result that arrives leaves it as it is
 
+function refusalOf(...fields) { // [where a message stands, what shows it: why a value of the fields is not taken]
+  const message = html("div", { className: "fl-message", role: "alert", hidden: true });
+  return [message, (text) => {
+    Object.assign(message, { textContent: text, hidden: !text });
+    for (const field of fields) field.setAttribute("aria-invalid", String(Boolean(text)));
+  }];
+}
+
 const row = (about, children, kind) =>
   html("div", { className: `fl-control fl-${kind} fl-${about.name}`, title: about.hint ?? "" }, children);
 
@@ -61,18 +69,14 @@ function numberControl(about, changed) { // it counts positions: a browser that 
   const range = html("input", { type: "range", id, min: 0, step: 1, ariaLabel: meaning || name });
   const field = html("input", { type: "text", inputMode: "decimal", className: "fl-field",
     ariaLabel: `${meaning || name}, value`, spellcheck: false });
-  const message = html("div", { className: "fl-message", role: "alert", hidden: true });
+  const [message, refuse] = refusalOf(field);
+  control.refuse = refuse;
   const shown = unit ? [html("span", { className: "fl-unit", textContent: shownUnit(unit) })] : [];
   control.node = row({ ...about, hint: `${meaning || name}${unit
     && `, ${shownUnit(unit)}`} (${name}, ${shortNumber(about.low)} to ${shortNumber(about.high)}${log
     ? ", logarithmic" : ""})` },
     [html("label", { htmlFor: id, className: "fl-label" }, [html("span", {}, labelNodes(label)), ...shown]), range,
       field, message], "number");
-  const refuse = control.refuse = (text) => { // why a value is not taken
-    message.textContent = text;
-    message.hidden = !text;
-    text ? field.setAttribute("aria-invalid", "true") : field.removeAttribute("aria-invalid");
-  };
   control.show = (value) => {
     if (usual.includes(value)) control.positions = usual; // a value beyond the range widens it no longer
     else if (!control.positions.includes(value)) control.positions = sliderPositions(Math.min(about.low, value),
@@ -147,12 +151,7 @@ function formulaControl(about, changed) { // a text that is taken only where it 
       changed(name, text.trim(), dragging);
     } catch (error) { refuse(error.message); }
   });
-  const field = node.querySelector("input"),
-    message = html("div", { className: "fl-message", role: "alert", hidden: true });
-  const refuse = (text) => {
-    Object.assign(message, { textContent: text, hidden: !text });
-    field.setAttribute("aria-invalid", String(Boolean(text)));
-  };
+  const field = node.querySelector("input"), [message, refuse] = refusalOf(field);
   field.placeholder = EXAMPLE;
   node.append(message);
   return { ...control, node, refuse, show: (value) => { show(value); refuse(""); } };
@@ -162,18 +161,16 @@ function rangeControl(about, changed) { // two numbers, from and to
   const control = { name: about.name, about, value: about.value };
   const fields = ["from", "to"].map((which) =>
     html("input", { type: "text", inputMode: "decimal", className: "fl-field", ariaLabel: `${about.text}, ${which}` }));
-  const message = html("div", { className: "fl-message", role: "alert", hidden: true });
+  const [message, refuse] = refusalOf(...fields);
   for (const field of fields) {
     field.onchange = () => {
-      message.hidden = true;
+      refuse("");
       try {
         const value = fields.map(({ value: text }) => typedNumber(text));
         if (!(value[0] < value[1])) throw new RangeError("must go from a smaller to a larger number");
         control.value = value;
         changed(about.name, value, false);
-      } catch (error) {
-        Object.assign(message, { textContent: `${about.name} ${error.message}`, hidden: false });
-      }
+      } catch (error) { refuse(`${about.name} ${error.message}`); }
     };
   }
   control.node = row(about, [html("span", { className: "fl-label" }, labelNodes(about.text)), ...fields, message],

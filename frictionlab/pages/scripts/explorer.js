@@ -38,9 +38,7 @@ class Explorer {
   build() {
     this.panels = {};
     const { scene } = this, part = (name, tag = "div") => (this[name] = html(tag, { className: `fl-${name}` }));
-    const button = (name, text, hint, does) =>
-      (this[`${name}Button`] = html("button",
-      { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
+    const button = (...about) => this.button(...about);
     const buttons = html("div", { className: "fl-buttons" }, [
       button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
       button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
@@ -75,6 +73,11 @@ class Explorer {
     if (this.playing && this.playButton) this.playButton.textContent = "pause";
     if (!this.options.address) this.followTheme();
     else this.setTheme((this.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) ? "dark" : "light");
+  }
+
+  button(name, text, hint, does) {
+    const about = { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does };
+    return (this[`${name}Button`] = html("button", about));
   }
 
   statusBox() {
@@ -182,10 +185,7 @@ class Explorer {
 
   player() { // play, pause, instant, pace, sound
     const usual = this.scene.speed ?? roundDown125(this.scene.period / 2),
-      paces = [...new Set([...PACES, usual])].sort((a, b) => b - a),
-      button = (name, text, hint, does) =>
-      (this[`${name}Button`] = html("button",
-      { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does }));
+      paces = [...new Set([...PACES, usual])].sort((a, b) => b - a);
     this.scrub = html("input", { type: "range", min: 0, max: 1000, value: 0, className: "fl-scrub", ariaLabel: "time",
       oninput: () => { this.share = Number(this.scrub.value) / 1000; this.frame(); } });
     this.pace = html("select", { className: "fl-pace", ariaLabel: "pace" },
@@ -193,8 +193,8 @@ class Explorer {
     this.now = html("span", { className: "fl-now" });
     this.modes = html("div", { className: "fl-modes" });
     this.heard = html("span", { className: "fl-heard", role: "status" });
-    const bar = [button("play", "play", "Play or pause (space)", () => this.toggle()), this.scrub, this.pace,
-      button("sound", "sound", "Hear it (s)", () => this.playSound())];
+    const bar = [this.button("play", "play", "Play or pause (space)", () => this.toggle()), this.scrub, this.pace,
+      this.button("sound", "sound", "Hear it (s)", () => this.playSound())];
     return [html("div", { className: "fl-player" }, bar),
       html("div", { className: "fl-instant" }, [this.now, this.heard]), this.modes];
   }

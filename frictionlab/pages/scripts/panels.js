@@ -52,7 +52,7 @@ function coordinateCurves(result, names) {
   const mixed = names.some((name) => isAngle(result, name)) && !names.every((name) => isAngle(result, name));
   return names.map((name, i) => {
     const angle = isAngle(result, name), axis = mixed && angle ? "right" : "left";
-    const colour = PALETTE[i % PALETTE.length], dash = angle || i >= PALETTE.length;
+    const colour = PALETTE[i % PALETTE.length], dash = mixed && angle || i >= PALETTE.length;
     const turns = doesTurn(result, name), { times, column } = result.samples,
       [y, x] = turns ? cutAtTurns(column(name), times) : [column(name), times];
     return { label: result.structure.labels[name], x, y, colour, dash, axis, turns };
