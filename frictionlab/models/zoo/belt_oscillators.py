@@ -250,8 +250,9 @@ class DitheredOscillator(BeltOscillator):
 
         2/(pi sqrt(1 + r^2)) K(r/sqrt(1 + r^2)) mu_k N,
 
-    and stick-slip ends.  The effect is that of ultrasonic vibrations; the model and the numbers are this
-    package's.
+    and stick-slip ends.  The effect is that of ultrasonic vibrations, which by the abstract of Storck and
+    others Coulomb's law describes very well, along the motion and across it; the paper itself could not be
+    read.  The model, its mean and the numbers are this package's.
 
     Parameters
     ----------
@@ -269,7 +270,8 @@ class DitheredOscillator(BeltOscillator):
 
     References
     ----------
-    H. Storck, W. Littmann, J. Wallaschek, M. Mracek, Ultrasonics 40 (2002) 379-383.
+    H. Storck, W. Littmann, J. Wallaschek, M. Mracek, Ultrasonics 40 (2002) 379-383,
+    doi:10.1016/S0041-624X(02)00126-9.
 
     Examples
     --------
