@@ -56,10 +56,9 @@ class StructureBalance:
         powers = {"dampers": -sum((_form(one, v, v, self.structure) for one in damping), np.zeros(len(v)))}
         if self.structure.circulatory is not None:
             powers["circulatory"] = -_form(self.structure.circulatory, v, q, self.structure)
-        for i, row in self._rubbing():
+        for i, row, belt in self._rubbing():
             name = "friction_force" + (f"_{i + 1}" if self._count > 1 else "")
             force = evaluate_output(self.automaton, name, states, modes, self.mode_names)
-            belt = self.structure.parameters["v"]
             powers["belt drive"] = powers.get("belt drive", 0.0) + force * belt
             powers["friction"] = powers.get("friction", 0.0) - force * (belt - v @ row)
         return powers
@@ -77,13 +76,14 @@ class StructureBalance:
     def _count(self) -> int:
         return sum(one.count for one in self.structure.contacts)
 
-    def _rubbing(self) -> Iterator[tuple[int, Array]]:
-        """The contacts with friction: their numbers and rows."""
+    def _rubbing(self) -> Iterator[tuple[int, Array, float]]:
+        """The contacts with friction: their numbers, rows, and speeds of their counterparts."""
         first = 0
         for group in self.structure.contacts:
             if group.friction is not None:
                 rows = group.tangential.toarray()
-                yield from ((first + i, row) for i, row in enumerate(rows))
+                belt = self.structure.parameters[group.parameter("v")]
+                yield from ((first + i, row, belt) for i, row in enumerate(rows))
             first += group.count
 
 

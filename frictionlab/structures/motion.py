@@ -31,7 +31,6 @@ from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 from frictionlab.models.mechanical.modes import HoldingForce, Solution, conditions_of_regime, mode_of
-from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.sliding_contacts import SlidingContacts
@@ -101,15 +100,19 @@ def _identity_of(structure: Structure) -> Hashable:
     contacts = tuple(_identity_of_contacts(one) for one in structure.contacts)
     content = tuple((one.coefficients, tuple(map(_bytes, one.matrices))) for one in matrices)
     kinds = tuple(len(terms) for terms in structure.terms)
-    return tuple(structure.parameters), kinds, content, mass, contacts, _counterparts_move(structure)
+    return tuple(structure.parameters), kinds, content, mass, contacts, tuple(_speeds(structure))
 
 
-def _counterparts_move(structure: Structure) -> bool:
-    return bool(structure.parameters.get("v", 0.0))
+def _speeds(structure: Structure) -> Array:
+    """Speeds of the contacts' counterparts (contacts,), as shares of the largest; 0 where they rest."""
+    values = [structure.parameters.get(one.parameter("v"), 0.0) for one in structure.contacts]
+    speeds = np.repeat(values, [one.count for one in structure.contacts])
+    return speeds / speeds[np.abs(speeds).argmax()] if speeds.any() else speeds
 
 
 def _identity_of_contacts(one: SlidingContacts) -> Hashable:
     keys = tuple(law if law is None else law.structure_key for law in (one.contact, one.friction, one.impact))
+    keys = (*keys, one.name)
     rows = tuple(None if given is None else _bytes(given) for given in (one.normal, one.tangential))
     return keys, rows, one.penetration.tobytes(), one.area.tobytes(), one.N is None
 
@@ -161,7 +164,8 @@ def structure_system(structure: Structure) -> StructureSystem:
         normals=rows["normal"],
         tangents=rows["tangential"],
         masses_inverse=inverse,
-        counterparts_move=_counterparts_move(structure),
+        belts=tuple(symbol(one.parameter("v")) for one in structure.contacts for _ in range(one.count)),
+        speeds=_speeds(structure),
     )
 
 
@@ -176,7 +180,7 @@ def contacts_with_undetermined_friction(structure: Structure, mode: str) -> tupl
     rows = np.vstack([zero, *(_full(one.tangential, one) for one in structure.contacts)])
     size = np.linalg.norm(rows, axis=1, keepdims=True)
     unit = rows / np.where(size > 0.0, size, 1.0)
-    speeds = np.hstack([unit, _counterparts_move(structure) / np.where(size > 0.0, size, np.inf)])
+    speeds = np.hstack([unit, _speeds(structure)[:, None] / np.where(size > 0.0, size, np.inf)])
     regimes = mode.split(JOINT)
     stuck = [i for i, name in enumerate(regimes) if name == "stick"]
     rubbing = [i for i, name in enumerate(regimes) if name.startswith("slip")]
@@ -240,15 +244,14 @@ def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyConta
     rates = [None] * group.count
     if group.tangential is not None and group.friction is not None:
         rates = matrix_rows(group.tangential.toarray(), v)
-    law = symbolic_copy(group.contact.structure_key)
-    friction = None if group.friction is None else symbolic_copy(group.friction.structure_key)
-    impact = None if group.impact is None else symbolic_copy(group.impact.structure_key)
+    law, friction, impact = map(group.symbolic_law, ("contact", "friction", "impact"))
+    given, belt = symbol(group.parameter("N")), symbol(group.parameter("v"))
     for i in range(group.count):
         depth, area = depths[i], float(group.area[i])
         names = StickSlipSeparation().modes
         if depth is None:
             names = tuple(name for name in names if name != "separation")
-            force: Any = symbol("N") * area if area != 1.0 else symbol("N")
+            force: Any = given * area if area != 1.0 else given
         else:
             depth = depth + float(group.penetration[i]) if group.penetration[i] else depth
             force = _per_area(law, area)
@@ -256,7 +259,7 @@ def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyConta
             yield Contact(depth, force, interface=_regimes(("contact", "separation")))
             continue
         shared: Any = friction if area == 1.0 else FrictionOnArea(friction, area)
-        yield Friction(symbol("v") - rates[i], force, shared, depth, impact=impact, interface=_regimes(names))
+        yield Friction(belt - rates[i], force, shared, depth, impact=impact, interface=_regimes(names))
 
 
 def _split(states: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
@@ -301,15 +304,18 @@ class StructureSystem(LagrangeSystem):
         Rows g and t; zero where a contact has none.
     masses_inverse : array (n, n)
         M^-1.
-    counterparts_move : bool
-        Whether the speed v of the contacts' counterparts is not zero.
+    belts : tuple of Symbol (contacts,)
+        Speeds of the contacts' counterparts.
+    speeds : array (contacts,)
+        Their values, as shares of the largest; 0 where they rest.
     """
 
     free: MatrixProduct = field(default_factory=lambda: MatrixProduct(np.zeros((0, 0)), ()))
     normals: Array = field(default_factory=lambda: np.zeros((0, 0)))
     tangents: Array = field(default_factory=lambda: np.zeros((0, 0)))
     masses_inverse: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    counterparts_move: bool = True
+    belts: tuple[Any, ...] = ()
+    speeds: Array = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
     def _pushed_by_normals(self) -> Array:
@@ -447,7 +453,7 @@ class StructureSystem(LagrangeSystem):
                 ratio = float(row @ first / (first @ first))
                 if np.linalg.norm(row - ratio * first) <= PARALLEL * np.linalg.norm(row):
                     number = sympy.Integer(round(ratio)) if ratio in (1.0, -1.0) else sympy.Float(ratio)
-                    offset = expand_products(symbol("v") - number * symbol("v"))
+                    offset = expand_products(self.belts[i] - number * self.belts[group[0][0]])
                     group.append((i, number, offset))
                     break
             else:
@@ -494,12 +500,13 @@ class StructureSystem(LagrangeSystem):
     def _rests(self, i: int, held: list[int]) -> bool:
         """Whether v_r of contact `i` is zero where those of the contacts `held` are, which are independent.
 
-        Where t_i = sum of c_j t_j over these, it is (1 - sum of c_j) v.
+        Where t_i = sum of c_j t_j over these, it is v_i - sum of c_j v_j, of the counterparts' speeds v.
         """
         if self._are_independent((*held, i)):
             return False
         shares = np.linalg.lstsq(self.tangents[held].T, self.tangents[i])[0]
-        return not self.counterparts_move or abs(1.0 - shares.sum()) <= SAME_SPEED * (1 + abs(shares).sum())
+        v, others = self.speeds[i], self.speeds[held]
+        return bool(abs(v - shares @ others) <= SAME_SPEED * (abs(v) + np.abs(shares) @ np.abs(others)))
 
 
 def _independent(compliance: Array) -> bool:

@@ -22,10 +22,11 @@ from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import Formulas, formulas_of
-from frictionlab.validation import abbreviate, check_number, explains_fields, float_array
+from frictionlab.validation import abbreviate, check_number, check_text, explains_fields, float_array
 
 Array = NDArray[np.float64]
 ENERGY_RULE = np.polynomial.legendre.leggauss(16)  # exact for powers of the penetration up to 15
+NAME_CURE = 'name the contacts, such as "inner"'
 COMPLEX_STEP = 1e-30  # of a derivative by an imaginary step, which cancels nothing
 
 
@@ -62,7 +63,8 @@ class SlidingContacts:
 
         -g^T F_N + t^T F_T
 
-    Values of the laws' parameters, v and N are parameters of the structure.
+    Values of the laws' parameters, v and N are parameters of the structure.  Groups of contacts share those
+    of the same name, unless the groups have names.
 
     Parameters
     ----------
@@ -85,6 +87,8 @@ class SlidingContacts:
         delta_0, that without displacements, m; negative for a gap.
     area : float or array (k,)
         Factors of the forces.
+    name : str, optional
+        At the end of the names of its parameters: those of "inner" are mu_k_inner, v_inner, ...
 
     Raises
     ------
@@ -112,9 +116,12 @@ class SlidingContacts:
     impact: ImpactLaw | None = None
     penetration: Any = 0.0
     area: Any = 1.0
+    name: str | None = None
 
     def __post_init__(self) -> None:
         self._check_laws()
+        if self.name is not None and not check_text("name", self.name, NAME_CURE).isidentifier():
+            raise ValueError(f"name must be a word of letters and digits, got {self.name!r}: {NAME_CURE}")
         cures = {"normal": "or a normal force N", "tangential": "or friction=None"}
         for name, needed in (("normal", self.N is None), ("tangential", self.friction is not None)):
             rows = getattr(self, name)
@@ -159,17 +166,33 @@ class SlidingContacts:
         """Values of the laws' parameters, of v and of N."""
         values = {name: getattr(law, name) for law in self._laws for name in parameters_of(type(law))}
         values |= {} if self.friction is None else {"v": self.v}
-        return values if self.N is None else {**values, "N": self.N}
+        values |= {} if self.N is None else {"N": self.N}
+        return {self.parameter(name): value for name, value in values.items()}
+
+    def parameter(self, name: str) -> str:
+        """What a parameter of a law, v or N is called in the structure."""
+        return name if self.name is None else f"{name}_{self.name}"
+
+    def symbolic_law(self, role: str) -> Any:
+        """The law of contact, friction or impact with symbols for its parameters; None without one."""
+        law: Component | None = getattr(self, role)
+        if law is None:
+            return None
+        copy = symbolic_copy(law.structure_key)
+        for name in parameters_of(type(law)):
+            object.__setattr__(copy, name, symbol(self.parameter(name)))
+        return copy
 
     def with_values(self, values: Mapping[str, float]) -> Self:
         """The same contacts with other values of parameters, checked by their rules."""
-        changes: dict[str, Any] = {name: values[name] for name in ("v", "N") if name in values}
+        given = {name: values[each] for name in ("v", "N") if (each := self.parameter(name)) in values}
+        changes: dict[str, Any] = dict(given)
         for role in ("contact", "friction", "impact"):
             law: Component | None = getattr(self, role)
             if law is None:
                 continue
-            own = parameters_of(type(law))
-            if inner := {name: values[name] for name in own if name in values}:
+            own = ((name, self.parameter(name)) for name in parameters_of(type(law)))
+            if inner := {name: values[each] for name, each in own if each in values}:
                 changes[role] = replace(law, **inner)
         return replace(self, **changes)
 
@@ -197,29 +220,27 @@ class SlidingContacts:
         one = np.ones((*np.shape(q)[:-1], self.count))
         if self.normal is None:
             penetration, closed = np.nan * one, one > 0.0
-            pressure, stiffness = values["N"] * one, 0.0 * one
+            pressure, stiffness = values[self.parameter("N")] * one, 0.0 * one
         else:
             penetration = (self.normal @ q.T).T + self.penetration
             closed = penetration.real > 0.0
             law, slope = self._contact_formulas
-            given = [
-                np.where(closed, penetration, 0.0),
-                *(values[name] for name in self._names(self.contact)),
-            ]
+            given = [np.where(closed, penetration, 0.0), *self._values(self.contact, values)]
             pressure, stiffness = _evaluated(law, given), _evaluated(slope, given)
         normal = np.where(closed, self.area * pressure, 0.0)
         normal_slope = np.where(closed, self.area * stiffness, 0.0)
         if self.friction is None:
             return ContactForces(penetration, normal, 0.0 * normal, normal_slope, 0.0 * normal, 0.0 * normal)
-        sign = np.sign(np.real(values["v"]))
+        v = values[self.parameter("v")]
+        sign = np.sign(np.real(v))
         if not np.all(sign):
             raise ValueError(
-                "v must not be 0 for steady sliding, got 0.0: give the counterpart a speed, or friction=None"
+                f"{self.parameter('v')} must not be 0 for steady sliding, got 0.0: give the counterpart a "
+                "speed, or friction=None"
             )
         law, by_force, by_speed = self._friction_formulas
         # the pressure of an open contact is put to any number, as laws may have no slope at 0
-        given = [np.where(closed, pressure, 1.0), sign * values["v"] * one]
-        given += [values[name] for name in self._names(self.friction)]
+        given = [np.where(closed, pressure, 1.0), sign * v * one, *self._values(self.friction, values)]
         parts = [
             np.where(closed, self.area * _evaluated(each, given), 0.0) for each in (law, by_force, by_speed)
         ]
@@ -234,7 +255,7 @@ class SlidingContacts:
         # over the root of the penetration, in which powers such as that of Hertz are polynomials
         for node, weight in zip(*ENERGY_RULE, strict=True):
             share = (1.0 + node) / 2.0
-            given = [depth * share**2, *(values[name] for name in self._names(self.contact))]
+            given = [depth * share**2, *self._values(self.contact, values)]
             energy += weight * share * depth * _evaluated(law, given)
         return energy @ self.area
 
@@ -253,7 +274,8 @@ class SlidingContacts:
                 reach += (np.abs(forces.penetration) / np.abs(self.normal @ shape)).tolist()
             if self.tangential is not None and self.friction is not None:
                 closed = forces.normal > 0.0
-                reach += (abs(values["v"]) / np.abs(value * (self.tangential @ shape))[closed]).tolist()
+                v = abs(values[self.parameter("v")])
+                reach += (v / np.abs(value * (self.tangential @ shape))[closed]).tolist()
         return reach
 
     def damping(self, forces: ContactForces) -> Any:
@@ -273,10 +295,10 @@ class SlidingContacts:
 
     def secant_stiffness(self, force: float, values: Mapping[str, float]) -> Array:
         """Stiffnesses (k,), N/m, of contacts that carry a normal force together, for a start."""
-        law, names = self._contact_formulas[0], self._names(self.contact)
+        law, given = self._contact_formulas[0], self._values(self.contact, values)
         depth = np.finfo(float).eps
         while depth < 1.0:
-            carried = float(self.area.sum() * _evaluated(law, [depth, *(values[name] for name in names)]))
+            carried = float(self.area.sum() * _evaluated(law, [depth, *given]))
             if carried >= force and carried > 0.0:
                 break
             depth *= 2.0
@@ -306,6 +328,9 @@ class SlidingContacts:
         law = symbolic_copy(self.friction.structure_key).kinetic(force, speed)
         formulas = formulas_of([force, speed, *map(symbol, self._names(self.friction))], [law])
         return formulas, formulas.jacobian([0])[1], formulas.jacobian([1])[1]
+
+    def _values(self, law: Component, values: Mapping[str, Any]) -> list[Any]:
+        return [values[self.parameter(name)] for name in self._names(law)]
 
     @staticmethod
     def _names(law: Component) -> tuple[str, ...]:

@@ -51,10 +51,6 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 OWNERS = ("C", "contacts")  # fields that may have parameters of their own
-CURES_OF_CLASHES = {
-    "N": "give each contact its share of one N as its area",
-    "v": "the counterparts of a structure have one speed",
-}
 MATRICES = ("M", "K", "C", "gyroscopic", "circulatory")
 REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
@@ -441,8 +437,9 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
         with suppress(ValueError):  # its own values may have no equilibrium where others have one
             start = self.displacements
         if start is not None:
-            rubs = any(one.friction is not None for one in contacts)
-            slides = values["v"] != 0.0 if rubs else np.ones(len(C), dtype=bool)
+            slides = np.ones(len(C), dtype=bool)
+            for one in contacts:
+                slides &= one.friction is None or values[one.parameter("v")] != 0.0
             columns = {name: column[slides] for name, column in values.items()}
             q[slides], found[slides] = newton_of_many(K[slides], forces[slides], contacts, columns, start)
         for i in np.flatnonzero(~found):
@@ -632,7 +629,7 @@ def _own_values(damping: Any, contacts: tuple[SlidingContacts, ...]) -> dict[str
             if values.setdefault(name, value) != value:
                 raise ValueError(
                     f"parameters of the same name must have one value, got {name} = {values[name]:.6g} and "
-                    f"{value:.6g}: {CURES_OF_CLASHES.get(name, 'take laws with other names')}"
+                    f'{value:.6g}: name the contacts, as SlidingContacts(..., name="inner") has {name}_inner'
                 )
     return values
 

@@ -93,7 +93,7 @@ def _contacts_to_data(one: SlidingContacts) -> Data:
         name: None if getattr(one, name) is None else _matrix_to_data(getattr(one, name)) for name in ROWS
     }
     numbers = {"v": one.v, "N": one.N, "penetration": one.penetration.tolist(), "area": one.area.tolist()}
-    return {**rows, **laws, **numbers}
+    return {**rows, **laws, **numbers, "name": one.name}
 
 
 def _contacts_from_data(data: Mapping[str, Any]) -> SlidingContacts:

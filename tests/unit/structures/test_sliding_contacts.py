@@ -272,6 +272,43 @@ def test_structures_with_contacts_that_are_refused(changes, message):
         )
 
 
+def test_pads_with_laws_and_speeds_of_their_own():
+    """Three pads on a chain: the eigenvalues are those of matrices made by hand."""
+    stiffness, friction, speeds = (100.0, 200.0, 300.0), (0.3, 0.6, 0.9), (1.0, 2.0, -1.5)
+    unit, springs = np.eye(6), 1e2 * (2 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1))
+    pads = [
+        fl.SlidingContacts(
+            unit[[i]], unit[[i + 3]], fl.LinearContact(k2=k), fl.Coulomb(mu, 1.0), v, name=name
+        )
+        for i, (k, mu, v, name) in enumerate(zip(stiffness, friction, speeds, "abc"))
+    ]
+    structure = fl.Structure(unit, springs, contacts=pads, load=[0, 0, 0, 25.0, 35.0, 45.0])
+    full = springs.copy()
+    for i, (k, mu, v) in enumerate(zip(stiffness, friction, speeds)):
+        full[i + 3, i + 3] += k
+        full[i, i + 3] -= np.sign(v) * mu * k
+    squares = -np.linalg.eigvals(full)
+    values = fl.eigenvalues(structure).values
+    assert np.abs(values[:, None] ** 2 - squares).min(axis=1).max() < 1e-9 * np.abs(squares).max()
+    changed = structure.replace(mu_k_b=0.5, v_c=1.0)
+    assert (changed.contacts[1].friction.mu_k, changed.contacts[2].v) == (0.5, 1.0)
+    again = fl.Structure.from_dict(changed.to_dict())
+    assert np.allclose(fl.eigenvalues(again).values, fl.eigenvalues(changed).values, rtol=1e-14)
+
+
+def test_a_moving_and_a_resting_counterpart():
+    """A mass is drawn by a belt and rubs at a wall: x = X (1 - cos t), then it sticks to the wall."""
+    belt = fl.SlidingContacts([[1.0]], N=1.0, friction=fl.Coulomb(1.0, 1.0), v=1.0, name="belt")
+    wall = fl.SlidingContacts([[1.0]], N=0.5, friction=fl.Coulomb(0.8, 0.9), v=0.0, name="wall")
+    run = fl.simulate(fl.Structure([[1.0]], [[1.0]], contacts=[belt, wall]), 10.0, x0=[0.0, 0.0])
+    assert run.events.t == pytest.approx([np.pi], rel=1e-12)
+    assert run.mode[-1] == "slip+ | stick"
+    t = np.linspace(0.0, 3.0, 7)
+    assert np.allclose(run(t)[:, 0], 0.6 * (1.0 - np.cos(t)), rtol=0, atol=1e-13)
+    assert np.allclose(run.final_state, [1.2, 0.0], rtol=0, atol=1e-13)
+    assert fl.energy_audit(run).error < 1e-12
+
+
 def test_groups_of_contacts():
     first = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]])
     with pytest.raises(ValueError, match=r"one value, got mu_k = 0\.3 and 0\.1"):
@@ -280,7 +317,7 @@ def test_groups_of_contacts():
             np.eye(2),
             contacts=[first, fl.SlidingContacts([[1.0, 1.0]], N=1.0, friction=fl.Coulomb(0.1))],
         )
-    with pytest.raises(ValueError, match="counterparts of a structure have one speed"):
+    with pytest.raises(ValueError, match="got v = 1 and 2: name the contacts"):
         fl.Structure(np.eye(2), np.eye(2), contacts=[first, fl.SlidingContacts([[1.0, 1.0]], N=1.0, v=2.0)])
     with pytest.raises(ValueError, match="a column for each of 3 freedoms, got 2"):
         fl.Structure(np.eye(3), np.eye(3), contacts=first)
