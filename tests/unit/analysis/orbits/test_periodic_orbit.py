@@ -125,6 +125,46 @@ def test_a_pendulum_near_its_upper_rest_is_neutral():
     assert orbit.stability == "neutral"
 
 
+def test_the_monodromy_matrix_of_impacts_is_that_of_differences_by_another_integrator():
+    """x'' = F cos(phase) - c x' - k x below a stop at d, where x' becomes -e x'; DOP853 finds the impacts."""
+    m, c, k, d, F, omega, e = 1.0, 0.1, 1.0, 0.3, 1.0, 2.5, 0.6
+    model = fl.ImpactOscillator(m=m, c=c, k=k, d=d, F=F, Omega=omega, impact=fl.RestitutionImpact(e=e))
+    orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
+    assert "impact" in orbit.trajectory.events.guard
+
+    def closing(t, z):
+        return d - z[0]
+
+    closing.terminal, closing.direction = True, -1
+
+    def end(start):
+        t, z = 0.0, np.array(start)
+        while t < orbit.period:
+            part = solve_ivp(
+                lambda _, z: [z[1], (F * np.cos(z[2]) - c * z[1] - k * z[0]) / m, omega],
+                (t, orbit.period),
+                z,
+                method="DOP853",
+                rtol=1e-13,
+                atol=1e-14,
+                events=closing,
+            )
+            t, z = part.t[-1], part.y[:, -1]
+            if part.status == 1:
+                z = np.array([d, -e * z[1], z[2]])
+        return z
+
+    size = np.ptp(orbit.trajectory.states, axis=0)
+
+    def differences(h):
+        steps = h * np.diag(size)
+        ends = [(end(orbit.state + s) - end(orbit.state - s)) / (2 * h) for s in steps]
+        return np.column_stack(ends) / size[:, None]
+
+    expected = (4 * differences(5e-5) - differences(1e-4)) / 3  # extrapolated from two steps
+    np.testing.assert_allclose(orbit.monodromy * size / size[:, None], expected, atol=1e-8)
+
+
 def test_an_unstable_bounce_is_found():
     """A ball that leaves the floor at V^2/c: at speed c for ever; u -> u^2/c doubles what is off."""
     c, g = sp.symbols("c g")
