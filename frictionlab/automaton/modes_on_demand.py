@@ -58,7 +58,7 @@ class ModeNames(Sequence[str]):
     regimes : tuple of tuple of str
         Names of the regimes of each part; one that is empty is left out of names of modes.
     allows : callable
-        Whether a combination is a mode.
+        Whether a combination is a mode; of some leading regimes, whether modes may have them.
     """
 
     def __init__(self, regimes: tuple[tuple[str, ...], ...], allows: Callable[[Combination], bool]) -> None:
@@ -69,6 +69,10 @@ class ModeNames(Sequence[str]):
     def combinations(self) -> Iterator[Combination]:
         """All combinations that are modes, in order: the last part's regime changes fastest."""
         return filter(self.allows, product(*(range(len(names)) for names in self._names)))
+
+    def conflict(self, combination: Combination) -> int:
+        """How many leading regimes of a combination that is no mode exclude each other."""
+        return next(i for i in range(1, 1 + len(combination)) if not self.allows(combination[:i]))
 
     def name_of(self, combination: Combination) -> str:
         """The name of a combination."""

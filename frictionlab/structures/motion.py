@@ -462,11 +462,9 @@ class StructureSystem(LagrangeSystem):
 
     def allows(self, combination: Combination) -> bool:
         """Whether contacts of one direction agree, and all velocities held at zero are independent."""
-        held = [
-            i for i, (stick, one) in enumerate(zip(self._sticks, combination, strict=True)) if one == stick
-        ]
+        held = [i for i, (stick, one) in enumerate(zip(self._sticks, combination)) if one == stick]
         if self.directions:
-            names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
+            names = self.names_of_regimes(combination)
             if not all(direction.allows(names) for direction in self.directions):
                 return False
             held = [i for i in held if self.leader(i, names) == i]

@@ -511,7 +511,7 @@ def _demand_arrays(
 ) -> Demand:
     """What kernels have to know of modes that are not derived."""
     parts = len(modes.parts)
-    numbers = [*range(len(known.modes)), *(NO_MODE for _ in known.refused)]
+    numbers = [*range(len(known.modes)), *(-modes.names.conflict(one) for one in known.refused)]
     conditions = [len(regime.conditions) for part in modes.parts for regime in part]
     return Demand(
         regimes=_ranges([len(part) for part in modes.parts]),

@@ -37,6 +37,7 @@ from frictionlab.hybrid.kernels.jets import (
 NO_MODE, MISSING = -1, -2
 BY_VALUES = 0  # the order that stands for a choice by the values of conditions, without series
 REFUSED, AT_ANOTHER_EVENT, UNDECIDED, ADMITTED = range(4)
+JOINT_TRIALS = 3  # changes of all failed guards at once that need not make fewer of them fail
 
 
 class Rounding(NamedTuple):
@@ -252,12 +253,15 @@ def enter_passed(system, passed, z, rounding, order, scratch):
     return Selection(passed, NO_MODE)
 
 
-UNKNOWN = -2  # a combination that is not derived, so that it is not known whether it is a mode
+UNKNOWN = -(2**31)  # a combination that is not derived, so that it is not known whether it is a mode
 
 
 @kernel
 def find_mode(demand, combination):
-    """Number of the mode of a combination; NO_MODE where it is none, UNKNOWN where it is not yet derived."""
+    """Number of the mode of a combination; UNKNOWN where it is not yet derived.
+
+    Where it is none, minus the number of its leading regimes that exclude each other.
+    """
     for k in range(demand.combinations.shape[0]):
         same = True
         for i in range(combination.shape[0]):
@@ -270,29 +274,36 @@ def find_mode(demand, combination):
 
 
 @kernel
-def add_candidate(row, queue, count):
-    """Append a combination to the queue of `count`, unless it is there or no room is left; the new count."""
-    rows = queue.rows
-    if count == rows.shape[0]:
-        return count
-    for k in range(count):
+def insert_candidate(queue, place, row, count):
+    """Put a combination at a place in the queue of `count`, or move it there from further back; the new count.
+
+    Where no room is left the last one is dropped.
+    """
+    rows, at = queue.rows, 0
+    while at < count:
         same = True
         for i in range(row.shape[0]):
-            if rows[k, i] != row[i]:
+            if rows[at, i] != row[i]:
                 same = False
                 break
         if same:
-            return count
-    copy_vector(row, rows[count])
-    return count + 1
+            break
+        at += 1
+    if at < place or place == rows.shape[0]:
+        return count
+    at = min(at, rows.shape[0] - 1)
+    for k in range(at, place, -1):
+        copy_vector(rows[k - 1], rows[k])
+    copy_vector(row, rows[place])
+    return max(count, at + 1)
 
 
 @kernel
-def add_targets(queue, guard, count):
-    """Put the targets of a guard's event into the queue; returns the new count."""
+def insert_targets(queue, place, guard, count):
+    """Put the targets of a guard's event at a place in the queue of `count`; the new count."""
     demand = queue.demand
-    for k in range(demand.listed[guard], demand.listed[guard + 1]):
-        count = add_candidate(demand.targets[k], queue, count)
+    for k in range(demand.listed[guard + 1] - 1, demand.listed[guard] - 1, -1):
+        count = insert_candidate(queue, place, demand.targets[k], count)
     return count
 
 
@@ -313,49 +324,67 @@ def is_at_zero(code, guard, rounding, scratch):
 
 
 @kernel
-def add_change(demand, guard, row, joint):
-    """Make in `joint` the changes that the first target of a guard's event makes to the combination `row`."""
-    if demand.listed[guard] < demand.listed[guard + 1]:
-        target = demand.targets[demand.listed[guard]]
-        for i in range(row.shape[0]):
-            if target[i] != row[i]:
-                joint[i] = target[i]
+def is_allowed(queue, combination):
+    """Whether the conditions of all regimes of a combination allow it."""
+    refused = 0
+    for i in range(combination.shape[0]):
+        if queue.allowed[queue.demand.regimes[i] + combination[i]] == 0:
+            refused += 1
+    return refused == 0
 
 
 @kernel
-def insert_candidate(queue, place, row, count):
-    """Put a combination at a place in the queue of `count`, unless it is there; the new count."""
-    longer = add_candidate(row, queue, count)
-    if longer > count:
-        for k in range(count, place, -1):
-            copy_vector(queue.rows[k - 1], queue.rows[k])
-        copy_vector(row, queue.rows[place])
-    return longer
+def add_change(queue, guard, row, joint):
+    """Make in `joint` the changes to the combination `row` by the event of a guard: those of its first target
+    that the conditions of all regimes allow."""
+    demand = queue.demand
+    for k in range(demand.listed[guard], demand.listed[guard + 1]):
+        target = demand.targets[k]
+        if is_allowed(queue, target):
+            for i in range(row.shape[0]):
+                if target[i] != row[i]:
+                    joint[i] = target[i]
+            break
 
 
 @kernel
-def add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, order, scratch, count):
+def changes_all(queue, failed):
+    """Whether to make the changes of all `failed` guards at once: their number has fallen, or may fall soon."""
+    progress = queue.progress
+    if failed < progress[0]:
+        progress[0], progress[1] = failed, JOINT_TRIALS
+    elif progress[1] > 0:
+        progress[1] -= 1
+    else:
+        return False
+    return True
+
+
+@kernel
+def insert_pivots(system, queue, mode, tried, own, rounding, order, scratch, count):
     """Queue the targets of the events that keep the mode tried last from being entered; the new count.
 
-    The combination with the changes of all these events comes next, those with the change of one come last.
-    The first `own` combinations are the targets of the event itself.  They are tried before all these, as
-    another contact leaves stick only if it has to, unless another event falls on this instant.
+    The combination with the changes of all these events comes next, then those with the change of one.  The
+    first `own` combinations are the targets of the event itself.  They are tried before all these, as another
+    contact leaves stick only if it has to, unless another event falls on this instant.
     """
     code, row, joint = system.code, queue.rows[tried - 1], queue.missing
     copy_vector(row, joint)
-    place = max(tried, own)
-    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+    place, failed, first, last = max(tried, own), 0, code.mode_guards[mode], code.mode_guards[mode + 1]
+    for g in range(first, last):
         if has_failed(system, g, rounding, order, scratch):
-            add_change(queue.demand, g, row, joint)
+            failed += 1
+            add_change(queue, g, row, joint)
             if zeros_by_construction(code, scratch, g) == 0 and is_at_zero(code, g, rounding, scratch):
                 place = tried
     for i in range(row.shape[0]):
         if tried < own and joint[i] != row[i] and queue.rows[tried, i] != row[i]:
             place = own
-    count = insert_candidate(queue, place, joint, count)
-    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+    for g in range(last - 1, first - 1, -1):
         if has_failed(system, g, rounding, order, scratch):
-            count = add_targets(queue, g, count)
+            count = insert_targets(queue, max(tried, own), g, count)
+    if failed > 0 and (tried <= own or changes_all(queue, failed)):
+        count = insert_candidate(queue, place, joint, count)
     return count
 
 
@@ -376,22 +405,12 @@ def mark_regimes(system, queue, z, rounding, scratch):
 
 
 @kernel
-def is_allowed(queue, combination):
-    """Whether the conditions of all regimes of a combination allow it."""
-    refused = 0
-    for i in range(combination.shape[0]):
-        if queue.allowed[queue.demand.regimes[i] + combination[i]] == 0:
-            refused += 1
-    return refused == 0
-
-
-@kernel
-def next_allowed(queue, begins):
-    """Move ``queue.place`` to the next allowed combination, to the first if it `begins`; False for none."""
+def next_allowed(queue, leading):
+    """Move ``queue.place`` to the next allowed combination in which one of the `leading` regimes is another, to
+    the first for none; False where there is none."""
     place, allowed, regimes = queue.place, queue.allowed, queue.demand.regimes
-    i = 0 if begins else place.shape[0] - 1
-    if begins:
-        place[:] = -1
+    i = max(leading - 1, 0)
+    place[leading:] = -1
     while 0 <= i < place.shape[0]:
         count = regimes[i + 1] - regimes[i]
         place[i] += 1
@@ -419,27 +438,26 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
 
     Otherwise as :func:`select_mode`.  The combination of a missing mode is left in ``queue.missing``.
     """
-    rows, marked, begins, passed = queue.rows, False, True, NO_MODE
-    own = 0 if guard == NO_MODE else add_targets(queue, guard, 0)
-    count, tried = own, 0
-    while True:
+    rows, parts, leading, passed = queue.rows, queue.place.shape[0], 0, NO_MODE
+    own = 0 if guard == NO_MODE else insert_targets(queue, 0, guard, 0)
+    count, tried, marked = own, 0, False
+    queue.progress[0], queue.progress[1] = rows.shape[0], 0
+    while tried < rows.shape[0]:
+        mode = find_mode(queue.demand, rows[tried]) if tried < count else UNKNOWN
+        if mode == UNKNOWN and not marked:
+            mark_regimes(system, queue, z, rounding, scratch)
+            marked = True
         while tried == count:
-            if not marked:
-                mark_regimes(system, queue, z, rounding, scratch)
-                marked = True
-            if count == rows.shape[0] or not next_allowed(queue, begins):
+            if not next_allowed(queue, leading):
                 return enter_passed(system, passed, z, rounding, order, scratch)
-            begins = False
-            count = add_candidate(queue.place, queue, count)
-        mode = find_mode(queue.demand, rows[tried])
+            mode = find_mode(queue.demand, queue.place)
+            leading = -mode if UNKNOWN < mode < 0 else parts
+            if leading == parts:
+                count = insert_candidate(queue, count, queue.place, count)
         tried += 1
-        if mode == UNKNOWN:
-            if not marked:
-                mark_regimes(system, queue, z, rounding, scratch)
-                marked = True
-            if is_allowed(queue, rows[tried - 1]):
-                copy_vector(rows[tried - 1], queue.missing)
-                return Selection(NO_MODE, MISSING)
+        if mode == UNKNOWN and is_allowed(queue, rows[tried - 1]):
+            copy_vector(rows[tried - 1], queue.missing)
+            return Selection(NO_MODE, MISSING)
         if mode < 0:
             continue
         verdict = try_candidate(system, mode, z, rounding, order, scratch)
@@ -447,6 +465,10 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
+        if not marked:
+            mark_regimes(system, queue, z, rounding, scratch)
+            marked = True
         mode_jets(system.code, system.numbers, mode, order, z, scratch.jets)
         majorant(system.code, system.magnitudes, mode, order, rounding.sizes, scratch.jets, scratch.bounds)
-        count = add_targets_of_failed_guards(system, queue, mode, tried, own, rounding, order, scratch, count)
+        count = insert_pivots(system, queue, mode, tried, own, rounding, order, scratch, count)
+    return enter_passed(system, passed, z, rounding, order, scratch)

@@ -30,6 +30,7 @@ class CombinationQueue(NamedTuple):
     allowed: np.ndarray  # (regimes,) whether their conditions allow a mode with them
     place: np.ndarray  # (parts,) the last combination taken in the automaton's order
     missing: np.ndarray  # (parts,) scratch, and in the end the combination that is to be derived
+    progress: np.ndarray  # (2,) fewest guards that failed, and how many joint changes may still not lower this
 
 
 class ImpactScratch(NamedTuple):
@@ -225,7 +226,8 @@ def new_queue(demand: Demand | None) -> CombinationQueue | None:
         return None
     parts, regimes = len(demand.regimes) - 1, demand.regimes[-1]
     rows, allowed = np.zeros((MAX_CANDIDATES, parts), dtype=np.int64), np.zeros(regimes, dtype=np.int64)
-    return CombinationQueue(demand, rows, allowed, *np.zeros((2, parts), dtype=np.int64))
+    place, missing = np.zeros((2, parts), dtype=np.int64)
+    return CombinationQueue(demand, rows, allowed, place, missing, np.zeros(2, dtype=np.int64))
 
 
 def jet_columns(order: int) -> int:

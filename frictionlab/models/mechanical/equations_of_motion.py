@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, wraps
+from operator import getitem
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
@@ -166,16 +167,22 @@ class LagrangeSystem:
         """Whether contacts of one direction agree, and all else that is held at zero is independent."""
         names: Sequence[str] = ()
         if self.directions:
-            names = tuple(regimes[i].name for regimes, i in zip(self.regimes, combination, strict=True))
+            names = self.names_of_regimes(combination)
             if not all(direction.allows(names) for direction in self.directions):
                 return False
         rows = [
             row
             for i in self._contacts_in_conflict
-            if not names or self.leader(i, names) == i
+            if i < len(combination) and (not names or self.leader(i, names) == i)
             for row in self._held_rows[i][combination[i]]
         ]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
+
+    def names_of_regimes(self, combination: Combination) -> tuple[str, ...]:
+        """The name of each contact's regime, empty where the combination does not go so far."""
+        return tuple(one.name for one in map(getitem, self.regimes, combination)) + ("",) * (
+            len(self.regimes) - len(combination)
+        )
 
     @cached_property
     def directions(self) -> tuple[CommonDirection, ...]:
