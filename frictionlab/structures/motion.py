@@ -24,7 +24,7 @@ from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_r
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import ImpactLaw
+from frictionlab.components.impact import ImpactLaw, clip
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
@@ -427,13 +427,17 @@ class StructureSystem(LagrangeSystem):
         normal = self.normals[i]
         (rate,) = matrix_rows(normal[None], self.v)
         softness = sympy.Float(-float(normal @ along_normal))
-        before = symbol("rate")
-        impulse = law.impulse(before, before, softness)
-        order = 2 if expand_products(before - softness * impulse) == 0 else 1
-        stopping = contact.relative_velocity / sympy.Float(float(self._compliance[i, i]))
-        rubbing = law.friction(impulse.xreplace({before: rate}), stopping)
-        after_rubbing = rate + float(normal @ along_tangent) * rubbing
-        pressing = impulse.xreplace({before: after_rubbing})
+        impulse = law.impulse(rate, rate, softness)
+        after = expand_products(rate - softness * impulse)
+        order = 2 if after == 0 else 1
+        coupling = float(normal @ along_tangent)
+        share = coupling / float(softness)
+        soft = float(self._compliance[i, i]) - coupling * share
+        rubbing: Any = sympy.S.Zero
+        if soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
+            stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
+            rubbing = _rubbing_impulse(law, impulse, stopping, share, share * after / soft)
+        pressing = impulse + share * rubbing
         jump = {
             v: v + float(p) * pressing + float(r) * rubbing
             for v, p, r in zip(self.v, along_normal, along_tangent, strict=True)
@@ -505,6 +509,25 @@ class StructureSystem(LagrangeSystem):
         shares = np.linalg.lstsq(self.tangents[held].T, self.tangents[i])[0]
         v, others = self.speeds[i], self.speeds[held]
         return bool(abs(v - shares @ others) <= SAME_SPEED * (abs(v) + np.abs(shares) @ np.abs(others)))
+
+
+def _rubbing_impulse(law: ImpactLaw, impulse: Any, stopping: Any, share: float, by_opening: Any) -> Any:
+    """The impulse of friction p_T at an impact, after which the rate of the distance is what the law says.
+
+    The normal impulse is p_N = `impulse` + `share` p_T.  So |p_T| <= mu p_N limits p_T = `stopping`, which
+    brings v_r to zero, to mu `impulse` / (1 -+ mu `share`).  With e > 0 that may feed energy in (Kane &
+    Levinson, Dynamics: Theory and Applications, 1985).  The kinetic energy is least at `stopping` +
+    `by_opening`, and friction dissipates up to twice this impulse, which limits p_T too.
+    """
+    mu = law.friction_coefficient
+    if mu == 0 or share == 0:
+        return law.friction(impulse, stopping)
+    largest, needed = mu * impulse, sympy.Abs(stopping) - mu * share * stopping
+    rubbing = stopping * largest * 2 / (largest + needed + sympy.Abs(largest - needed))
+    if by_opening == 0:
+        return rubbing
+    twice = 2 * (stopping + by_opening)
+    return clip(rubbing, (twice - sympy.Abs(twice)) / 2, (twice + sympy.Abs(twice)) / 2, sympy.Abs)
 
 
 def _independent(compliance: Array) -> bool:

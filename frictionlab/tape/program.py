@@ -37,7 +37,7 @@ class Demand(NamedTuple):
     regimes: np.ndarray  # (parts + 1,) range of each part's regimes, numbered through all parts
     conditions: np.ndarray  # (regimes + 1,) range of each regime's conditions among these constraints
     combinations: np.ndarray  # (known, parts) the regime of each part, from 0
-    modes: np.ndarray  # (known,) the mode of each, or minus the number of its first regimes that exclude each other
+    modes: np.ndarray  # (known,) the mode of each, or minus how many first regimes exclude each other
     listed: np.ndarray  # (guards + 1,) range of the targets of each event
     targets: np.ndarray  # (targets, parts) their combinations
 

@@ -30,7 +30,7 @@ class CombinationQueue(NamedTuple):
     allowed: np.ndarray  # (regimes,) whether their conditions allow a mode with them
     place: np.ndarray  # (parts,) the last combination taken in the automaton's order
     missing: np.ndarray  # (parts,) scratch, and in the end the combination that is to be derived
-    progress: np.ndarray  # (2,) fewest guards that failed, and how many joint changes may still not lower this
+    progress: np.ndarray  # (2,) fewest guards that failed, joint changes that may not lower this
 
 
 class ImpactScratch(NamedTuple):
