@@ -24,9 +24,9 @@ from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_r
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import ImpactLaw, clip
+from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.mechanical.common_directions import CommonDirection
-from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
+from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rubbing_impulse
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
@@ -436,7 +436,11 @@ class StructureSystem(LagrangeSystem):
         rubbing: Any = sympy.S.Zero
         if soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
             stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
-            rubbing = _rubbing_impulse(law, impulse, stopping, share, share * after / soft)
+            by_opening, mu = share * after / soft, law.friction_coefficient
+            if mu == 0 or share == 0:
+                rubbing = law.friction(impulse, stopping)
+            else:
+                rubbing = rubbing_impulse(mu, impulse, share, stopping, by_opening)
         pressing = impulse + share * rubbing
         jump = {
             v: v + float(p) * pressing + float(r) * rubbing
@@ -509,25 +513,6 @@ class StructureSystem(LagrangeSystem):
         shares = np.linalg.lstsq(self.tangents[held].T, self.tangents[i])[0]
         v, others = self.speeds[i], self.speeds[held]
         return bool(abs(v - shares @ others) <= SAME_SPEED * (abs(v) + np.abs(shares) @ np.abs(others)))
-
-
-def _rubbing_impulse(law: ImpactLaw, impulse: Any, stopping: Any, share: float, by_opening: Any) -> Any:
-    """The impulse of friction p_T at an impact, after which the rate of the distance is what the law says.
-
-    The normal impulse is p_N = `impulse` + `share` p_T.  So |p_T| <= mu p_N limits p_T = `stopping`, which
-    brings v_r to zero, to mu `impulse` / (1 -+ mu `share`).  With e > 0 that may feed energy in (Kane &
-    Levinson, Dynamics: Theory and Applications, 1985).  The kinetic energy is least at `stopping` +
-    `by_opening`, and friction dissipates up to twice this impulse, which limits p_T too.
-    """
-    mu = law.friction_coefficient
-    if mu == 0 or share == 0:
-        return law.friction(impulse, stopping)
-    largest, needed = mu * impulse, sympy.Abs(stopping) - mu * share * stopping
-    rubbing = stopping * largest * 2 / (largest + needed + sympy.Abs(largest - needed))
-    if by_opening == 0:
-        return rubbing
-    twice = 2 * (stopping + by_opening)
-    return clip(rubbing, (twice - sympy.Abs(twice)) / 2, (twice + sympy.Abs(twice)) / 2, sympy.Abs)
 
 
 def _independent(compliance: Array) -> bool:

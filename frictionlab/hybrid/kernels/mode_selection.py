@@ -4,16 +4,18 @@ A mode can be entered if its flow has a value, its constraints hold, and it last
 coefficient of each of its event functions is positive.  A flow has no value where it divides by zero.  A
 crank at its dead centre does not move the piston, so no force at the piston holds the crank.
 
-Modes may be combinations of regimes.  These are far too many to list, and only some are derived.  The targets
-of the event are tried first.  Several contacts may change at one instant, so other events may keep a
-combination from being entered.  Then the combination with the changes of all these events is tried next, and
-later those with the change of one of them.  Last come all combinations that the conditions of single regimes
-allow, in the automaton's order.  If the next combination is not derived, the kernel ends.  It is called again
-once that mode is there.
+Modes may be combinations of regimes.  These are far too many to list, and only some are derived.  Which one
+follows is a complementarity problem: each contact has a regime, and conditions that are positive in it.  It
+is solved by principal pivoting (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, ch. 4): each
+trial gives all conditions of a mode, and those that fail say which regimes are to change.
 
-To make all these changes at once is block pivoting, as for linear complementarity problems (Judice & Pires,
-Comput. Oper. Res. 21 (1994) 587-596).  So k equal contacts that begin to slip at one instant take one more
-try, not 2^k.
+The targets of the event are tried first.  Then the regimes of all conditions that fail are changed at once,
+as long as fewer and fewer fail, else one at a time, the first of them first (Judice & Pires, Comput. Oper.
+Res. 21 (1994) 587-596).  So k equal contacts that begin to slip at one instant take one more try, not 2^k.
+No combination is tried twice: where all that a trial asks for has been tried, what an earlier one asked for
+comes next.  A start has no event; there the first combination is that in the automaton's order which the
+conditions of single regimes allow.  If the next combination is not derived, the kernel ends.  It is called
+again once that mode is there.
 """
 
 from __future__ import annotations
@@ -275,9 +277,9 @@ def find_mode(demand, combination):
 
 @kernel
 def insert_candidate(queue, place, row, count):
-    """Put a combination at a place in the queue of `count`, or move it there from further back; the new count.
+    """Put a combination at a place in the queue of `count`, or move it there from further back.
 
-    Where no room is left the last one is dropped.
+    Returns the new count.  Where no room is left the last one is dropped.
     """
     rows, at = queue.rows, 0
     while at < count:
@@ -349,7 +351,7 @@ def add_change(queue, guard, row, joint):
 
 @kernel
 def changes_all(queue, failed):
-    """Whether to make the changes of all `failed` guards at once: their number has fallen, or may fall soon."""
+    """Whether to make the changes of all `failed` guards at once: fewer fail, or may soon do so."""
     progress = queue.progress
     if failed < progress[0]:
         progress[0], progress[1] = failed, JOINT_TRIALS
@@ -406,8 +408,10 @@ def mark_regimes(system, queue, z, rounding, scratch):
 
 @kernel
 def next_allowed(queue, leading):
-    """Move ``queue.place`` to the next allowed combination in which one of the `leading` regimes is another, to
-    the first for none; False where there is none."""
+    """Move ``queue.place`` to the next allowed combination in which one of the `leading` regimes differs.
+
+    To the first where `leading` is 0.  Returns False where there is none.
+    """
     place, allowed, regimes = queue.place, queue.allowed, queue.demand.regimes
     i = max(leading - 1, 0)
     place[leading:] = -1

@@ -572,14 +572,16 @@ def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
     w, rate = system.direction(contact), system.rate(contact.distance)
-    order = 2 if rate_after(law, symbol("rate")) == 0 else 1
+    opening = rate_after(law, symbol("rate"))
+    order = 2 if opening == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
     moved = zip(system.q, _pushed(system, w, contact.distance / compliance(system, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
     impulse = law.impulse(-rate, -rate, compliance(system, w))
     if contact.rubs and law.friction_coefficient != 0:
-        after = _after_rubbing_impact(system, contact, impulse, law.friction_coefficient)
+        opening = opening.xreplace({symbol("rate"): rate})
+        after = _after_rubbing_impact(system, contact, impulse, opening, law.friction_coefficient)
     else:
         after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
     return Reset(
@@ -587,25 +589,41 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     )
 
 
-def _after_rubbing_impact(system: LagrangeSystem, contact: Stop, impulse: Any, mu: Any) -> dict[Any, Any]:
-    """Velocities after an impact with Coulomb's friction, |p_T| <= mu p_N, both impulses at once.
+def _after_rubbing_impact(
+    system: LagrangeSystem, contact: Stop, impulse: Any, opening: Any, mu: Any
+) -> dict[Any, Any]:
+    """Velocities after an impact with Coulomb's friction, both impulses at once.
 
-    The rate of the distance becomes what the impact law says, whatever p_T is: p_N = p - b p_T, where p is
-    the impulse without friction, and b = W_N^T M^-1 W_T/(W_N^T M^-1 W_N).  The friction impulse brings v_r
-    to zero, or comes to the nearest border of the cone, -mu p/(1 - mu b) <= p_T <= mu p/(1 + mu b).
-    Source: Moreau, Unilateral contact and dry friction in finite freedom dynamics, Springer 1988.
+    The rate of the distance becomes `opening`, what the impact law says, whatever p_T is: p_N = p - b p_T,
+    where p is the impulse without friction, and b = W_N^T M^-1 W_T/(W_N^T M^-1 W_N).
     """
     normal, tangent = system.direction(contact), rubbing_direction(system, contact)
     along_normal, along_tangent = (sympy.Matrix(_pushed(system, w, 1)) for w in (normal, tangent))
     coupling, soft = (normal.T * along_tangent)[0], compliance(system, normal)
-    share, limit = coupling / soft, mu * impulse
+    share = coupling / soft
     softness = compliance(system, tangent) - coupling * share
     stopping = (contact.relative_velocity - coupling * impulse) / softness
-    least, most = -limit / (1 - mu * share), limit / (1 + mu * share)
-    size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
-    rubbing = clip(stopping, least, most, size)
+    rubbing = rubbing_impulse(mu, impulse, -share, stopping, share * opening / softness)
     changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
     return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
+
+
+def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, by_opening: Any) -> Any:
+    """The impulse of friction p_T at an impact, after which the distance opens as the impact law says.
+
+    The normal impulse is p_N = `impulse` + `share` p_T.  p_T is `stopping`, which brings v_r to zero, or as
+    much of it as |p_T| <= mu p_N allows (Moreau, Unilateral contact and dry friction in finite freedom
+    dynamics, Springer 1988).  With e > 0 that may feed energy in (Kane & Levinson, Dynamics: Theory and
+    Applications, 1985).  The kinetic energy is least at `stopping` + `by_opening`.  Up to twice this impulse
+    friction dissipates, which limits p_T too.
+    """
+    size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
+    largest, needed = mu * impulse, size(stopping) - mu * share * stopping
+    rubbing = 2 * stopping * largest / (largest + needed + size(largest - needed))
+    if by_opening == 0:
+        return rubbing
+    twice = 2 * (stopping + by_opening)
+    return clip(rubbing, (twice - size(twice)) / 2, (twice + size(twice)) / 2, size)
 
 
 def rate_after(law: ImpactLaw, rate: Any) -> Any:

@@ -248,6 +248,38 @@ def test_a_block_rocks_as_housner_says():
     assert fl.energy_audit(run, progress=False).error < 1e-13
 
 
+@fl.model
+class ThrownRod(fl.MechanicalModel):
+    """A rod of half the length 1, one end of which strikes a rough floor."""
+
+    impact: fl.ImpactLaw = fl.FrictionalImpact(e=0.5, mu_i=0.8)
+    coordinates = ("x", "y", "theta")
+
+    def mechanics(self, q, v):
+        rough, along = fl.Coulomb(mu_k=0.5, mu_s=0.5), v.x + sin(q.theta) * v.theta
+        end = fl.Stop(q.y - sin(q.theta), self.impact, friction=rough, relative_velocity=-along)
+        return fl.Mechanics(kinetic=(v.x**2 + v.y**2) / 2 + v.theta**2 / 6, contacts=(end,))
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.8, 2.0])
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_impulses_of_a_rod_that_strikes_a_floor(e, mu):
+    """Newton's law, a push within the cone, and no energy gained: Kane's paradox."""
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        theta, (x, y, turning) = rng.uniform(0.1, 1.5), rng.standard_normal(3)
+        toward = -np.sign(y - math.cos(theta) * turning)
+        start = [0.0, math.sin(theta) + 1e-9, theta, *(toward * np.array([x, y, turning]))]
+        run = fl.simulate(ThrownRod(impact=fl.FrictionalImpact(e=e, mu_i=mu)), 1e-3, x0=start, progress=False)
+        before, after = run.events.before[0], run.events.state[0]
+        opening = [z[4] - math.cos(z[2]) * z[5] for z in (before, after)]
+        assert opening[1] == pytest.approx(-e * opening[0], abs=1e-12)
+        p_T, p_N, _ = after[3:] - before[3:]
+        assert abs(p_T) <= mu * p_N + 1e-12
+        energies = [z[3] ** 2 + z[4] ** 2 + z[5] ** 2 / 3 for z in (before, after)]
+        assert energies[1] <= energies[0] + 1e-12
+
+
 def woodpecker_by_moreau(t_end, h):
     m_M, J_M, m_S, J_S, c, g = 0.0003, 5e-9, 0.0045, 7e-7, 0.0056, 9.81
     arm = np.array([1.0, 0.01, 0.015])
