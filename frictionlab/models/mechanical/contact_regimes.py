@@ -572,7 +572,7 @@ def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
     w, rate = system.direction(contact), system.rate(contact.distance)
-    opening = rate_after(law, symbol("rate"))
+    opening: Any = rate_after(law, symbol("rate"))
     order = 2 if opening == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
