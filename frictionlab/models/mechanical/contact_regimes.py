@@ -572,7 +572,7 @@ def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
     w, rate = system.direction(contact), system.rate(contact.distance)
-    opening: Any = rate_after(law, symbol("rate"))
+    opening = rate_after(law, symbol("rate")).xreplace({symbol("rate"): rate})
     order = 2 if opening == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
@@ -580,7 +580,6 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
     impulse = law.impulse(-rate, -rate, compliance(system, w))
     if contact.rubs and law.friction_coefficient != 0:
-        opening = opening.xreplace({symbol("rate"): rate})
         after = _after_rubbing_impact(system, contact, impulse, opening, law.friction_coefficient)
     else:
         after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
