@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
-from frictionlab.models.mechanical.contact_regimes import PHASE
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.presentation import Drawable, in_units_of, shorten, unit_of_state
+from frictionlab.presentation import CLOCK, Drawable, in_units_of, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
@@ -155,7 +154,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     left = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
     if automaton.on_demand and has_regime(automaton.names, "stick"):
         left = ["stick of any contact"]
-    forced = PHASE in automaton.state_names and sliding
+    forced = CLOCK in automaton.state_names and sliding
     still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
     left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(
