@@ -41,6 +41,11 @@ def test_import_loads_nothing_heavy():
     assert heavy_modules_after("import frictionlab as fl; dir(fl)") == []
 
 
+def test_the_functions_of_runs_load_no_sympy():
+    """It takes longer than all the rest of a first run whose equations are kept."""
+    assert "sympy" not in heavy_modules_after("import frictionlab as fl; fl.simulate, fl.critical_value")
+
+
 @pytest.mark.slow
 def test_a_run_from_the_command_line_loads_what_it_needs(tmp_path):
     """Neither scipy nor a compiler, no window, of the plots those of a run: each costs part of a second.
