@@ -31,6 +31,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -59,7 +60,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     if chosen.scene and chosen.output:
         parser.error("-o needs all scenes: leave --scene out, or take --picture")
-    parts: dict[str, str] = {}
     rows: list[WorkPrecisionRow] = []
     if not chosen.part:
         when = pages.measured_on()
@@ -69,14 +69,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
             page_figures.draw_work_precision(rows).savefig(chosen.picture, dpi=110)
         if chosen.scene:
             return
-        parts = pages.scene_parts(rows, when)
-    switched = [] if chosen.part else single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
-    parts |= measure_parts(chosen.part or pages.PARTS, chosen.quick, chosen.output)
-    if chosen.output:
-        print("Pages in", pages.write_performance(chosen.output, parts))
-    if chosen.output and rows:
-        pages.draw_scenes(chosen.output, rows)
-        print("and", pages.write_exact_and_fast(chosen.output, rows, switched))
+        if chosen.output:
+            switched = single_costs.nonlinearity_costs(repeats=3 if chosen.quick else 15)
+            pages.write_performance(chosen.output, pages.scene_parts(rows, when))
+            pages.draw_scenes(chosen.output, rows)
+            print("Written:", pages.write_exact_and_fast(chosen.output, rows, switched))
+    measure_parts(chosen.part or pages.PARTS, chosen.quick, chosen.output)
 
 
 def measure_scenes(
@@ -94,8 +92,8 @@ def measure_scenes(
     return rows
 
 
-def measure_parts(titles: Iterable[str], quick: bool, folder: Path | None) -> dict[str, str]:
-    """Parts of the page below the scenes; the picture of growth goes into `folder`."""
+def measure_parts(titles: Iterable[str], quick: bool, folder: Path | None) -> None:
+    """Measure parts of the page below the scenes; each is written into `folder` as soon as it is measured."""
     repeats = 1 if quick else 3
 
     def costs() -> str:
@@ -126,12 +124,11 @@ def measure_parts(titles: Iterable[str], quick: bool, folder: Path | None) -> di
         ),
         "How it grows": lambda: _growth_table(folder, 1e4 if quick else math.inf),
     }
-    parts = {}
     for title in titles:
-        when, table = pages.measured_on(), _table_or_reason(ways[title])
-        print(f"\n{title}\n\n{table}", flush=True)
-        parts[title] = pages.part(title, table, when)
-    return parts
+        when, begin, table = pages.measured_on(), time.perf_counter(), _table_or_reason(ways[title])
+        print(f"\n{title}, {time.perf_counter() - begin:.0f} s\n\n{table}", flush=True)
+        if folder:
+            print("Written:", pages.write_performance(folder, {title: pages.part(title, table, when)}))
 
 
 def _table_or_reason(measure: Callable[[], str]) -> str:
