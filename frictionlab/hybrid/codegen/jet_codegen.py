@@ -21,7 +21,6 @@ from frictionlab.compilation.llvm_instructions import (
     Instructions,
     Values,
     llvm_constant,
-    write_branch,
     write_exp2,
     write_loop,
 )
@@ -99,6 +98,26 @@ class ModeTape(NamedTuple):
     kept: frozenset[int]  # slots whose rows are wanted
 
 
+def convolutions_of(tape: Tape) -> list[tuple[int, int]]:
+    """The pairs of slots whose series operations of a tape multiply, each once."""
+    pairs = []
+    for out, (kind, a, b) in enumerate(tape.ops, start=tape.inputs):
+        if kind in (PRODUCT, SQUARE):
+            pairs.append((a, b))
+        elif kind == QUOTIENT:
+            pairs.append((b, out))
+        elif kind == POWER:
+            pairs += [(out - 1, out), (a, out)]
+        elif kind > POWER:
+            pairs.append((out - 1, b))
+    return list(dict.fromkeys(pairs))
+
+
+def is_unit(factor: Any) -> bool:
+    """Whether a factor is 1 or -1 whatever the parameters are."""
+    return bool(factor in (1, -1))
+
+
 class OrderInLoop(NamedTuple):
     """The current order k = 4 fours + 1 + rest, the same as a float, and the address of column k of J."""
 
@@ -139,19 +158,16 @@ class JetWriter(Instructions):
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
-        self.reversed = self._reversed_rows()
+        self.known = self._rows_of_sums()
+        self.first_block = True
+        self.block: list[dict[int, Any]] = []  # the values at the orders of this block before the current one
 
-    def _reversed_rows(self) -> dict[int, Any]:
-        """A second row, from right to left, for each slot that convolutions read backwards.
-
-        Four coefficients are then loaded as a vector in the sequence in which they are wanted.  The address
-        is that of coefficient 0.
-        """
-        tape = self.function.tape
-        slots = {b for kind, _, b in tape.ops if kind in (PRODUCT, SQUARE) or kind > POWER}
-        slots |= {tape.inputs + i for i, (kind, _, _) in enumerate(tape.ops) if kind in (QUOTIENT, POWER)}
-        rows, ends = self.build.alloca(self.kind, len(slots) * self.row), range(self.row - 1, 2**31, self.row)
-        return {slot: self._ahead(rows, self.whole(end)) for slot, end in zip(sorted(slots), ends)}
+    def _rows_of_sums(self) -> dict[tuple[int, int], Any]:
+        """For each convolution the address of four numbers, its sums for the orders of a block."""
+        pairs = convolutions_of(self.function.tape)
+        rows = self.build.alloca(self.kind, self.whole(PARTS * max(1, len(pairs))))
+        rows.align = 8 * PARTS
+        return {pair: self._ahead(rows, self.whole(PARTS * i)) for i, pair in enumerate(pairs)}
 
     def write(self) -> None:
         self.jets()
@@ -165,24 +181,32 @@ class JetWriter(Instructions):
         for slot in sorted({*self.function.flow} - self.stored):
             self._store(self.values[slot], self.J, slot * self.row)
         self._prepare_powers()
-        done = self.build.append_basic_block()
-        write_loop(self.build, self.order, self._rates(), partial(self._columns, done))
+        first, done = (self.build.append_basic_block() for _ in range(2))
+        self.build.cbranch(self.build.icmp_signed("<", self.whole(0), self.order), first, done)
+        self.build.position_at_end(first)
+        rates = self._columns(done, self.whole(0), self._rates())
+        self.first_block = False
+        write_loop(self.build, self.order, rates, partial(self._following_columns, done))
         self.build.branch(done)
         self.build.position_at_end(done)
 
     def _rates(self) -> Values:
         return [self.values[slot] for slot in self.function.flow]
 
-    def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
-        """The next four columns.
+    def _following_columns(self, done: Any, before: Any, rates: Values) -> Values:
+        fours = self.build.add(before, self.whole(1))
+        self._prepare_convolutions(fours)
+        return self._columns(done, fours, rates)
 
-        As they come in fours, it is known how many terms of each convolution are left after groups of four.
-        """
+    def _columns(self, done: Any, fours: Any, rates: Values) -> Values:
+        """The four columns of a block; goes on at `done` after the last order."""
         build, first = self.build, self.build.shl(fours, self.whole(2))
+        self.block = []
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
             at = OrderInLoop(fours, rest, self._as_number(k), self._ahead(self.J, k))
             rates = self._column(at, rates)
+            self.block.append(dict(self.values))
             following = build.append_basic_block()
             build.cbranch(build.icmp_signed("==", k, self.order), done, following)
             build.position_at_end(following)
@@ -227,47 +251,39 @@ class JetWriter(Instructions):
         if kind == SQUARE:
             return self._square(a, at)
         if kind == QUOTIENT:
-            total = build.fsub(values[a], self._convolution(b, out, at, 1))
+            total = build.fsub(values[a], self._convolution_with_last(b, out, at))
             return build.fdiv(total, self._at(b, self.J))
         if kind == RATE:
             return build.fmul(at.number, values[a])
         if kind == POWER:
             return self._power(i, a, out, at)
-        return build.fdiv(self._convolution(out - 1, b, at, 1), at.number)
+        return build.fdiv(self._convolution_with_last(out - 1, b, at), at.number)
 
     def _affine(self, first: int, last: int, total: Any) -> Any:
         for j in range(first, last):
-            slot, value = self.function.tape.terms[j][0], self._load(self.terms, self.function.first[1] + j)
-            factor = self.values[slot]
-            total = (
-                self.build.fmul(value, factor) if total is None else self._multiply_add(value, factor, total)
-            )
+            total = self._with_term(j, total)
         return self._number(0.0) if total is None else total
 
+    def _with_term(self, j: int, total: Any) -> Any:
+        """A term of an affine sum added to the others; factors 1 and -1 in the equations need no product."""
+        (slot, factor), build = self.function.tape.terms[j], self.build
+        if not is_unit(factor):
+            term = build.fmul(self._load(self.terms, self.function.first[1] + j), self.values[slot])
+        elif factor > 0 or total is not None:
+            term = self.values[slot]
+        else:
+            term = build.fneg(self.values[slot])
+        if total is None:
+            return term
+        return build.fsub(total, term) if is_unit(factor) and factor < 0 else build.fadd(total, term)
+
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
-        total = self._convolution(a, b, at, 0)
-        total = self._multiply_add(self.values[a], self._at(b, self.J), total)
+        total = self._convolution_with_last(a, b, at)
         return self._multiply_add(self._at(a, self.J), self.values[b], total)
 
     def _square(self, a: int, at: OrderInLoop) -> Any:
-        """The sum over each pair once; groups of four leave two more pairs if `fours` is odd."""
-        build, two = self.build, self._number(2.0)
-        ahead, behind, parts = self._groups(a, a, at, build.ashr(at.fours, self.whole(1)))
-        odd = build.icmp_signed("!=", build.and_(at.fours, self.whole(1)), self.whole(0))
-        single = at.rest // 2
-        parts = write_branch(
-            build,
-            odd,
-            lambda: self._rest(2 + single, ahead, behind, parts),
-            lambda: self._rest(single, ahead, behind, parts),
-        )
-        total = build.fmul(two, self._in_pairs(parts))
-        if at.rest % 2 == 1:
-            middle = self._ahead(
-                self.J, build.add(build.shl(at.fours, self.whole(1)), self.whole(1 + single))
-            )
-            total = self._multiply_add(self._at(a, middle), self._at(a, middle), total)
-        return self._multiply_add(build.fmul(two, self._at(a, self.J)), self.values[a], total)
+        twice = self.build.fmul(self._number(2.0), self._at(a, self.J))
+        return self._multiply_add(twice, self.values[a], self._convolution(a, a, at))
 
     def _prepare_powers(self) -> None:
         """Compute the least ratios of a base to its rate and curvature at which a power has a series."""
@@ -286,7 +302,7 @@ class JetWriter(Instructions):
     def _power(self, i: int, a: int, out: int, at: OrderInLoop) -> Any:
         build, base, exponent = self.build, self._at(a, self.J), self._exponent(i)
         has_series = self._has_series(a, base, at)
-        rates, plain = self._convolution(out - 1, out, at, 1), self._convolution(a, out, at, 1)
+        rates, plain = (self._convolution_with_last(slot, out, at) for slot in (out - 1, a))
         total = build.fmul(build.fadd(exponent, self._number(1.0)), rates)
         total = build.fadd(total, build.fmul(build.fneg(at.number), plain))
         total = build.fdiv(total, build.fmul(at.number, base))
@@ -314,62 +330,79 @@ class JetWriter(Instructions):
         negative = self.build.fcmp_ordered("<", exponent, self._number(0.0))
         return self.build.select(negative, self._number(float("inf")), self._number(0.0))
 
-    def _convolution(self, a: int, b: int, at: OrderInLoop, more: int) -> Any:
-        """Sum over 1 <= j < k + `more` of the coefficients j of a and k - j of b."""
-        whole, rest = divmod(at.rest + more, PARTS)
-        ahead, behind, parts = self._groups(a, b, at, self.build.add(at.fours, self.whole(whole)))
-        return self._in_pairs(self._rest(rest, ahead, behind, parts))
+    def _convolution_with_last(self, a: int, b: int, at: OrderInLoop) -> Any:
+        """Sum over 1 <= j <= k of the coefficients j of a and k - j of b."""
+        return self._multiply_add(self.values[a], self._at(b, self.J), self._convolution(a, b, at))
 
-    def _groups(self, a: int, b: int, at: OrderInLoop, fours: Any) -> tuple[Any, Any, Values]:
-        """Sum over `fours` groups of four pairs; returns the addresses of the next pair and the four sums."""
-        ahead = self._place(a, self._ahead(self.J, self.whole(1)))
-        behind = self._newest(b, at)
-        parts = self._fours(fours, ahead, behind)
-        done = self.build.shl(fours, self.whole(2))
-        return self._ahead(ahead, done), self._back(behind, done), parts
+    def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
+        """Sum over 1 <= j < k of the coefficients j of a and k - j of b, as :func:`jets.convolution`."""
+        total = self._number(0.0) if self.first_block else self._known_sum(a, b, at)
+        for n, newer in enumerate(self.block):
+            low = self._ahead(self.J, self.whole(at.rest - n))
+            total = self._multiply_add(newer[a], self._at(b, low), total)
+            if not self.first_block:
+                total = self._multiply_add(self._at(a, low), newer[b], total)
+        return total
 
-    def _newest(self, slot: int, at: OrderInLoop) -> Any:
-        """The address of coefficient k - 1 of a slot that is read backwards."""
-        return self._back(self.reversed[slot], self.build.sub(self.whole(1), self._order(at)))
+    def _known_sum(self, a: int, b: int, at: OrderInLoop) -> Any:
+        """The part of a convolution that is known before the block."""
+        return self._load(self.known[a, b], at.rest)
 
-    def _back(self, place: Any, count: Any) -> Any:
-        """The address of the coefficient `count` orders below the one at a place that is read backwards."""
-        return self._ahead(place, count)
+    def _prepare_convolutions(self, fours: Any) -> None:
+        """Compute what is known of all convolutions before a block, as vectors of the sums for its orders."""
+        four = self.ir.VectorType(self.kind, PARTS)
+        for (a, b), place in self.known.items():
+            sums = self._sums_of_known(a, b, fours, 1, four)
+            self.build.store(self._in_pairs(sums), self._pointer(place, 0, four), align=8 * PARTS)
 
-    def _order(self, at: OrderInLoop) -> Any:
-        return self.build.add(self.build.shl(at.fours, self.whole(2)), self.whole(at.rest + 1))
+    def _sums_of_known(self, a: int, b: int, fours: Any, least: int, kind: Any) -> Values:
+        """Four partial sums of what is known of a convolution before the block after order 4 `fours`.
 
-    def _rest(self, count: int, ahead: Any, behind: Any, parts: Values) -> Values:
-        """The four sums, with one more pair added to each of the first `count`."""
-        return [self._further(ahead, behind, j, parts[j]) for j in range(count)] + parts[count:]
+        They are for its order number `least`, or for vectors of orders from this one on.
+        """
+        build, base = self.build, self._ahead(self.J, self.build.shl(fours, self.whole(2)))
+        ahead, behind = self._place(a, base), self._place(b, self.J)
 
-    def _further(self, ahead: Any, behind: Any, j: int, part: Any) -> Any:
-        last = self._load(self._back(behind, self.whole(j)), 0)
-        return self._multiply_add(self._load(ahead, j), last, part)
+        def group(i: Any, sums: Values) -> Values:
+            done = build.shl(i, self.whole(2))
+            front, back = self._ahead(ahead, build.neg(done)), self._ahead(behind, done)
+            pairs = [
+                (self._broadcast(front, -n, kind), self._vector(back, least + n, kind)) for n in range(PARTS)
+            ]
+            return [self._multiply_add(*pair, part) for pair, part in zip(pairs, sums, strict=True)]
+
+        sums = [llvm_constant(self.ir, kind, 0.0)] * PARTS
+        sums = write_loop(build, build.sub(fours, self.whole(1)), sums, group)
+        first, newest = self._place(a, self.J), self._place(b, base)
+        for n in range(PARTS + 1 - least):
+            older, newer = (
+                self._broadcast(first, PARTS - n, kind),
+                self._vector(newest, least + n - PARTS, kind),
+            )
+            products = self._first_numbers(build.fmul(older, newer), PARTS - n)
+            sums[n] = build.fadd(products, sums[n])
+        return sums
 
     def _in_pairs(self, parts: Values) -> Any:
         return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
 
-    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
-        """The four sums over `count` groups of four pairs, computed as one vector."""
-        build, four = self.build, self.ir.VectorType(self.ir.DoubleType(), PARTS)
+    def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
+        """A coefficient in all places of a vector."""
+        integer = self.ir.IntType(32)
+        empty = self.ir.Constant(kind, self.ir.Undefined)
+        vector = self.build.insert_element(empty, self._load(array, i), integer(0))
+        return self.build.shuffle_vector(vector, empty, self.ir.VectorType(integer, PARTS)([0] * PARTS))
 
-        def group(i: Any, sums: Values) -> Values:
-            j = build.shl(i, self.whole(2))
-            forward = self._vector(self._ahead(ahead, j), 0, four)
-            backward = self._vector(self._back(behind, j), 0, four)
-            return [self._multiply_add(forward, backward, sums[0])]
-
-        (total,) = write_loop(build, count, [llvm_constant(self.ir, four, 0.0)], group)
-        return [build.extract_element(total, self.ir.IntType(32)(j)) for j in range(PARTS)]
+    def _first_numbers(self, vector: Any, count: int) -> Any:
+        """A vector with zeros behind the first numbers."""
+        places = [place if place < count else PARTS for place in range(PARTS)]
+        zero = llvm_constant(self.ir, vector.type, 0.0)
+        return self.build.shuffle_vector(vector, zero, self.ir.VectorType(self.ir.IntType(32), PARTS)(places))
 
     def _set(self, slot: int, at: OrderInLoop | None, value: Any) -> None:
         self.values[slot] = value
         if slot in self.stored:
             self._store(value, self.J if at is None else at.column, slot * self.row)
-        if slot in self.reversed:
-            order = self.whole(0) if at is None else self._order(at)
-            self._store(value, self._ahead(self.reversed[slot], self.build.neg(order)), 0)
 
 
 class LaneWriter(JetWriter):
@@ -381,15 +414,18 @@ class LaneWriter(JetWriter):
         super().__init__(ir, body, function)
         self.control = body.args[4]
 
-    def _reversed_rows(self) -> dict[int, Any]:
-        """None: a vector holds one coefficient of all lanes."""
+    def _rows_of_sums(self) -> dict[tuple[int, int], Any]:
+        """None: a vector holds one coefficient of all lanes, and sums are computed where they are wanted."""
         return {}
 
-    def _newest(self, slot: int, at: OrderInLoop) -> Any:
-        return self._place(slot, self._ahead(at.column, self.whole(-1)))
+    def _known_sum(self, a: int, b: int, at: OrderInLoop) -> Any:
+        return self._in_pairs(self._sums_of_known(a, b, at.fours, at.rest + 1, self.kind))
 
-    def _back(self, place: Any, count: Any) -> Any:
-        return self._ahead(place, self.build.neg(count))
+    def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
+        return self._load(array, i)
+
+    def _first_numbers(self, vector: Any, count: int) -> Any:
+        return vector
 
     def _largest(self, first: int, last: int, k: Any) -> Any:
         """Largest coefficient k of the states [first, last); infinite where one is NaN."""
@@ -400,14 +436,6 @@ class LaneWriter(JetWriter):
             clean = build.select(build.fcmp_ordered("ord", c, c), c, self._number(float("inf")))
             size = build.select(build.fcmp_unordered(">", c, size), clean, size)
         return size
-
-    def _fours(self, count: Any, ahead: Any, behind: Any) -> Values:
-        def group(i: Any, sums: Values) -> Values:
-            j = self.build.shl(i, self.whole(2))
-            front, back = self._ahead(ahead, j), self._back(behind, j)
-            return [self._further(front, back, part, total) for part, total in enumerate(sums)]
-
-        return write_loop(self.build, count, [self._number(0.0)] * PARTS, group)
 
     def _call(self, name: str, *arguments: Any) -> Any:
         result = self._number(0.0)

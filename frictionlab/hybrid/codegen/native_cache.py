@@ -24,7 +24,7 @@ from frictionlab import cache_folder
 from frictionlab.compilation import llvm_instructions, machine_code
 from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
-from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
+from frictionlab.hybrid.codegen.jet_codegen import ModeTape, is_unit, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
 from frictionlab.hybrid.free_memory import free_memory
@@ -242,7 +242,8 @@ def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | N
     tape = function.tape
     if tape.products:  # it is not compiled
         return None
-    structure = (tape.inputs, tape.ops, [slot for slot, _ in tape.terms], sorted(function.kept))
+    terms = [(slot, float(factor) if is_unit(factor) else None) for slot, factor in tape.terms]
+    structure = (tape.inputs, tape.ops, terms, sorted(function.kept))
     text = repr((structure, function.first, function.flow, more)) + _host()
     return Path(machine_code.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 

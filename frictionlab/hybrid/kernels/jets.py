@@ -37,23 +37,42 @@ DIVISOR_ROUNDING = 32 * MACHINE_EPSILON
 
 
 @kernel
-def convolution(J, a, b, first, last, k):
-    """Sum of J[a, j] J[b, k - j] over first <= j <= last, in four independent sums."""
+def convolution(J, a, b, k):
+    """Sum of J[a, j] J[b, k - j] over 0 < j < k.
+
+    Native code computes four orders at once, a block.  Products of coefficients from below the block come
+    first, in four independent sums; then come those with a coefficient from the block.
+    """
+    known = (k - 1) // 4 * 4  # the orders of the block follow this one
+    least = k - known
     one = two = three = four = 0.0
-    j = first
-    while j + 3 <= last:
+    j = known
+    while j > 4:
         one += J[a, j] * J[b, k - j]
-        two += J[a, j + 1] * J[b, k - j - 1]
-        three += J[a, j + 2] * J[b, k - j - 2]
-        four += J[a, j + 3] * J[b, k - j - 3]
-        j += 4
-    if j <= last:
-        one += J[a, j] * J[b, k - j]
-    if j + 1 <= last:
-        two += J[a, j + 1] * J[b, k - j - 1]
-    if j + 2 <= last:
-        three += J[a, j + 2] * J[b, k - j - 2]
-    return (one + two) + (three + four)
+        two += J[a, j - 1] * J[b, k - j + 1]
+        three += J[a, j - 2] * J[b, k - j + 2]
+        four += J[a, j - 3] * J[b, k - j + 3]
+        j -= 4
+    if known > 0:
+        one += J[a, 4] * J[b, k - 4]
+        if least < 4:
+            two += J[a, 3] * J[b, k - 3]
+        if least < 3:
+            three += J[a, 2] * J[b, k - 2]
+        if least < 2:
+            four += J[a, 1] * J[b, k - 1]
+    total = (one + two) + (three + four)
+    for j in range(known + 1, k):
+        total += J[a, j] * J[b, k - j]
+        if known > 0:
+            total += J[a, k - j] * J[b, j]
+    return total
+
+
+@kernel
+def convolution_with_last(J, a, b, k):
+    """Sum of J[a, j] J[b, k - j] over 0 < j <= k."""
+    return convolution(J, a, b, k) + J[a, k] * J[b, 0] if k > 0 else 0.0
 
 
 @kernel
@@ -61,26 +80,22 @@ def product_coefficient(J, a, b, k):
     """Coefficient k of the product of two slots; the newest are added last, that of b after that of a."""
     if k == 0:
         return J[a, 0] * J[b, 0]
-    total = convolution(J, a, b, 1, k - 1, k) if k > 1 else 0.0
-    return (total + J[a, k] * J[b, 0]) + J[a, 0] * J[b, k]
+    return convolution_with_last(J, a, b, k) + J[a, 0] * J[b, k]
 
 
 @kernel
 def square_coefficient(J, a, k):
-    """Coefficient k of the square of a slot: each pair of terms once."""
+    """Coefficient k of the square of a slot."""
     if k == 0:
         return J[a, 0] * J[a, 0]
-    total = 2.0 * convolution(J, a, a, 1, (k - 1) // 2, k) if k > 2 else 0.0
-    if k % 2 == 0:
-        total += J[a, k // 2] * J[a, k // 2]
-    return total + 2.0 * J[a, 0] * J[a, k]
+    return convolution(J, a, a, k) + 2.0 * J[a, 0] * J[a, k]
 
 
 @kernel
 def function_coefficient(kind, a, slope, out, k, sign, values, J):
     """Coefficient k of a function of slot a, its derivative s in `slope`: the sum of j a_j s_(k-j) / k."""
     if k > 0:
-        return convolution(J, out - 1, slope, 1, k, k) / k
+        return convolution_with_last(J, out - 1, slope, k) / k
     if sign > 0.0:  # a majorant: its own rounding error, and that of the argument
         return abs(values[out, 0]) + abs(values[slope, 0]) * J[a, 0]
     return function_value(kind, J[a, 0])
@@ -116,8 +131,8 @@ def power_coefficient(exponent, a, out, k, order, sign, values, J):
         return abs(values[out, 0]) * (1.0 + abs(exponent) * J[a, 0] / base)
     if k == 0:
         return power(base, exponent)
-    total = (exponent + 1.0) * convolution(J, out - 1, out, 1, k, k)
-    total += sign * k * convolution(J, a, out, 1, k, k)
+    total = (exponent + 1.0) * convolution_with_last(J, out - 1, out, k)
+    total += sign * k * convolution_with_last(J, a, out, k)
     if sign > 0.0:
         total += k * J[a, 0] * abs(values[out, k])
     return total / (k * base)
@@ -205,7 +220,7 @@ def run_tape(code, numbers, operations, orders, flow, sign, values, J):
             elif kind > POWER:
                 total = function_coefficient(kind, a, b, out, k, sign, values, J)
             else:
-                total = J[a, k] + sign * convolution(J, b, out, 1, k, k)
+                total = J[a, k] + sign * convolution_with_last(J, b, out, k)
                 divisor = values[b, 0]  # the majorant's own value would be too large where terms cancel
                 if sign > 0.0:
                     total += J[b, 0] * abs(values[out, k])  # the divisor's rounding error

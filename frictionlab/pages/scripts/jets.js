@@ -11,22 +11,44 @@ const JET_TYPES = [[[i64, f64], [f64]], [[i32, i32, i32], [f64]], [[i32, i32, i3
 const MODE_TYPE = 2, POWER_TYPE = 3, RATIO_TYPE = 4;
 const TO_INTEGER = 1.5 * 2 ** 52; // adding it to a number rounds this to an integer, which is then in the last bits
 
-function writeSum() { // the sum of a[j] b[-j] over j < n, in four partial sums that do not wait for each other
-  const code = new Assembler(), [a, b, n, first, second, one, two, three] = [0, 1, 2, 3, 4, 5, 6, 7];
-  const pairs = (sum, ahead, behind) =>
-    code.get(a).loadVector(ahead).get(b).loadVector(behind).get(b).loadVector(behind)
+// The sum of a[j] b[k - j] over 0 < j < k, as hybrid/kernels/jets.py: products of coefficients from below the block
+// of four orders that k is in, in four partial sums that do not wait for each other, then those with one of the block.
+function writeSum() { // function (a, b, k)
+  const code = new Assembler(), [a, b, k, low, ahead, behind, older, newer] = [0, 1, 2, 3, 4, 5, 6, 7];
+  const [first, second, total] = [8, 9, 10], known = [11, 12, 13, 14];
+  const pairs = (sum, front, back) =>
+    code.get(ahead).loadVector(front).get(behind).loadVector(back).get(behind).loadVector(back)
       .exchange().multiplyVectors().get(sum).addVectors().set(sum);
-  const further = (part, j) => code.get(n).whole(j
-    + 1).atLeast().if().get(part).get(a).load(NUMBER * j).get(b).load(NUMBER * (3
-    - j)).multiply().add().set(part).end();
-  code.move(b, -3 * NUMBER).block().loop().get(n).whole(4).atLeast().isZero().branchIf(1);
-  pairs(first, 0, 2 * NUMBER);
-  pairs(second, 2 * NUMBER, 0);
-  code.move(a, 4 * NUMBER).move(b, -4 * NUMBER).move(n, -4).branch(0).end().end();
-  code.get(first).lane(0).set(one).get(first).lane(1).set(two).get(second).lane(0).set(three);
-  [one, two, three].forEach(further);
-  code.get(one).get(two).add().get(three).get(second).lane(1).add().add();
-  return { type: 1, locals: [[2, v128], [3, f64]], code };
+  const product = (front, back, sum) => code.get(front).load(0).get(back).load(0).multiply().get(sum).add().set(sum);
+  const address = (array, number) => code.get(array).get(number).whole(NUMBER).times().plus();
+  // the last order below the block
+  const below = (array) => address(array, k).get(low).whole(-NUMBER).times().plus();
+  code.get(k).whole(-1).plus().whole(3).and().whole(1).plus().set(low); // the place of k in its block, from 1
+  below(a).set(ahead);
+  address(b, low).set(behind);
+  code.block().loop().get(ahead).get(a).whole(5 * NUMBER).plus().atLeast().isZero().branchIf(1);
+  code.move(ahead, -3 * NUMBER);
+  pairs(first, 2 * NUMBER, 0);
+  pairs(second, 0, 2 * NUMBER);
+  code.move(ahead, -NUMBER).move(behind, 4 * NUMBER).branch(0).end().end();
+  known.forEach((sum, i) => code.get(i < 2 ? first : second).lane(1 - i % 2).set(sum));
+  code.get(ahead).get(a).equal().isZero().if();
+  known.forEach((sum, i) => { // orders 4, 3, 2, 1 of a, down to `low`
+    code.whole(4 - i).get(low).atLeast().if();
+    product(ahead, behind, sum);
+    code.end().move(ahead, -NUMBER).move(behind, NUMBER);
+  });
+  code.end().get(known[0]).get(known[1]).add().get(known[2]).get(known[3]).add().add().set(total);
+  below(a).whole(NUMBER).plus().set(ahead);
+  address(b, low).whole(-NUMBER).plus().set(behind);
+  address(a, low).whole(-NUMBER).plus().set(older);
+  below(b).whole(NUMBER).plus().set(newer);
+  code.block().loop().get(low).whole(2).atLeast().isZero().branchIf(1);
+  product(ahead, behind, total);
+  code.get(k).whole(5).atLeast().if();
+  product(older, newer, total);
+  code.end().move(ahead, NUMBER).move(behind, -NUMBER).move(older, -NUMBER).move(newer, NUMBER).move(low, -1);
+  return { type: 1, locals: [[5, i32], [2, v128], [5, f64]], code: code.branch(0).end().end().get(total) };
 }
 
 // 2^(least_ratio/order): a power has a series of this order if its base is more than so many times its rate
@@ -45,7 +67,7 @@ class ModeWriter { // function (z, constants, terms, J, order)
   constructor(tape) { // {inputs, row, first, ops: [kind, a, b], terms: slots, flow}
     Object.assign(this, tape, { code: new Assembler() });
     [this.z, this.constants, this.terms, this.J, this.order, this.last, this.k, this.column, this.kNumber, this.share,
-      this.total, this.leastRatio, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
+      this.leastRatio, this.values] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
   }
 
   write() {
@@ -56,11 +78,12 @@ class ModeWriter { // function (z, constants, terms, J, order)
     if (this.ops.some(([kind]) => kind === POWER)) code.get(last).asNumber().call(LEAST_RATIO).set(this.leastRatio);
     code.whole(1).set(k).number(1).set(kNumber).get(J).whole(NUMBER).plus().set(column).loop();
     code.number(1).get(kNumber).divide().set(share);
-    for (let i = 0; i < inputs; i++) this.put(column, i, () => this.behind(flow[i]).load(0).get(share).multiply());
+    const rate = (i) => code.get(column).whole(this.row * flow[i] - NUMBER).plus().load(0); // coefficient k - 1
+    for (let i = 0; i < inputs; i++) this.put(column, i, () => rate(i).get(share).multiply());
     this.ops.forEach((op, i) => this.put(column, inputs + i, () => this.coefficient(i, ...op)));
     code.get(k).get(last).equal().if().return().end();
     code.move(k, 1).move(column, NUMBER).get(kNumber).number(1).add().set(kNumber).branch(0).end();
-    return { type: MODE_TYPE, locals: [[3, i32], [4 + inputs + this.ops.length, f64]], code };
+    return { type: MODE_TYPE, locals: [[3, i32], [3 + inputs + this.ops.length, f64]], code };
   }
 
   put(at, slot, write) { // store a value in its local and in its row of the jets
@@ -71,14 +94,16 @@ class ModeWriter { // function (z, constants, terms, J, order)
 
   of(slot) { return this.code.get(this.values + slot); } // the coefficient of the present order
   start(slot) { return this.code.get(this.J).load(this.row * slot); }
-  // address of coefficient k - 1
-  behind(slot) { return this.code.get(this.column).whole(this.row * slot - NUMBER).plus(); }
 
-  sum(a, b, count) { // the sum of a[j] b[k - j] over 1 <= j < 1 + count
-    this.code.get(this.J).whole(this.row * a + NUMBER).plus();
-    this.behind(b);
-    count();
-    return this.code.call(SUM);
+  sum(a, b) { // the sum of a[j] b[k - j] over 0 < j < k
+    for (const slot of [a, b]) this.code.get(this.J).whole(this.row * slot).plus();
+    return this.code.get(this.k).call(SUM);
+  }
+
+  sumWithLast(a, b) { // over 0 < j <= k
+    this.sum(a, b);
+    this.of(a);
+    return this.start(b).multiply().add();
   }
 
   affine(a, b, constant) {
@@ -97,16 +122,14 @@ class ModeWriter { // function (z, constants, terms, J, order)
   }
 
   coefficient(i, kind, a, b) { // coefficient k > 0
-    const { code, k, kNumber } = this, out = this.inputs + i, all = () => code.get(k);
+    const { code, kNumber } = this, out = this.inputs + i;
     if (kind === AFFINE) return this.affine(a, b, null);
     if (kind === RATE) { code.get(kNumber); return this.of(a).multiply(); }
-    if (kind === POWER) return this.powerCoefficient(a, out, this.first + i, all);
-    if (kind > POWER) return this.sum(out - 1, b, all).get(kNumber).divide();
-    if (kind === QUOTIENT) { this.of(a); this.sum(b, out, all).subtract(); return this.start(b).divide(); }
+    if (kind === POWER) return this.powerCoefficient(a, out, this.first + i);
+    if (kind > POWER) return this.sumWithLast(out - 1, b).get(kNumber).divide();
+    if (kind === QUOTIENT) { this.of(a); this.sumWithLast(b, out).subtract(); return this.start(b).divide(); }
     if (kind === SQUARE) return this.square(a);
-    this.sum(a, b, () => code.get(k).whole(-1).plus());
-    this.of(a);
-    this.start(b).multiply().add();
+    this.sumWithLast(a, b);
     this.start(a);
     return this.of(b).multiply().add();
   }
@@ -126,11 +149,11 @@ class ModeWriter { // function (z, constants, terms, J, order)
     return this.code.choose();
   }
 
-  powerCoefficient(a, out, constant, all) { // 0 or the limit where there is no series, see hybrid/kernels/jets.py
+  powerCoefficient(a, out, constant) { // 0 or the limit where there is no series, see hybrid/kernels/jets.py
     const { kNumber } = this;
     this.exponent(constant).number(1).add();
-    this.sum(out - 1, out, all).multiply().get(kNumber);
-    this.sum(a, out, all).multiply().subtract().get(kNumber);
+    this.sumWithLast(out - 1, out).multiply().get(kNumber);
+    this.sumWithLast(a, out).multiply().subtract().get(kNumber);
     this.start(a).multiply().divide().number(0);
     this.hasSeries(a).choose();
     this.limit(constant);
@@ -146,13 +169,8 @@ class ModeWriter { // function (z, constants, terms, J, order)
     return size(1).multiply().above().and();
   }
 
-  square(a) { // coefficient k, with each pair of coefficients multiplied once
-    const { code, k, J, total, row } = this;
-    code.number(2);
-    this.sum(a, a, () => code.get(k).whole(-1).plus().whole(1).shiftRight()).multiply().set(total);
-    code.get(k).whole(1).and().isZero().if().get(total);
-    for (let i = 0; i < 2; i++) code.get(J).get(k).whole(NUMBER / 2).times().plus().load(row * a); // J[a, k/2]
-    code.multiply().add().set(total).end().get(total).number(2);
+  square(a) {
+    this.sum(a, a).number(2);
     this.start(a).multiply();
     return this.of(a).multiply().add();
   }

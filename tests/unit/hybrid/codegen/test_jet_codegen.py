@@ -92,7 +92,7 @@ def test_every_mode_of_every_scene_to_the_last_bit(number):
     states = np.random.default_rng(number).normal(size=(3, len(automaton.states)))
     native = native_cache.NativeCode(program_of(automaton)[0])
     for mode in range(len(automaton.modes)):
-        same(automaton, with_code(automaton, mode, native), mode, 9, states)
+        same(automaton, with_code(automaton, mode, native), mode, 15, states)
 
 
 @pytest.mark.slow
@@ -237,6 +237,15 @@ def test_parameter_values_compile_nothing(monkeypatch):
     """All models of one structure share their program, and so its code."""
     one, other = LAWS[0], LAWS[0].replace(mu_k=0.7, k_nl=1e7, M=3.0)
     assert program_of(one.automaton())[0] is program_of(other.automaton())[0]
+
+
+def test_a_factor_of_one_in_the_equations_is_no_parameter_that_is_one(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine_code, "CACHE_FOLDER", str(tmp_path))
+    x, y, a = sp.symbols("x y a")
+    for factor in (1, -1, a):
+        automaton = HybridAutomaton((x, y), (Mode("m", (y, x * y + factor * x), ()),), {a: 2.0}, 0)
+        same(automaton, with_code(automaton, 0), 0, 9, [np.array([0.3, -0.7])])
+    assert len(list(tmp_path.glob("jets-*.o"))) == 3
 
 
 def test_short_runs_compile_nothing(monkeypatch, tmp_path):
