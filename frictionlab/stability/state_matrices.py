@@ -301,6 +301,14 @@ def solve_regular(matrix: Any, right: Any) -> Any:
     )
 
 
+def null_vector(matrix: Any) -> Array | None:
+    """A direction (m,) that a state matrix takes to zero; None where it is regular, to rounding."""
+    _, columns, equilibrated = _equilibrated(matrix)
+    _, sizes, rows = np.linalg.svd(equilibrated)
+    along = np.where(np.abs(rows[-1]) < SINGULAR_RTOL, 0.0, rows[-1])  # others are rounding
+    return columns * along if sizes[-1] < SINGULAR_RTOL * sizes[0] else None
+
+
 def _equilibrated(matrix: Any) -> tuple[Array, Array, Array]:
     """Factors of rows and columns, and a matrix times both, whose rows and columns have entries up to 1.
 

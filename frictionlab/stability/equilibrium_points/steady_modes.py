@@ -36,11 +36,13 @@ from frictionlab.stability.equilibrium_points.steady_rates import (
     steady_rates,
 )
 from frictionlab.stability.flow import Flow
+from frictionlab.stability.state_matrices import null_vector
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 Array = NDArray[np.float64]
 MOST_MODES = 27  # in which equilibria are searched for: those of three contacts
 LEAST_SLOPE = 1e-8  # of distances by the coordinates that they give, as a share of that by all
+LINE_ROUNDING = 1e-12  # share of its terms by which a rate that is zero on a line may come out otherwise
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 # what an equilibrium shows, and the outputs that have it: F_N of a rigid contact is its reaction
 SHOWN = ("penetration",), ("normal_force", "reaction"), ("friction_force",)
@@ -324,6 +326,8 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
             zeros = _zeros_of_mode(mode, key.values)
             why = why or (f"in {mode.name} {zeros.why}" if zeros.why else "")
             points = zeros.points[:, mode.admits(zeros.points, key.values)]
+            if not why and any(_is_of_line(mode.flow, x, key.values) for x in points.T):
+                why = f"in {mode.name} one is of a line of equilibria"
         searched.append(ModeEquilibria(mode, points, why))
         if points.size and first:
             break
@@ -331,6 +335,16 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
         mode = _derived_mode(automaton, automaton.modes[0])
         searched.append(ModeEquilibria(mode, np.zeros((len(automaton.state_names), 0)), why))
     return tuple(searched)
+
+
+def _is_of_line(flow: Flow, x: Array, values: Sequence[float]) -> bool:
+    """Whether equilibria lie beside x (m,) on a straight line, as with a deflection that rests anywhere."""
+    along = null_vector(flow.jacobian(x, values))
+    if along is None:
+        return False
+    beside = x + along * (float(np.abs(x).max()) or 1.0) / np.abs(along).max()
+    terms = np.abs(flow.jacobian(beside, values)) @ np.abs(beside)
+    return bool((np.abs(flow.rhs(beside, values)) <= LINE_ROUNDING * terms).all())
 
 
 @lru_cache(maxsize=256)

@@ -38,6 +38,10 @@ def test_within_its_limit_it_is_a_spring():
     mean, w = 0.01 * K_T / (4.0 + K_T), math.sqrt(4.0 + K_T)
     expected = mean + (0.01 - mean) * math.cos(w * 5.0)
     assert run["x"][-1] == pytest.approx(expected, rel=1e-12)
+    # at rest it may have any deflection, so that k x = k_t z is a line of equilibria
+    found = fl.equilibria(model)
+    assert (len(found), found.complete) == (1, False)
+    assert "in stick one is of a line of equilibria" in repr(found)
     audit = fl.energy_audit(run, progress=False)
     assert np.array_equal(audit.energies["bristles"], K_T * run["z"] ** 2 / 2)
     assert not audit.works["friction"].any()
