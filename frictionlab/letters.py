@@ -10,10 +10,16 @@ GREEK = frozenset(
     "Gamma Delta Theta Lambda Xi Sigma Phi Psi Omega".split()
 )
 NO_LETTER = re.compile(r"[\W\d_]")
+LATEX = re.compile(r"[\\{}^$]")  # a character that no name has but one that is LaTeX
 
 
 def symbol_of(name: str) -> str:
-    r"""LaTeX of a name: mu_k is \mu_{k}, v_belt has its word as an index, heat_capacity is upright words."""
+    r"""LaTeX of a name: mu_k is \mu_{k}, v_belt has its word as an index, heat_capacity is upright words.
+
+    A name that is LaTeX itself stays what it is.
+    """
+    if LATEX.search(name):
+        return name.strip("$")
     letter = NO_LETTER.split(name)[0]
     index = name.removeprefix(letter).removeprefix("_")
     if len(letter) != 1 and letter not in GREEK:

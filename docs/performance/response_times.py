@@ -30,7 +30,7 @@ PAGE_SCENES: Mapping[str, tuple[Any, float, float]] = MappingProxyType(
 )
 # Every frame has a new value, far from the last; the first frames, while the browser compiles, do not count.
 DRAG = """async ([count, low, high]) => {
-  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), unseen = 20;
+  const slider = explorer.root.querySelector("[data-name=mu_k] input[type=range]"), unseen = 20;
   const frames = [], solved = [];
   const places = explorer.controls.find(({ name }) => name === "mu_k").positions;
   let last = null;

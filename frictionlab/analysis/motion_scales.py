@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.hybrid.trajectory import Trajectory, check_run
-from frictionlab.models import Model
-from frictionlab.models.model import ModelOrAutomaton, MovingSystem
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, unit_of_state
 from frictionlab.validation import check_choice, check_number
 
@@ -112,8 +111,9 @@ def moving_span(run: Trajectory, seconds: float) -> tuple[float, float]:
 
 
 def oscillation_period(source: ModelOrAutomaton | None) -> float:
-    """Approximate period of oscillation (s) of a model; for an automaton, that of the slider on a belt."""
-    return source.period if isinstance(source, (Model, MovingSystem)) else DEFAULT_PERIOD
+    """Approximate period of oscillation (s) that a model or an automaton states; else that of the slider on a
+    belt."""
+    return getattr(source, "period", None) or DEFAULT_PERIOD
 
 
 def shortest_period(run: Trajectory, of: Iterable[str] | None = None) -> float:
@@ -131,10 +131,9 @@ def shortest_period(run: Trajectory, of: Iterable[str] | None = None) -> float:
 
 
 def period_of_run(run: Trajectory) -> float:
-    """Approximate period of oscillation (s): that of the model; of an automaton, as it moved in the run."""
-    if isinstance(run.source, (Model, MovingSystem)):
-        return oscillation_period(run.source)
-    return min(shortest_period(run), float(run.raw.t)) or DEFAULT_PERIOD
+    """Approximate period of oscillation (s): as stated; of an automaton without one, as it moved in the run."""
+    stated = getattr(run.automaton if run.source is None else run.source, "period", None)
+    return stated or min(shortest_period(run), float(run.raw.t)) or DEFAULT_PERIOD
 
 
 def rounded_period(source: ModelOrAutomaton | None) -> float:

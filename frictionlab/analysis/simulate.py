@@ -9,13 +9,13 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, with_warning
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import Model, MovingSystem, require_model
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, require_model_or_automaton
 from frictionlab.validation import explains_keywords
 
 
 @explains_keywords
 def simulate(
-    model: Model | MovingSystem,
+    model: ModelOrAutomaton,
     t_end: float,
     *,
     x0: Any = "rest",
@@ -25,13 +25,13 @@ def simulate(
     quadratures: Mapping[str, Any] | None = None,
     progress: bool = True,
 ) -> Trajectory:
-    """Run a model from 0 to `t_end`.
+    """Run a model or an automaton from 0 to `t_end`.
 
     Parameters
     ----------
-    model : Model or Structure
-        SliderOnBelt, another of :func:`frictionlab.list_models`, or your own; or a structure given by its
-        matrices.
+    model : Model, Structure or HybridAutomaton
+        SliderOnBelt, another of :func:`frictionlab.list_models`, or your own; a structure given by its
+        matrices; or an automaton, as :func:`frictionlab.solve` runs it.
     t_end : float
         End time in seconds, positive.
     x0 : "rest", "near", mapping or array_like (2n,)
@@ -78,12 +78,9 @@ def simulate(
     >>> run.events.target.tolist()
     ['stick']
     """
-    if not isinstance(model, (Model, MovingSystem)):
-        model = require_model(
-            model, "a model such as SliderOnBelt or a Structure", "write simulate(model, t_end)"
-        )
-    solver = method_of(method)
-    options = RunOptions(None, t_eval, sections, quadratures, progress, model)
-    automaton = model.automaton()
-    start = initial_state_of(model, x0, automaton)
+    known = require_model_or_automaton(model, "write simulate(model, t_end)")
+    automaton, solver = automaton_of(known), method_of(method)
+    source = None if known is automaton else known
+    options = RunOptions(None, t_eval, sections, quadratures, progress, source)
+    start = initial_state_of(known, x0, automaton)
     return with_warning(run_automaton(automaton, t_end, start, solver, options))

@@ -48,6 +48,9 @@ class HybridAutomaton:
     cyclic : tuple of str
         Coordinates that may turn for ever, by their names: where nothing depends on how far they have turned,
         a steady rotation is an equilibrium.
+    period : float or None
+        Approximate period of an oscillation, s: explorers and pages show multiples of it.  None lets them find
+        it in the motion.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class HybridAutomaton:
     parameters: Mapping[Symbol, float] = field(default_factory=dict)
     coordinates: int = 0
     cyclic: tuple[str, ...] = ()
+    period: float | None = None
     # What is cached on disk of the structure that it was derived from; None where nothing is.
     derivations: ClassVar[Any] = None
 
@@ -88,6 +92,8 @@ class HybridAutomaton:
             least=0,
             cure="count the coordinates, which come first in states",
         )
+        if self.period is not None:
+            check_field(self, "period", above=0.0, cure="leave it out to have it found in the motion")
         check_names_among("cyclic", self.cyclic, self.state_names[: self.coordinates])
         object.__setattr__(self, "cyclic", tuple(self.cyclic))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
@@ -116,7 +122,18 @@ class HybridAutomaton:
             modes = self.modes
         if modes is self.modes:
             return self
-        return WholeAutomaton(self.states, modes, self.parameters, self.coordinates, self.cyclic)
+        return WholeAutomaton(self.states, modes, self.parameters, self.coordinates, self.cyclic, self.period)
+
+    @property
+    def shown_states(self) -> tuple[str, ...]:
+        """Names of the coordinates, or of all states where there are none."""
+        return self.state_names[: self.coordinates or len(self.state_names)]
+
+    @property
+    def rates(self) -> Mapping[str, str]:
+        """Coordinate -> the name of its velocity."""
+        n = self.coordinates
+        return dict(zip(self.state_names[:n], self.state_names[n : 2 * n], strict=False))
 
     @property
     def shown_state(self) -> str:
@@ -170,7 +187,7 @@ class HybridAutomaton:
         check_key("mode", name, self.names)
         return next(mode for mode in self.modes if mode.name == name)
 
-    def replace(self, **values: float) -> HybridAutomaton:
+    def replace(self, /, **values: float) -> HybridAutomaton:
         """The automaton with other values of parameters, by their names.
 
         Raises
@@ -192,7 +209,8 @@ class HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
         numbers = {symbols[name]: value for name, value in changes.items()}
         kind = type(self) if isinstance(self, WholeAutomaton) else HybridAutomaton
-        return kind(self.states, self.modes, {**self.parameters, **numbers}, self.coordinates, self.cyclic)
+        parameters = {**self.parameters, **numbers}
+        return kind(self.states, self.modes, parameters, self.coordinates, self.cyclic, self.period)
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"

@@ -9,13 +9,21 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component, StructureKey, is_decorated, parameters_of, value_repr
+from frictionlab.components.component import (
+    Component,
+    Parameter,
+    StructureKey,
+    is_decorated,
+    parameters_of,
+    value_repr,
+)
+from frictionlab.letters import symbol_of
 from frictionlab.models.mechanical.mechanics import SlidingStatics
 from frictionlab.presentation import CLOCK, TIME
 from frictionlab.validation import abbreviate, unknown_parameter
@@ -27,6 +35,7 @@ from .composition import (
     model_signature,
     nonlinearities_of,
     owner_among_laws,
+    parameter_metadata,
     parameter_owners,
     parameter_table,
     refuse_positional,
@@ -265,9 +274,7 @@ class Model(Component):
     @property
     def sound(self) -> Tone:
         """What `listen` plays: v_r, or the first coordinate's velocity, at 200 Hz for one `period`."""
-        outputs = self.automaton().outputs
-        heard = next((name for name in outputs if name.startswith("relative_velocity")), None)
-        return Tone(heard or f"{self.coordinates[0]}'", float(f"{PITCH * self.period:.3g}"))
+        return tone_of(self.automaton(), self.period)
 
     @property
     def mechanism(self) -> Mechanism | TiltingBelt | None:
@@ -443,6 +450,36 @@ def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
     """
     named = isinstance(model, (Model, MovingSystem))
     return model.parameters if named else automaton_of(model).values
+
+
+def parameters_about(model: ModelOrAutomaton) -> Mapping[str, Parameter]:
+    """What is known of each parameter of a model by name; of an automaton the letters and signs of its symbols."""
+    if isinstance(model, Model):
+        return parameter_metadata(type(model), model.components)
+    return {each.name: _about_symbol(each, value) for each, value in automaton_of(model).parameters.items()}
+
+
+def _about_symbol(given: Any, value: float) -> Parameter:
+    about = Parameter(symbol_of(given.name))
+    if given.is_positive and value > 0.0:
+        return replace(about, exclusive_minimum=0.0)
+    return replace(about, minimum=0.0) if given.is_nonnegative and value >= 0.0 else about
+
+
+def nonlinearities_in(model: ModelOrAutomaton) -> Mapping[str, Nonlinearity]:
+    """The nonlinearities of a model that can be switched off; an automaton names none."""
+    return model.nonlinearities if isinstance(model, Model) else {}
+
+
+def roles_in(model: ModelOrAutomaton) -> Mapping[str, type[Any]]:
+    """The kind of law of each role of a model; an automaton has none."""
+    return model.roles if isinstance(model, Model) else {}
+
+
+def tone_of(automaton: HybridAutomaton, period: float) -> Tone:
+    """A relative velocity, or the first velocity or state, at 200 Hz for one period (s)."""
+    heard = next((name for name in automaton.outputs if name.startswith("relative_velocity")), None)
+    return Tone(heard or automaton.state_names[automaton.coordinates], float(f"{PITCH * period:.3g}"))
 
 
 def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:

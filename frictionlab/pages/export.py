@@ -25,7 +25,7 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.model import Model
+from frictionlab.models.model import Model, values_of
 from frictionlab.pages.page_data import (
     chosen_sliders,
     page_laws,
@@ -35,14 +35,16 @@ from frictionlab.pages.page_data import (
     switch_names,
 )
 from frictionlab.pages.scene import (
+    Data,
+    Shown,
     controls_of_models,
     formula_controls,
     law_control,
     panels_of,
     parameter_controls,
-    require_shown_model,
     run_controls,
     scene_data,
+    shown_model,
     switch_control,
     usual_duration,
 )
@@ -73,9 +75,10 @@ class SolverNotBuiltError(FileNotFoundError):
 
 
 def export_page(
-    model: Model,
+    model: Shown,
     path: str | Path,
     *,
+    x0: Any = "rest",
     sliders: Mapping[str, tuple[float, float]] | Sequence[str] | None = None,
     switches: Sequence[str] | None = None,
     presets: Mapping[str, Mapping[str, Any]] | None = None,
@@ -83,7 +86,7 @@ def export_page(
     t_end: float | None = None,
     title: str | None = None,
 ) -> Path:
-    """Write a model as one HTML file with sliders and the exact solver in it.
+    """Write a model or an automaton as one HTML file with sliders and the exact solver in it.
 
     The file needs neither a server nor a network: it can be mailed, put on a stick or into a course's pages.
     The browser runs the same kernels, compiled to WebAssembly, so that states and events are those of
@@ -91,10 +94,13 @@ def export_page(
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
         One of :func:`frictionlab.list_models`, or your own; laws of your own are exported with it.
     path : path
         Where to write the file, such as ``"slider.html"``.
+    x0 : "rest", "near", mapping or array_like (n,)
+        Where the run begins, as :func:`frictionlab.simulate` takes it; an automaton is at rest where all its
+        states are zero.
     sliders : sequence of names, mapping of name to (low, high), or None
         Parameters whose sliders are shown at first; None chooses some.  All others are under "more
         parameters".
@@ -109,7 +115,7 @@ def export_page(
     t_end : float or None
         End time in seconds; None takes 200 periods, less of a stiff model.
     title : str or None
-        None takes the model's name.
+        None takes the model's name; that of an automaton is "hybrid automaton".
 
     Returns
     -------
@@ -121,7 +127,10 @@ def export_page(
     SolverNotBuiltError
         Where the package was built without WebAssembly; it says how to build it.
     ValueError
-        For unknown names, bad values, or a model of more than 64 modes.
+        For unknown names, bad values, parameters that are named like another control, or a model of more than
+        64 modes.
+    TypeError
+        If `model` is neither a model nor an automaton; the formulas of a structure's matrices are not exported.
 
     Examples
     --------
@@ -129,7 +138,7 @@ def export_page(
     >>> fl.export_page(fl.SliderOnBelt(mu_k=1.4), "slider.html")  # doctest: +SKIP
     PosixPath('slider.html')
     """
-    model = require_shown_model(model, "write export_page(model, path)")
+    model, start = shown_model(model, x0, "write export_page(model, path)")
     path = check_path("path", path, (".html", ".htm"))
     if title is not None:
         check_text("title", title, "leave it out for the model's name")
@@ -138,12 +147,13 @@ def export_page(
         t_end = usual_duration(model)
     check_t_end(t_end)
     with_laws = page_laws(model, laws)
-    scene = page_scene(model, names, sliders, presets, float(t_end), title, with_laws)
+    run = run_controls(model, float(t_end), start)
+    scene = page_scene(model, names, sliders, presets, run, title, with_laws)
     return write_text(path, page_content(model, names, scene, with_laws))
 
 
 def page_content(
-    model: Model,
+    model: Shown,
     names: tuple[str, ...],
     scene: dict[str, Any],
     with_laws: Mapping[str, Model],
@@ -169,23 +179,24 @@ def page_content(
 
 
 def page_scene(
-    model: Model,
+    model: Shown,
     names: tuple[str, ...],
     sliders: Any,
     presets: Any,
-    t_end: float,
+    run: list[Data],
     title: str | None,
     with_laws: Mapping[str, Model],
 ) -> dict[str, Any]:
-    """The scene of a page: its switches are those of these names, its menu that of these laws."""
+    """The scene of a page: its switches are those of these names, its menu that of these laws, and `run` the
+    controls of the run."""
     chosen, ranges = chosen_sliders(model, sliders)
     switches = [switch_control(model, name) for name in names]
     menus = [law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []
     own = parameter_controls(model, chosen, ranges)
-    known = model.parameters
+    known = values_of(model)
     others = [each for each in controls_of_models(with_laws.values()) if each["name"] not in known]
     formula = formula_controls([model, *with_laws.values()])
-    controls = [*switches, *menus, *formula, *own, *others, *run_controls(model, t_end)]
+    controls = [*switches, *menus, *formula, *own, *others, *run]
     scene = scene_data(model, controls, panels_of(model), title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"
     menu = scene_menu(model, names, presets)

@@ -27,7 +27,7 @@ from frictionlab.pages.export import (
     solver_data,
 )
 from frictionlab.pages.page_data import page_laws, switch_names
-from frictionlab.pages.scene import Data, mechanism_data, usual_duration
+from frictionlab.pages.scene import Data, mechanism_data, run_controls, usual_duration
 from frictionlab.validation import check_path
 
 WORTH_SEEING = "worth seeing"
@@ -156,7 +156,8 @@ def write_scene(scene: LibraryScene, path: Path, menu: list[Data], mark: str = "
     """
     names = switch_names(scene.model, None)
     laws = page_laws(scene.model, None)
-    data = page_scene(scene.model, names, None, None, usual_duration(scene.model), scene.name, laws)
+    run = run_controls(scene.model, usual_duration(scene.model))
+    data = page_scene(scene.model, names, None, None, run, scene.name, laws)
     data |= {"name": scene.name, "about": scene.about, "menu": menu}
     return write_text(path, page_content(scene.model, names, data, laws, mark))
 

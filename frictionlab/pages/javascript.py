@@ -20,10 +20,12 @@ from typing import Any
 
 import sympy as sp
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
 from frictionlab.models import Model
 from frictionlab.models.mechanical.limits import Limit, limits_of
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+from frictionlab.models.model import parameters_about
 from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import (
     ABS,
@@ -157,7 +159,7 @@ class Rule:
         return (*self.broken, *self.values)
 
 
-def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
+def rule_data(model: Model | HybridAutomaton, parameters: tuple[Any, ...]) -> dict[str, Any]:
     """The rules that a page checks, in the order in which Python does; `parameters` are symbols.
 
     ``numbers`` is a JavaScript function that returns, for one rule after the other, the relations that must
@@ -165,7 +167,7 @@ def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
     number of relations, the number of values, and the message.
     """
     known = set(parameters)
-    every = [rule for component in (*model.components.values(), model) for rule in _rules(component)]
+    every = list(_rules_of(model, parameters))
     if isinstance(model, MechanicalModel):
         every += map(_rule_of, limits_of(model))
     rules = [rule for rule in every if set().union(*(x.free_symbols for x in rule.numbers)) <= known]
@@ -177,15 +179,20 @@ def rule_data(model: Model, parameters: tuple[Any, ...]) -> dict[str, Any]:
     return {"numbers": javascript_function([parameters], numbers), "words": words}
 
 
-def _rules(component: Component | Model) -> Iterator[Rule]:
-    for name, about in parameters_of(type(component)).items():
-        yield from _bounds(name, about)
-    yield from _checked(component)
+def _rules_of(model: Model | HybridAutomaton, parameters: tuple[Any, ...]) -> Iterator[Rule]:
+    if isinstance(model, HybridAutomaton):
+        about = parameters_about(model)
+        for each in parameters:
+            yield from _bounds(each, about[each.name])
+        return
+    for component in (*model.components.values(), model):
+        for name, its in parameters_of(type(component)).items():
+            yield from _bounds(symbol(name), its)
+        yield from _checked(component)
 
 
-def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
+def _bounds(x: Any, about: Parameter) -> Iterator[Rule]:
     """Rules for the bounds of a parameter, with the messages of :func:`check_value`."""
-    x = symbol(name)
     bounds = (
         (about.exclusive_minimum, sp.Le, -1.0),
         (about.minimum, sp.Lt, -1.0),
@@ -196,7 +203,7 @@ def _bounds(name: str, about: Parameter) -> Iterator[Rule]:
             continue
         value = bound + away
         try:
-            check_value(name, value, about)
+            check_value(x.name, value, about)
         except ValueError as error:
             words = str(error).replace(f"got {value}:", f"got {MARK}{MARK}:")
             yield Rule((relation(x, bound),), (x,), words)

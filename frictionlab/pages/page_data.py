@@ -24,13 +24,16 @@ from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.models import Model
+from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
+    Shown,
     has_friction_curve,
     law_menus,
     main_parameters,
     model_call,
+    name_of,
     own_law,
     quantity_data,
 )
@@ -55,8 +58,8 @@ MODES_WITH_LAWS = 5
 MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 
 
-def structure_data(model: Model) -> dict[str, Any]:
-    """All that a page needs of the structure of a model.
+def structure_data(model: Shown) -> dict[str, Any]:
+    """All that a page needs of the structure of a model or an automaton.
 
     Raises
     ------
@@ -64,17 +67,17 @@ def structure_data(model: Model) -> dict[str, Any]:
         Where the model has more than 64 modes.
     """
     method = Taylor()
-    automaton = model.automaton().derived()
+    automaton = automaton_of(model).derived()
     count = len(automaton.modes)
     if count > MAX_MODES:
         raise ValueError(
-            f"a page holds at most {MAX_MODES} modes, and {type(model).__name__} has {count}: "
+            f"a page holds at most {MAX_MODES} modes, and {name_of(model)} has {count}: "
             "take a model with fewer contacts, or laws of fewer pieces"
         )
     modes = tuple(automaton.modes)
     program, _ = program_of(automaton)
     parameters = tuple(automaton.parameters)
-    known = model.parameters
+    known = values_of(model)
     return {
         "parameters": [symbol.name for symbol in parameters],
         "fixed": {s.name: float(v) for s, v in automaton.parameters.items() if s.name not in known},
@@ -109,9 +112,11 @@ def _rate_of_limit_mode(automaton: HybridAutomaton) -> str:
     return javascript_of_formulas(formulas_of_rate(automaton), [len(automaton.parameters)])
 
 
-def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
+def _release(model: Shown, automaton: HybridAutomaton) -> list[Any]:
     """The state at rest: formulas of the parameters or, without such formulas, the numbers of this model."""
-    names = [symbol.name for symbol in automaton.states]
+    names = automaton.state_names
+    if not isinstance(model, Model):
+        return [0.0] * len(names)
     try:
         released = symbolic_copy(model.structure_key).release()
     except (TypeError, AttributeError):  # `release` needs numbers, as to compare them
@@ -119,8 +124,8 @@ def _release(model: Model, automaton: HybridAutomaton) -> list[Any]:
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 
-def _friction_force(model: Model, parameters: tuple[Any, ...]) -> str:
-    if not has_friction_curve(model):
+def _friction_force(model: Shown, parameters: tuple[Any, ...]) -> str:
+    if not isinstance(model, Model) or not has_friction_curve(model):
         return "null"
     return javascript_of_formulas(friction_formulas(model.structure_key, parameters), [2, len(parameters)])
 
@@ -206,7 +211,7 @@ def _whole_jacobian(formulas: Formulas, size: int) -> Formulas:
     return Formulas(entries.tape, tuple(slots))
 
 
-def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
+def _known_equilibrium(model: Shown, automaton: HybridAutomaton) -> list[float]:
     """Where the search for the equilibrium begins: at that of this model, or at zero."""
     try:
         return equilibrium(model).state.tolist()
@@ -214,9 +219,9 @@ def _known_equilibrium(model: Model, automaton: HybridAutomaton) -> list[float]:
         return [0.0] * len(automaton.states)
 
 
-def switch_names(model: Model, switches: Sequence[str] | None) -> tuple[str, ...]:
+def switch_names(model: Any, switches: Sequence[str] | None) -> tuple[str, ...]:
     """The nonlinearities that get a switch; those that the model lacks already get none."""
-    known = {name: each for name, each in model.nonlinearities.items() if not each.missing(model)}
+    known = {name: each for name, each in nonlinearities_in(model).items() if not each.missing(model)}
     if switches is None:
         return tuple(name for name in known if _can_be_switched(model, name))
     switches = check_sequence("switches", switches, "give names of nonlinearities in a list")
@@ -228,7 +233,7 @@ def switch_names(model: Model, switches: Sequence[str] | None) -> tuple[str, ...
     return switches
 
 
-def _can_be_switched(model: Model, name: str) -> bool:
+def _can_be_switched(model: Any, name: str) -> bool:
     try:
         model.without(name)
     except ValueError:  # a law that cannot do without its nonlinearity
@@ -236,13 +241,13 @@ def _can_be_switched(model: Model, name: str) -> bool:
     return True
 
 
-def structures(model: Model, switches: Sequence[str]) -> dict[str, Model]:
+def structures(model: Any, switches: Sequence[str]) -> dict[str, Any]:
     """The model for every set of switches that are off; the key is their names, joined by commas."""
     sets = [some for k in range(len(switches) + 1) for some in combinations(switches, k)]
     return {",".join(some): model.without(*some) if some else model for some in sets}
 
 
-def page_laws(model: Model, laws: Sequence[str] | None) -> dict[str, Model]:
+def page_laws(model: Any, laws: Sequence[str] | None) -> dict[str, Model]:
     """The model with each law of friction that its page offers, by the law's name, its own first; empty where
     there is nothing to choose.
 
@@ -266,9 +271,9 @@ def page_laws(model: Model, laws: Sequence[str] | None) -> dict[str, Model]:
     return {own_law(model, "friction"): model} | {name: model.replace(friction=menu[name]) for name in others}
 
 
-def chosen_sliders(model: Model, sliders: Any) -> tuple[list[str], dict[str, tuple[float, float]]]:
+def chosen_sliders(model: Shown, sliders: Any) -> tuple[list[str], dict[str, tuple[float, float]]]:
     """The parameters whose sliders are shown at first, and the ranges that were given for them."""
-    names = list(model.parameters)
+    names = list(values_of(model))
     if sliders is None:
         return main_parameters(model), {}
     if isinstance(sliders, Mapping):
@@ -288,7 +293,7 @@ def chosen_sliders(model: Model, sliders: Any) -> tuple[list[str], dict[str, tup
     }
 
 
-def scene_menu(model: Model, switches: Sequence[str], presets: Any) -> list[dict[str, Any]]:
+def scene_menu(model: Shown, switches: Sequence[str], presets: Any) -> list[dict[str, Any]]:
     """The scenes of a page, each with its name and the state of the controls that differ."""
     presets = {} if presets is None else presets
     check_mapping("presets", presets, 'give each a name, such as {"flutter": {"mu_k": 1.4}}')
@@ -296,7 +301,7 @@ def scene_menu(model: Model, switches: Sequence[str], presets: Any) -> list[dict
     return [{"name": "", "label": "as exported", "state": {}}, *made] if made else []
 
 
-def _preset(model: Model, switches: Sequence[str], name: str, values: Any) -> dict[str, Any]:
+def _preset(model: Shown, switches: Sequence[str], name: str, values: Any) -> dict[str, Any]:
     check_mapping(f"presets[{abbreviate(name)}]", values, 'give values, such as {"mu_k": 1.4}')
     values = dict(values)
     off = values.pop("without", ())

@@ -12,12 +12,19 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 import frictionlab
-from frictionlab.analysis.motion_scales import highest_frequency, round_down_1_2_5, rounded_period
+from frictionlab.analysis.found_period import with_period
+from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.motion_scales import (
+    highest_frequency,
+    oscillation_period,
+    round_down_1_2_5,
+    rounded_period,
+)
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, Parameter, structure_of
 from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact
@@ -33,10 +40,19 @@ from frictionlab.components.friction import (
     WeakeningStrengthening,
 )
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
-from frictionlab.models.composition import parameter_metadata, parameter_owners
+from frictionlab.letters import LATEX
+from frictionlab.models.composition import parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
 from frictionlab.models.mechanism import Mechanism, Point, TiltingBelt
-from frictionlab.models.model import Model, require_model
+from frictionlab.models.model import (
+    Model,
+    automaton_of,
+    parameters_about,
+    require_model,
+    roles_in,
+    tone_of,
+    values_of,
+)
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
@@ -45,6 +61,8 @@ from frictionlab.presentation import unit_of_state
 from frictionlab.stability import eigenvalues
 
 Data = dict[str, Any]
+Shown: TypeAlias = Model | HybridAutomaton  # what explorers and pages show
+KINDS = "a model such as SliderOnBelt or a HybridAutomaton"
 
 PANELS = ("mechanism", "friction", "response", "phase", "forces", "spectrum", "eigenvalues")
 # What the menu of a role offers, by the kind of law.  A linear contact is what the switch "cubic" leaves.
@@ -82,27 +100,50 @@ MOST_TIME_CONSTANTS = 5e5  # of what decays fastest, in a run: it keeps steps sh
 WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
 BEGINNING = "beginning"  # shows as many periods from the start
 STARTS = {"rest": "at rest", "near": "near the equilibrium", "own": "own numbers"}
+# Controls and words of links that no parameter may be named like.
+TAKEN = frozenset(
+    "start own duration window coordinate method step formula range transient scene challenge lesson play "
+    "without".split()
+)
+OF_COORDINATE = "coordinate of the phase plane and the spectrum"
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
 
-def require_shown_model(model: object, cure: str) -> Model:
-    """Return the model; raise for anything else, and for a model without coordinates, which pictures show."""
-    known = require_model(model, cure=cure)
-    if not known.coordinates:
-        raise ValueError(
-            f"model must have coordinates to be shown, {type(known).__name__} has none: plot run.t and "
-            "run.states"
-        )
-    return known
+def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[float, ...]]:
+    """The model, or the automaton with its period, and where it starts: "rest", "near" or the state (n,).
+
+    Raises
+    ------
+    TypeError
+        For anything that is no model and no automaton.
+    ValueError
+        For a bad `x0`, and for parameters that are named like another control.
+    """
+    known = model if isinstance(model, HybridAutomaton) else require_model(model, KINDS, cure)
+    for name in values_of(known):
+        if name in TAKEN:
+            raise ValueError(
+                f"a parameter must not be named like the explorer's control {name!r} to be shown: rename it"
+            )
+    state = initial_state_of(known, x0)
+    shown = with_period(known, state) if isinstance(known, HybridAutomaton) else known
+    return shown, x0 if isinstance(x0, str) else tuple(state.tolist())
+
+
+def name_of(model: Shown) -> str:
+    """What a page is called unless it is given a title."""
+    return "hybrid automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
 
 
 def scene_data(
-    model: Model, controls: Iterable[Data], panels: Sequence[str], *, title: str | None = None
+    model: Shown, controls: Iterable[Data], panels: Sequence[str], *, title: str | None = None
 ) -> Data:
-    """A scene of a model."""
+    """A scene of a model or an automaton."""
     controls = list(controls)
+    automaton = automaton_of(model)
+    tone = model.sound if isinstance(model, Model) else tone_of(automaton, oscillation_period(automaton))
     return {
-        "title": title or type(model).__name__,
+        "title": title or name_of(model),
         "about": "",
         "model": repr(model),
         "controls": controls,
@@ -113,35 +154,40 @@ def scene_data(
         "windows": windows(model),
         "mechanism": mechanism_data(model),
         "challenges": challenge_data(model),
-        "sound": {"signal": model.sound.signal, "pitch": float(model.sound.pitch)},
+        "sound": {"signal": tone.signal, "pitch": float(tone.pitch)},
     }
 
 
-def panels_of(model: Model) -> list[str]:
+def mechanism_in(model: Shown) -> Mechanism | TiltingBelt | None:
+    """The mechanism of a model; None where it has none, as an automaton."""
+    return model.mechanism if isinstance(model, Model) else None
+
+
+def panels_of(model: Shown) -> list[str]:
     """The panels that are shown unless others are asked for; the friction curve comes last unless its points
     are dragged."""
     names = [name for name in PANELS if name != "friction"]
-    if model.mechanism is None:
+    if mechanism_in(model) is None:
         names.remove("mechanism")
     if friction_points(model):
         return [*names[:1], "friction", *names[1:]]
-    return [*names, "friction"] if FrictionLaw in model.roles.values() else names
+    return [*names, "friction"] if FrictionLaw in roles_in(model).values() else names
 
 
-def has_friction_curve(model: Model) -> bool:
+def has_friction_curve(model: Shown) -> bool:
     """Whether friction is one law whose force follows from speed and normal force."""
     law = getattr(model, "friction", None)
     return isinstance(law, FrictionLaw) and not law.states
 
 
-def friction_points(model: Model) -> list[list[str]]:
+def friction_points(model: Shown) -> list[list[str]]:
     """The points of a curve that is drawn: the parameters that are the speed and the coefficient of each."""
     if not isinstance(getattr(model, "friction", None), FrictionCurve):
         return []
     return [["", "mu_0"], *([f"v_{i}", f"mu_{i}"] for i in range(1, 5))]
 
 
-def challenge_data(model: Model) -> list[Data]:
+def challenge_data(model: Shown) -> list[Data]:
     """The challenges about models of these laws; each begins with the parameters of its own model."""
     fitting = (each for each in CHALLENGES if type(each.model) is type(model))
     return [
@@ -154,12 +200,14 @@ def challenge_data(model: Model) -> list[Data]:
             "most": each.most,
         }
         for each in fitting
-        if each.model.structure_key == model.structure_key
+        if isinstance(model, Model) and each.model.structure_key == model.structure_key
     ]
 
 
-def model_call(model: Model) -> str:
-    """Python that makes the model; names of the package have its prefix."""
+def model_call(model: Shown) -> str:
+    """Python that makes the model, where names of the package have their prefix; of an automaton a name."""
+    if isinstance(model, HybridAutomaton):
+        return "automaton"
     names = re.compile(r"\b([A-Z]\w*)\(")
     return names.sub(lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], repr(model))
 
@@ -181,13 +229,13 @@ def number(name: str, about: Parameter, value: float, group: str, bounds: Any = 
     }
 
 
-def parameter_controls(model: Model, main: Iterable[str], ranges: Any = None) -> list[Data]:
+def parameter_controls(model: Shown, main: Iterable[str], ranges: Any = None) -> list[Data]:
     """A number for each parameter; those of `main` come first, the others are folded away."""
-    about, ranges = parameter_metadata(type(model), model.components), ranges or {}
+    about, values, ranges = parameters_about(model), values_of(model), ranges or {}
     chosen = list(main)
-    ordered = [*chosen, *(name for name in model.parameters if name not in chosen)]
+    ordered = [*chosen, *(name for name in values if name not in chosen)]
     numbers = {
-        name: number(name, about[name], model.parameters[name], _group(name in chosen), ranges.get(name))
+        name: number(name, about[name], values[name], _group(name in chosen), ranges.get(name))
         for name in ordered
     }
     return [each | {"parameter": True} for each in numbers.values()]
@@ -197,7 +245,7 @@ def _group(main: bool) -> str:
     return "main" if main else "structure"
 
 
-def switch_control(model: Model, name: str) -> Data:
+def switch_control(model: Any, name: str) -> Data:
     """A switch of a nonlinearity of a model."""
     one = model.nonlinearities[name]
     about, on = one.about, not one.missing(model)
@@ -221,18 +269,18 @@ def _regimes(model: Model, words: str) -> str:
     return ", ".join(fitting) or "impacts"
 
 
-def law_menus(model: Model) -> dict[str, dict[str, Component]]:
+def law_menus(model: Shown) -> dict[str, dict[str, Component]]:
     """For each role for which the library has laws: those that the model takes, and its own, by name."""
-    return {role: _laws_of(model, role) for role, kind in model.roles.items() if kind in LAWS}
+    return {role: _laws_of(model, role) for role, kind in roles_in(model).items() if kind in LAWS}
 
 
-def _laws_of(model: Model, role: str) -> dict[str, Component]:
+def _laws_of(model: Any, role: str) -> dict[str, Component]:
     own = getattr(model, role)
     laws = {name: law for name, law in LAWS[model.roles[role]].items() if _takes(model, role, law)}
     return laws | {own_law(model, role): own}
 
 
-def own_law(model: Model, role: str) -> str:
+def own_law(model: Any, role: str) -> str:
     """The name in the menu of the law that the model has."""
     own = getattr(model, role)
     return next(
@@ -255,13 +303,13 @@ def _takes(model: Model, role: str, law: Component) -> bool:
     return True
 
 
-def law_control(model: Model, role: str, names: Iterable[str]) -> Data:
+def law_control(model: Any, role: str, names: Iterable[str]) -> Data:
     """A menu of the laws of a role, by these names."""
     hint = LAW_HINTS.get(model.roles[role], f"the law of {role}")
     return choice(role, names, own_law(model, role), "main", hint=hint) | {"text": f"{role} law"}
 
 
-def formula_controls(models: Iterable[Model]) -> list[Data]:
+def formula_controls(models: Iterable[Shown]) -> list[Data]:
     """The field of a formula that puts the points of a friction curve on it, where a model has some."""
     points = next(filter(None, map(friction_points, models)), None)
     if points is None:
@@ -271,7 +319,7 @@ def formula_controls(models: Iterable[Model]) -> list[Data]:
     return [about | {"needs": points[0][1], "hint": hint}]
 
 
-def controls_of_models(models: Iterable[Model]) -> Iterator[Data]:
+def controls_of_models(models: Iterable[Shown]) -> Iterator[Data]:
     """A number for each parameter of any of these models; the first that has it gives its value."""
     seen: set[str] = set()
     for each in models:
@@ -298,9 +346,13 @@ def choice(
     }
 
 
-def run_controls(model: Model, t_end: float) -> list[Data]:
+def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest") -> list[Data]:
     """How a model is run, and what is shown of it: start, own state, duration, window, coordinate."""
-    names = list(model.coordinates)
+    automaton = automaton_of(model)
+    names, is_model = automaton.shown_states, isinstance(model, Model)
+    count = 2 * automaton.coordinates if is_model else 0  # further states of a model begin as at rest
+    needed = automaton.state_names[: count or None]
+    numbers = ", ".join(["0"] * len(needed) if isinstance(x0, str) else map(repr, x0))
     duration = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
     period = rounded_period(model)
     ends = LEAST_DURATION * period, USUAL_DURATION * period
@@ -309,21 +361,21 @@ def run_controls(model: Model, t_end: float) -> list[Data]:
         "kind": "text",
         "group": "run",
         "text": "state",
-        "value": ", ".join(["0"] * 2 * len(names)),
+        "value": numbers,
         "when": ["start", "own"],
-        "hint": f"coordinates {', '.join(names)}, then their rates, with commas between",
+        "hint": f"numbers for {', '.join(needed)}, with commas between",
     }
-    shown = model.automaton().shown_state
+    starts = STARTS if is_model else STARTS | {"rest": "all states zero"}
     return [
-        choice("start", STARTS, "rest", "run", STARTS.values(), "initial state"),
+        choice("start", starts, x0 if isinstance(x0, str) else "own", "run", starts.values(), "initial state"),
         own,
         number("duration", duration, t_end, "run", ends),
         choice("window", windows(model), "what moves", "run", hint="part of the run that the panels show"),
-        choice("coordinate", names, shown, "run", hint="coordinate of the phase plane and the spectrum"),
+        choice("coordinate", names, automaton.shown_state, "run", map(label_of, names), OF_COORDINATE),
     ]
 
 
-def usual_duration(model: Model) -> float:
+def usual_duration(model: Shown) -> float:
     """Seconds that explorers and pages simulate: 200 periods, less of a stiff model.
 
     >>> import frictionlab as fl
@@ -337,15 +389,18 @@ def usual_duration(model: Model) -> float:
     return seconds
 
 
-def windows(model: Model) -> dict[str, float | str | None]:
+def windows(model: Shown) -> dict[str, float | str | None]:
     """The parts of a run that may be shown, by their names: seconds at its end, or all of it."""
     lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
     last = {f"last {s:g} s": s for s in lengths}
     return {"what moves": WHAT_MOVES, "how it begins": BEGINNING, **last, "whole run": None}
 
 
-def main_parameters(model: Model) -> list[str]:
-    """All parameters if they are few; else those of the friction law, of operation, of other components."""
+def main_parameters(model: Shown) -> list[str]:
+    """All parameters if they are few; else those of the friction law, of operation, of other components; of an
+    automaton the first ones."""
+    if isinstance(model, HybridAutomaton):
+        return list(model.values)[:MAX_UNFOLDED]
     owner = parameter_owners(type(model), model.components)
     if len(owner) <= MAX_UNFOLDED:
         return list(owner)
@@ -372,17 +427,19 @@ def _default_range(about: Parameter, value: float) -> tuple[float, float]:
     return low, min(max(twice, low + twice), math.inf if about.maximum is None else about.maximum)
 
 
-def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
+def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
     """Labels and units of states, labels and colours of contact forces, and whether something can slide."""
-    names = [symbol.name for symbol in automaton.states]
+    names = list(automaton.state_names)
     forces = {
         name: [text.partition(" (")[0], colour] for name, (text, colour) in force_outputs(automaton).items()
     }
     return {
+        "automaton": isinstance(model, HybridAutomaton),
         "states": names,
-        "coordinates": len(model.coordinates),
-        "cyclic": list(getattr(model, "cyclic", ())),
-        "labels": {name: state_label(name) for name in names},
+        "coordinates": automaton.coordinates,
+        "rates": dict(automaton.rates),
+        "cyclic": list(automaton.cyclic),
+        "labels": {name: label_of(name) for name in names},
         "units": {name: unit_of_state(model, name) for name in names},
         "forces": forces,
         "slides": can_slide_steadily(model, automaton),
@@ -390,17 +447,24 @@ def quantity_data(model: Model, automaton: HybridAutomaton) -> Data:
     }
 
 
-def can_slide_steadily(model: Model, automaton: HybridAutomaton) -> bool:
-    """Whether something slides while all coordinates but cyclic ones are at rest: on a belt, say."""
-    resting = {f"{name}'" for name in model.coordinates if name not in getattr(model, "cyclic", ())}
+def label_of(name: str) -> str:
+    """The label of a state, which may be LaTeX itself, as states of automata have any name."""
+    return f"${name.strip('$')}$" if LATEX.search(name) else state_label(name)
+
+
+def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
+    """Whether something in a model slides while all coordinates but cyclic ones are at rest: on a belt, say."""
+    if isinstance(model, HybridAutomaton):
+        return False
+    resting = {rate for name, rate in automaton.rates.items() if name not in automaton.cyclic}
     mode = next(iter(automaton.modes))
     velocities = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
     return any(e.subs({s: 0 for s in e.free_symbols if s.name in resting}) != 0 for e in velocities)
 
 
-def mechanism_data(model: Model) -> Data | None:
+def mechanism_data(model: Shown) -> Data | None:
     """The model's picture as data: what its parts are, and the fields of each."""
-    mechanism = model.mechanism
+    mechanism = mechanism_in(model)
     if isinstance(mechanism, TiltingBelt):
         return {
             "kind": "TiltingBelt",

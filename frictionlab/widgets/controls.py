@@ -11,14 +11,23 @@ from typing import Any
 
 import traitlets
 
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Parameter, check_value
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.composition import parameter_metadata, without
-from frictionlab.models.model import Model
+from frictionlab.models.composition import without
+from frictionlab.models.model import (
+    Model,
+    automaton_of,
+    nonlinearities_in,
+    parameters_about,
+    roles_in,
+    values_of,
+)
 from frictionlab.pages.scene import (
     Data,
+    Shown,
     choice,
     controls_of_models,
     formula_controls,
@@ -132,31 +141,33 @@ class Control(traitlets.HasTraits):
         )
 
 
-def controls_of(model: Model, settings: Settings) -> dict[str, Control]:
-    """All controls of an explorer that begins with a model."""
-    return {control.name: control for control in (*model_controls(model), *run_choices(settings))}
+def controls_of(settings: Settings) -> dict[str, Control]:
+    """All controls of an explorer that begins with these settings."""
+    return {control.name: control for control in (*model_controls(settings.model), *run_choices(settings))}
 
 
-def model_controls(model: Model) -> Iterator[Control]:
+def model_controls(model: Shown) -> Iterator[Control]:
     """A switch for each nonlinearity, a menu of laws for each role, a number for each parameter of these
     models."""
-    for name in model.nonlinearities:
+    for name in nonlinearities_in(model):
         yield Control(switch_control(model, name))
     for role, laws in law_menus(model).items():
         yield Control(law_control(model, role, laws), laws)
     rules: dict[str, Parameter] = {}
     models = list(_reachable(model))
     for each in models:
-        rules = parameter_metadata(type(each), each.components) | rules
+        rules = {**parameters_about(each), **rules}
     for about in formula_controls(models):
         yield Control(about)
     for about in controls_of_models(models):
         yield Control(about, rule=rules[about["name"]])
 
 
-def _reachable(model: Model) -> Iterator[Model]:
+def _reachable(model: Shown) -> Iterator[Shown]:
     """The model, and those that its switches and its menus of laws lead to, for their parameters."""
     yield model
+    if isinstance(model, HybridAutomaton):
+        return
     full = model
     for restored in restoring_components(model).values():
         full = full.replace(**restored)
@@ -174,9 +185,9 @@ def restoring_components(model: Model) -> dict[str, dict[str, Any]]:
 
 
 def chosen_model(
-    model: Model, restoring: Mapping[str, Mapping[str, Any]], controls: Mapping[str, Control]
-) -> Model:
-    """The model that the controls are set to, from the one with which they were made.
+    model: Shown, restoring: Mapping[str, Mapping[str, Any]], controls: Mapping[str, Control]
+) -> Shown:
+    """The model or automaton that the controls are set to, from the one with which they were made.
 
     `restoring` is what :func:`restoring_components` gives of that one.
 
@@ -185,6 +196,8 @@ def chosen_model(
     ValueError
         If a law cannot do without its nonlinearity, or a parameter breaks a rule.
     """
+    if isinstance(model, HybridAutomaton):
+        return model.replace(**{name: controls[name].value for name in model.values})
     changes: dict[str, Any] = {role: controls[role].value for role in model.roles if role in controls}
     off = [name for name in model.nonlinearities if not controls[f"switch-{name}"].value]
     for name, components in restoring.items():
@@ -200,7 +213,7 @@ def chosen_model(
 def run_choices(settings: Settings) -> Iterator[Control]:
     """How a model is run, and what is shown of it."""
     model = settings.model
-    for about in run_controls(model, settings.t_end):
+    for about in run_controls(model, settings.t_end, settings.x0):
         rule = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
         values = windows(model) if about["name"] == "window" else None
         yield Control(about, values, rule if about["kind"] == "number" else None)
@@ -210,7 +223,7 @@ def run_choices(settings: Settings) -> Iterator[Control]:
     yield Control(about | {"when": ["method", "paper's (RK4)"]}, rule=STEP)
 
 
-def chosen_settings(model: Model, controls: Mapping[str, Control]) -> Settings:
+def chosen_settings(model: Shown, controls: Mapping[str, Control]) -> Settings:
     """The settings for a model.
 
     Raises
@@ -221,8 +234,8 @@ def chosen_settings(model: Model, controls: Mapping[str, Control]) -> Settings:
     value = {name: control.value for name, control in controls.items()}
     start = parse_state(value["own"]) if value["start"] == OWN_STATE else value["start"]
     method: Method = RK4(step=value["step"]) if value["method"] == FIXED_STEP else value["method"]
-    chosen = value["coordinate"]
-    coordinate = chosen if chosen in model.coordinates else model.automaton().shown_state
+    chosen, automaton = value["coordinate"], automaton_of(model)
+    coordinate = chosen if chosen in automaton.shown_states else automaton.shown_state
     return Settings(model, value["duration"], start, method, value["window"], coordinate)
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from frictionlab.models.model import check_parameter_name
-from frictionlab.pages.scene import panels_of, scene_data
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.models.model import check_parameter_name, values_of
+from frictionlab.pages.scene import Shown, panels_of, scene_data
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
 from frictionlab.widgets.panels.standard import (
@@ -23,11 +24,10 @@ from frictionlab.widgets.panels.standard import (
 
 from .controls import State, chosen_model, chosen_settings, controls_of, restoring_components, set_state
 from .front_end import FrontEnd, result_data
-from .result import Result, Settings, default_settings, starting_model
+from .result import Result, Settings, starting_settings
 from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
 
 if TYPE_CHECKING:
-    from frictionlab.models.model import Model
     from frictionlab.plotting.figure import Drawing
 
 
@@ -63,7 +63,7 @@ class Explorer:
         self._images: dict[str, bytes] = {}
         self.updates = 0  # computed so far
         self.progress: tuple[int, int] | None = None  # parts done and their total, where panels go on
-        self.controls = controls_of(settings.model, settings)
+        self.controls = controls_of(settings)
         for panel in panels.values():
             self.controls |= getattr(panel, "controls", {})
         self.initial = self.values()
@@ -162,6 +162,8 @@ class Explorer:
         asked = self.widget.state
         try:
             model = chosen_model(self.start_model, self._restoring, self.controls)
+            if isinstance(model, HybridAutomaton) and model.values == values_of(self.settings.model):
+                model = self.settings.model  # an automaton equals none but itself
             settings = chosen_settings(model, self.controls)
             result = self.result if settings == self.settings else Result(settings)
             goes_on = result is self.result and bool(self.progress)
@@ -209,14 +211,14 @@ class Explorer:
 
     def _limits(self) -> dict[str, float]:
         """The last value at which the model's rules hold, of a single parameter that was moved beyond it."""
-        good, known = self.result.model, self.result.model.parameters
+        good, known = self.result.model, values_of(self.result.model)
         moved = [name for name in known if self.controls[name].value != known[name]]
         if len(moved) != 1:
             return {}
         return {moved[0]: _last_value(good, moved[0], self.controls[moved[0]].value)}
 
 
-def _last_value(model: Model, name: str, beyond: float) -> float:
+def _last_value(model: Shown, name: str, beyond: float) -> float:
     """Of a parameter between the model's value and one beyond: the last that keeps the model's rules."""
 
     def holds(value: float) -> bool:
@@ -226,7 +228,7 @@ def _last_value(model: Model, name: str, beyond: float) -> float:
             return False
         return True
 
-    good, bad = model.parameters[name], beyond
+    good, bad = values_of(model)[name], beyond
     if holds(bad):  # the error is another one
         return good
     while (middle := good + (bad - good) / 2) not in (good, bad):
@@ -243,11 +245,17 @@ def error_text(error: BaseException) -> str:
     return f"{kind}{str(error) or type(error).__name__}"
 
 
-def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> Explorer:
-    """Change a model with sliders and watch its motion.
+def explore(
+    model: Shown | None = None,
+    panels: Iterable[Any] | None = None,
+    *,
+    x0: Any = "rest",
+    t_end: float | None = None,
+) -> Explorer:
+    """Change a model or an automaton with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range; so have those of your own
-    laws.  The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off
+    laws.  A parameter of an automaton states no range: its slider goes from zero to twice its value.  The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off
     and on.  A scene can be kept, dotted, to compare others with it.  A button fills the screen.  The model
     and its run are ``explorer.model`` and ``explorer.run``; Python that recreates them can be copied.
     The initial method is quick: its tolerance is 1e-7, and flights too short to be seen are replaced by their
@@ -255,7 +263,7 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
 
     Parameters
     ----------
-    model : Model or None
+    model : Model, HybridAutomaton or None
         Where to start; None takes the paper's.
     panels : iterable of str or callable, or None
         "mechanism", which moves, "friction", "response", "phase", "forces", "spectrum", "eigenvalues";
@@ -264,6 +272,12 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
         :class:`~frictionlab.plotting.figure.Drawing`.  What no panel asks for is not computed.  None takes
         all that have names; "mechanism" where the model has one, "friction" where it is a
         :class:`~frictionlab.FrictionCurve`, whose points are dragged.
+    x0 : "rest", "near", mapping or array_like (n,)
+        Where the run begins, as :func:`simulate` takes it; an automaton is at rest where all its states are
+        zero.
+    t_end : float or None
+        Its length, s.  None takes 200 periods: those that the model states, or that are found in the motion of
+        an automaton which states none.
 
     Returns
     -------
@@ -272,9 +286,9 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     Raises
     ------
     TypeError
-        If `model` is not a model.
+        If `model` is neither a model nor an automaton.
     ValueError
-        For an unknown panel.
+        For an unknown panel, a bad `x0` or `t_end`, and parameters named like another control.
 
     Examples
     --------
@@ -284,14 +298,12 @@ def explore(model: Model | None = None, panels: Iterable[Any] | None = None) -> 
     >>> explorer.model, explorer.result.eigenvalues.stable
     (SliderOnBelt(mu_k=1.6), False)
     """
-    model = starting_model(model)
-    if panels is None:
-        panels = panels_of(model)
-    return Explorer(default_settings(model), select_panels(panels))
+    settings = starting_settings(model, x0, t_end)
+    return Explorer(settings, select_panels(panels_of(settings.model) if panels is None else panels))
 
 
 def explore_stability(
-    model: Model | None = None, parameter: str | None = None, over: str | None = None
+    model: Shown | None = None, parameter: str | None = None, over: str | None = None
 ) -> Explorer:
     """Move a model through a plane of two parameters and watch its eigenvalues.
 
@@ -299,7 +311,7 @@ def explore_stability(
 
     Parameters
     ----------
-    model : Model or None
+    model : Model, HybridAutomaton or None
         Where to start; None takes the paper's.
     parameter, over : str or None
         The parameter whose critical value is drawn, and the one against which it is drawn.  None takes mu_k
@@ -312,7 +324,7 @@ def explore_stability(
     Raises
     ------
     TypeError
-        If `model` is not a model, or has no such parameter.
+        If `model` is neither a model nor an automaton, or has no such parameter.
     ValueError
         If both are the same parameter.
 
@@ -324,7 +336,8 @@ def explore_stability(
     >>> explorer.result.eigenvalues.stable
     False
     """
-    model = starting_model(model)
+    settings = starting_settings(model)
+    model = settings.model
     for name in (parameter, over):
         if name is not None:
             check_parameter_name(model, name)
@@ -333,17 +346,19 @@ def explore_stability(
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
     return Explorer(
-        default_settings(model), {"eigenvalues": None, "critical": CriticalValuePanel(model, parameter, over)}
+        settings, {"eigenvalues": None, "critical": CriticalValuePanel(model, parameter, over)}
     )
 
 
-def _usual_parameter(model: Model, name: str, other: str | None = None) -> str:
+def _usual_parameter(model: Shown, name: str, other: str | None = None) -> str:
     """The parameter of this name, or the model's first one that is not the `other`."""
-    known = [one for one in model.parameters if one != other]
+    known = [one for one in values_of(model) if one != other]
     return name if name in known else next(iter(known), name)
 
 
-def explore_bifurcation(model: Model | None = None, parameter: str | None = None) -> Explorer:
+def explore_bifurcation(
+    model: Shown | None = None, parameter: str | None = None, *, x0: Any = "rest"
+) -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
     The fields of the range set what is shown: 24 values at first, in a notebook or an application 300 in the
@@ -352,10 +367,12 @@ def explore_bifurcation(model: Model | None = None, parameter: str | None = None
 
     Parameters
     ----------
-    model : Model or None
+    model : Model, HybridAutomaton or None
         None takes the paper's.
     parameter : str or None
         None takes mu_k, or the model's first parameter where it has no such one.
+    x0 : "rest", "near", mapping or array_like (n,)
+        Where each motion begins, as :func:`explore` takes it.
 
     Returns
     -------
@@ -364,7 +381,7 @@ def explore_bifurcation(model: Model | None = None, parameter: str | None = None
     Raises
     ------
     TypeError
-        If `model` is not a model, or has no such parameter.
+        If `model` is neither a model nor an automaton, or has no such parameter.
 
     Examples
     --------
@@ -374,8 +391,9 @@ def explore_bifurcation(model: Model | None = None, parameter: str | None = None
     >>> explorer.drawings["bifurcation"].xlim
     (1.2, 1.5)
     """
-    model = starting_model(model)
+    settings = starting_settings(model, x0)
+    model = settings.model
     parameter = _usual_parameter(model, "mu_k") if parameter is None else parameter
     check_parameter_name(model, parameter)
     panels = {"bifurcation": BifurcationPanel(model, parameter), "response": None, "phase": None}
-    return Explorer(default_settings(model), panels | {"spectrum": None}, settles=parameter)
+    return Explorer(settings, panels | {"spectrum": None}, settles=parameter)

@@ -16,16 +16,16 @@ from matplotlib.colors import to_hex
 
 from frictionlab.analysis.motion_scales import time_of_rest
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import Model
+from frictionlab.models.model import Model, automaton_of, values_of
 from frictionlab.models.symbols import symbol
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
-from frictionlab.pages.scene import Data, friction_points, has_friction_curve, quantity_data
+from frictionlab.pages.scene import Data, Shown, friction_points, has_friction_curve, quantity_data
 from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing
+from frictionlab.presentation import tally
 from frictionlab.widgets.result import Array, Result, python_snippet
 
 from .sound import listen
@@ -34,7 +34,7 @@ MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+",
 SOLID = "-", "solid"
 TURN_OF_FORCE = "period"  # the event at each period of a force in time, which is no impact
 NO_LINE = "none", "None", "", " "
-_QUANTITIES: dict[StructureKey, Data] = {}
+_QUANTITIES: dict[Any, Data] = {}  # by what they depend on
 FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
 
@@ -123,7 +123,7 @@ def result_data(
     if needs_run and complete:
         shown |= facts(result) | {"spectrum": spectrum_data(result) if needs_spectrum else None}
     data: Data = {
-        "parameters": dict(model.parameters),
+        "parameters": dict(values_of(model)),
         "coordinate": result.settings.coordinate,
         "from": result.settings.x0 if isinstance(result.settings.x0, str) else "own",
         "eigenvalues": None if known is None else [[v.real, v.imag] for v in known.values.tolist()],
@@ -143,13 +143,16 @@ def result_data(
     return data | shown
 
 
-def _without_run(model: Model) -> Data:
-    return {"structure": quantities_of(model, model.automaton()), "finished": True, "status": ""}
+def _without_run(model: Shown) -> Data:
+    return {"structure": quantities_of(model, automaton_of(model)), "finished": True, "status": ""}
 
 
-def quantities_of(model: Model, automaton: HybridAutomaton) -> Data:
+def quantities_of(model: Shown, automaton: HybridAutomaton) -> Data:
     """What `quantity_data` says of a model and its automaton; it depends on the structure alone."""
-    key = model.structure_key
+    if isinstance(model, HybridAutomaton):
+        key: Any = model.modes, model.coordinates, model.cyclic
+    else:
+        key = model.structure_key
     if key not in _QUANTITIES:
         _QUANTITIES[key] = quantity_data(model, automaton)
     return _QUANTITIES[key]
@@ -161,9 +164,10 @@ def friction_data(result: Result) -> Data | None:
     ``at`` holds the speed of steady sliding, the coefficient and its slope (s/m) there, and the damper
     (N s/m) that has the same force; None where several contacts have the law, each with a speed of its own.
     """
-    model, automaton = result.model, result.model.automaton()
-    if not has_friction_curve(model):
+    model = result.model
+    if not isinstance(model, Model) or not has_friction_curve(model):
         return None
+    automaton = model.automaton()
     formulas = friction_formulas(model.structure_key, tuple(map(symbol, automaton.values)))
     values, known = tuple(automaton.values.values()), result.eigenvalues
     point = None if known is None else known.equilibrium
@@ -203,7 +207,7 @@ def facts(result: Result) -> Data:
     }
 
 
-def sampled_run(run: Trajectory, model: Model, times: Array, states: Array, modes: Any) -> Data:
+def sampled_run(run: Trajectory, model: Shown, times: Array, states: Array, modes: Any) -> Data:
     """A run at times (N,), with its states (N, n) and modes (N,) there."""
     automaton, names, colours = run.automaton, run.mode_names, mode_colours(run)
     columns = {name: states[:, i] for i, name in enumerate(run.names)}
@@ -218,7 +222,7 @@ def sampled_run(run: Trajectory, model: Model, times: Array, states: Array, mode
         },
         "start": float(times[0]),
         "stop": float(times[-1]),
-        "size": float(np.abs(states[:, : automaton.coordinates]).max()),
+        "size": float(np.abs(states[:, : len(automaton.shown_states)]).max()),
         "finished": run.status.ok and run.warning is None,
         "status": run_text(run),
     }
@@ -230,9 +234,9 @@ def run_text(run: Trajectory) -> str:
         return f"The run ended at {run.raw.t:.4g} s: {run.status}."
     if run.warning is not None:
         return f"Do not trust this picture: {run.warning}."
-    stats = run.stats
+    stats, named = run.stats, f" ({tally(run.events.guard)})" if run.source is None and len(run.events) else ""
     return (
-        f"The end was reached. {stats['steps']} steps, {stats['events']} events, "
+        f"The end was reached. {stats['steps']} steps, {stats['events']} events{named}, "
         f"solved in {1e3 * stats['wall_time']:.1f} ms"
     )
 

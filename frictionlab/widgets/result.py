@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +18,24 @@ from frictionlab.analysis.motion_scales import (
     rounded_period,
 )
 from frictionlab.analysis.simulate import simulate
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
-from frictionlab.models.model import MAKE_ONE
+from frictionlab.models.model import MAKE_ONE, automaton_of
 from frictionlab.models.serialisation import is_public
-from frictionlab.pages.scene import BEGINNING, WHAT_MOVES, model_call, require_shown_model, usual_duration
+from frictionlab.pages.scene import (
+    BEGINNING,
+    WHAT_MOVES,
+    Shown,
+    model_call,
+    shown_model,
+    usual_duration,
+)
 from frictionlab.stability import Eigenvalues, eigenvalues
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
+from frictionlab.validation import check_t_end
 
 SHOWN_PERIODS = 10  # of the model: 1 s of the slider on a belt
 
@@ -55,7 +61,7 @@ class Settings:
 
     Parameters
     ----------
-    model : Model
+    model : Model or HybridAutomaton
     t_end : float
         Seconds that are simulated.
     x0 : str or tuple of float
@@ -69,7 +75,7 @@ class Settings:
         The coordinate of phase plane and spectrum.
     """
 
-    model: Model
+    model: Shown
     t_end: float
     x0: str | tuple[float, ...]
     method: Method
@@ -77,23 +83,19 @@ class Settings:
     coordinate: str
 
 
-def default_settings(model: Model, method: Method = QUICK_METHOD) -> Settings:
-    """The initial settings of an explorer; the length of a run follows from the model's own time scale."""
-    shown = model.automaton().shown_state
-    return Settings(model, usual_duration(model), "rest", method, WHAT_MOVES, shown)
-
-
-def starting_model(model: Model | None) -> Model:
-    """The model to start from.
+def starting_settings(model: object, x0: Any = "rest", t_end: float | None = None) -> Settings:
+    """The initial settings of an explorer; the length of a run follows from the model's own time scale.
 
     Raises
     ------
     TypeError
-        If it is not a model.
+        If `model` is neither a model nor an automaton; None is the paper's.
     ValueError
-        If it has no coordinates.
+        For a bad `x0` or `t_end`.
     """
-    return SliderOnBelt() if model is None else require_shown_model(model, MAKE_ONE)
+    shown, start = shown_model(SliderOnBelt() if model is None else model, x0, MAKE_ONE)
+    seconds = usual_duration(shown) if t_end is None else float(check_t_end(t_end))
+    return Settings(shown, seconds, start, QUICK_METHOD, WHAT_MOVES, automaton_of(shown).shown_state)
 
 
 @cache  # methods never change
@@ -115,6 +117,8 @@ def python_snippet(settings: Settings) -> str:
     arguments = f"model, {settings.t_end!r}, x0={start!r}{_method_argument(settings.method)}"
     run = f"run = fl.simulate({arguments})"
     model = f"model = {model_call(settings.model)}"
+    if isinstance(settings.model, HybridAutomaton):  # any text may be the name of its parameter
+        model = f"{model}.replace(**{dict(settings.model.values)!r})  # the automaton that is explored"
     return "\n".join(["import frictionlab as fl", *_import_lines(settings.model), model, run])
 
 
@@ -127,8 +131,10 @@ def _method_argument(method: Method) -> str:
     return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
 
 
-def _import_lines(model: Model) -> Iterator[str]:
+def _import_lines(model: Shown) -> Iterator[str]:
     """Import lines for laws that are not the package's own."""
+    if isinstance(model, HybridAutomaton):
+        return
     for cls in dict.fromkeys(_component_classes(model)):
         if is_public(cls):
             continue
@@ -150,7 +156,7 @@ class Result:
     Attributes
     ----------
     settings : Settings
-    model : Model
+    model : Model or HybridAutomaton
     run : Trajectory
     eigenvalues : Eigenvalues or None
         With the equilibrium; None where there is none.
@@ -185,8 +191,8 @@ class Result:
     @cached_property
     def spectrum(self) -> Spectrum | None:
         """Of the coordinate chosen, or of its rate if it turns for ever; None where the run is too short."""
-        name = self.settings.coordinate
-        return amplitude_spectrum(self.run, f"{name}'" if name in getattr(self.model, "cyclic", ()) else name)
+        name, automaton = self.settings.coordinate, automaton_of(self.model)
+        return amplitude_spectrum(self.run, automaton.rates[name] if name in automaton.cyclic else name)
 
     @cached_property
     def _period(self) -> float:
@@ -216,7 +222,7 @@ class Result:
         """Whether the motion is smaller in the last periods of the run than in as many in its middle."""
         end, seconds = float(self.run.raw.t), SHOWN_PERIODS * self._period
         spans = [np.linspace(max(0.0, t - seconds), t, MIN_SAMPLES) for t in (end / 2, end)]
-        early, late = self.run(np.array(spans))[..., : len(self.model.coordinates)]
+        early, late = self.run(np.array(spans))[..., : len(self.run.automaton.shown_states)]
         return bool(np.ptp(late, axis=0).max() < STEADY * np.ptp(early, axis=0).max())
 
     def times(self) -> Array:

@@ -16,7 +16,7 @@ from frictionlab.validation import abbreviate, did_you_mean_or_known
 from .explorer import Explorer, error_text
 from .front_end import FrontEnd
 from .panels.standard import select_panels
-from .result import default_settings
+from .result import starting_settings
 from .update_scheduler import in_this_thread
 
 
@@ -61,7 +61,7 @@ class Scenes:
         _, _, model, about = self._scenes[name]
         panels = select_panels(panels_of(model) if self._panels is None else self._panels)
         own = {"name": name, "about": about, "menu": self._menu, "address": self._address, "plays": True}
-        self.explorer = Explorer(default_settings(model), panels, self.widget, **own)
+        self.explorer = Explorer(starting_settings(model), panels, self.widget, **own)
         return self.explorer
 
     def _opened(self, name: str, changed: Mapping[str, Any]) -> None:

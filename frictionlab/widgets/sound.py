@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.analysis.motion_scales import period_of_run
 from frictionlab.file_writing import write_file
 from frictionlab.hybrid.trajectory import check_run
 from frictionlab.interruption import progress_bar
-from frictionlab.models.model import PITCH, Model, Tone
+from frictionlab.models.model import Model, Tone, tone_of
 from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, window_limits
 from frictionlab.validation import check_choice, check_number, check_path
 
@@ -158,12 +158,9 @@ def listen(
 
 
 def _usual(run: Trajectory) -> Tone:
-    """The default signal and pitch: those of the model; for an automaton the relative velocity, or the first
-    state, as the signal."""
-    if isinstance(run.source, Model):
-        return run.source.sound
-    signal = "relative_velocity" if "relative_velocity" in run.automaton.outputs else run.names[0]
-    return Tone(signal, PITCH * oscillation_period(run.source))
+    """The default signal and pitch: those of the model, or such as an automaton has."""
+    source = run.source
+    return source.sound if isinstance(source, Model) else tone_of(run.automaton, period_of_run(run))
 
 
 def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:

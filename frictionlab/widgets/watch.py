@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from frictionlab.analysis.motion_scales import oscillation_period, rounded_period
+from frictionlab.analysis.motion_scales import period_of_run, round_down_1_2_5
+from frictionlab.models.model import values_of
 from frictionlab.pages.scene import scene_data
 from frictionlab.plotting.animation.animate import frame_times, mechanism_of
 from frictionlab.plotting.time_histories import Periods, Window, window_limits
@@ -34,8 +36,8 @@ def watch(
     Parameters
     ----------
     run : Trajectory
-        Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
-        its picture (:class:`~frictionlab.models.Mechanism`).
+        Of any model of the package, of your own, which tells its picture in a few lines
+        (:class:`~frictionlab.models.Mechanism`), or of an automaton.
     window : float, (float, float) or None
         Seconds at the end, start and end time, or None for the whole run; by default twenty periods.
     speed : float or None
@@ -54,7 +56,7 @@ def watch(
     Raises
     ------
     ValueError
-        For a run of a model without a mechanism, a window outside the run or of more than 200000 frames, or
+        For a run of a structure, a window outside the run or of more than 200000 frames, or
         factors that are not above zero.
 
     Examples
@@ -64,24 +66,27 @@ def watch(
     >>> len(widget.picture["samples"]["times"]) // 8
     501
     """
-    mechanism_of(run, "watch")
+    mechanism = mechanism_of(run, "watch")
     start, stop = window_limits(run, window)
     for name, value in {"speed": speed, "rate": rate, "magnify": magnify}.items():
         if value is not None:
             check_number(name, value, above=0.0)
-    rate = FRAMES / oscillation_period(run.source) if rate is None else float(rate)
-    speed = rounded_period(run.source) / SECONDS if speed is None else float(speed)
+    period = period_of_run(run)
+    rate = FRAMES / period if rate is None else float(rate)
+    speed = round_down_1_2_5(period) / SECONDS if speed is None else float(speed)
     count = (stop - start) * rate
     if count > MAX_FRAMES:
         cure = "take a shorter window or a smaller rate"
         raise ValueError(f"window times rate must be at most {MAX_FRAMES} frames, got {count:.0f}: {cure}")
-    model, times = run.source, frame_times(start, stop, 1.0 / rate)
+    times = frame_times(start, stop, 1.0 / rate)
+    model = replace(run.automaton.derived(), period=period) if run.source is None else run.source
     widget = FrontEnd()
     widget.run = run
-    widget.scene = scene_data(model, (), ("mechanism", "phase")) | {"speed": speed}
+    panels = "response" if mechanism is None else "mechanism", "phase"
+    widget.scene = scene_data(model, (), panels) | {"speed": speed}
     widget.picture = {
-        "parameters": dict(model.parameters),
-        "coordinate": model.automaton().shown_state,
+        "parameters": dict(values_of(model)),
+        "coordinate": run.automaton.shown_state,
         "magnify": magnify,
         "drawings": {},
         "complete": False,

@@ -18,13 +18,13 @@ def seen(page, root):
 
 def press(page, root, name, key="ArrowRight"):
     """A key on a slider."""
-    page.locator(f"{root} .fl-control.fl-{name} input[type=range]").focus()
+    page.locator(f"{root} .fl-control[data-name={name}] input[type=range]").focus()
     page.keyboard.press(key)
 
 
 def flip(page, root, name):
     """A click on a switch."""
-    page.locator(f"{root} .fl-switch-{name} input").click()
+    page.locator(f"{root} .fl-control[data-name=switch-{name}] input").click()
 
 
 def wait_until(page, condition, arg=None):

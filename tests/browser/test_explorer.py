@@ -47,7 +47,7 @@ ROOT = ".fl-explorer"
 SIZES = {390: 844, 1280: 800, 1920: 1080}
 LIBRARY = {each.name: each for each in library_scenes()}
 AT_ONCE = "two fates", "BouncingBall()"
-READS = "([name, text]) => document.querySelector(`.fl-control.fl-${name} .fl-field`)?.value === text"
+READS = "([name, text]) => document.querySelector(`.fl-control[data-name='${name}'] .fl-field`)?.value === text"
 SAYS = "([of, text]) => document.querySelector(of)?.innerText.includes(text)"
 
 
@@ -79,11 +79,11 @@ class Place:
         self.page.get_by_role("button", name=name, exact=True).first.click()
 
     def type_into(self, name, value):
-        self.page.locator(f".fl-control.fl-{name} .fl-field").fill(repr(value))
+        self.page.locator(f".fl-control[data-name={name}] .fl-field").fill(repr(value))
         self.page.keyboard.press("Enter")
 
     def select(self, name, option):
-        self.page.locator(f".fl-control.fl-{name} select").select_option(option)
+        self.page.locator(f".fl-control[data-name={name}] select").select_option(option)
 
     def reads(self, name, text):
         wait_until(self.page, READS, [name, text])
@@ -209,7 +209,7 @@ def test_every_scene_has_the_bits_of_simulate_and_its_units_and_nothing_is_clipp
     end = 10 * oscillation_period(model)
     place.choose(name)
     open_all(page)
-    if page.locator(".fl-control.fl-method").count():
+    if page.locator(".fl-control[data-name=method]").count():
         place.select("method", "exact (Taylor)")
     place.select("window", "whole run")
     place.type_into("duration", end)
@@ -281,10 +281,10 @@ def test_it_opens_with_a_scene_that_moves_and_says_what_it_does(slider):
     assert "is stable, but from rest this run sticks, slips and separates at 10.7 Hz" in said
     labels = {"mu_k": "μk", "F": "FN", "v": "vm/s", "k2": "k2N/m", "k_nl": "knlN/m³"}
     for name, text in labels.items():
-        label = slider.page.locator(f"{ROOT} .fl-control.fl-{name} .fl-label")
+        label = slider.page.locator(f"{ROOT} .fl-control[data-name={name}] .fl-label")
         assert re.sub(r"\s", "", label.text_content()) == text
     range_, number = (
-        slider.page.locator(f".fl-control.fl-mu_k {of}").bounding_box()
+        slider.page.locator(f".fl-control[data-name=mu_k] {of}").bounding_box()
         for of in ("input[type=range]", ".fl-field")
     )
     assert range_["x"] + range_["width"] <= number["x"]
@@ -296,8 +296,8 @@ def test_an_error_is_in_sight_and_undone(slider):
     slider.type_into("mu_k", -1)
     slider.page.wait_for_selector(".fl-status.fl-bad")
     assert slider.page.inner_text(".fl-status").startswith("mu_k must be at least 0, got -1.0")
-    assert slider.page.inner_text(".fl-mu_k .fl-message").startswith("mu_k must be at least 0")
-    number = slider.page.locator(".fl-control.fl-mu_k .fl-field")
+    assert slider.page.inner_text("[data-name=mu_k] .fl-message").startswith("mu_k must be at least 0")
+    number = slider.page.locator(".fl-control[data-name=mu_k] .fl-field")
     assert number.get_attribute("aria-invalid") == "true"
     slider.press_button("undo")
     slider.page.wait_for_selector(".fl-status:not(.fl-bad)")
@@ -307,7 +307,7 @@ def test_an_error_is_in_sight_and_undone(slider):
 @everywhere
 def test_a_slider_stops_where_a_rule_does(slider):
     press(slider.page, ROOT, "mu_s", "Home")  # mu_s must be at least mu_k
-    slider.says(".fl-mu_s .fl-message", "mu_s stays at 1.4: mu_s")
+    slider.says("[data-name=mu_s] .fl-message", "mu_s stays at 1.4: mu_s")
     slider.reads("mu_s", "1.4")
     slider.page.wait_for_selector(".fl-status:not(.fl-bad)")
 
@@ -322,16 +322,16 @@ def test_a_slider_stops_where_a_rule_does(slider):
     ],
 )
 def test_what_is_no_number_is_refused_beside_the_control(slider, text, words):
-    number = slider.page.locator(".fl-control.fl-mu_k .fl-field")
+    number = slider.page.locator(".fl-control[data-name=mu_k] .fl-field")
     number.fill(text)
     number.press("Enter")
-    slider.says(".fl-mu_k .fl-message", words)
+    slider.says("[data-name=mu_k] .fl-message", words)
     assert number.input_value() == "1.4"
     assert number.get_attribute("aria-invalid") == "true"
     number.fill("0,5")  # a decimal comma is one
     number.press("Enter")
     slider.reads("mu_k", "0.5")
-    assert slider.page.locator(".fl-mu_k .fl-message").is_hidden()
+    assert slider.page.locator("[data-name=mu_k] .fl-message").is_hidden()
 
 
 @everywhere
@@ -391,7 +391,7 @@ def test_the_slider_is_taken_and_the_motion_starts_where_it_is_let_go(slider):
     slider.says(".fl-now", "y1 = ")
     slider.page.keyboard.press("Enter")
     slider.says(".fl-words", "from your own state")
-    assert slider.page.locator(".fl-window select").input_value() == "how it begins"
+    assert slider.page.locator("[data-name=window] select").input_value() == "how it begins"
 
 
 @everywhere
@@ -401,7 +401,7 @@ def test_two_scenes_at_once(slider, axe):
     slider.says(".fl-comparison", "move a control")
     press(page, ROOT, "mu_k", "PageUp")
     slider.says(".fl-comparison", "dotted, kept: mu_k = 1.4")
-    now = page.locator(".fl-control.fl-mu_k .fl-field").input_value()
+    now = page.locator(".fl-control[data-name=mu_k] .fl-field").input_value()
     slider.says(".fl-comparison", f"solid, now: mu_k = {now}")
     settled(page, ROOT)
     slider.press_button("swap")

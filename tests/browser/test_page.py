@@ -172,7 +172,7 @@ def final(page):
 
 
 DRAGS = """async (count) => {
-  const slider = explorer.root.querySelector(".fl-mu_k input[type=range]"), painted = {};
+  const slider = explorer.root.querySelector("[data-name=mu_k] input[type=range]"), painted = {};
   const { paint } = explorer;
   explorer.paint = (panel, look) => { painted[panel.name] = true; paint.call(explorer, panel, look); };
   for (let i = 0; i < count; i++) {
@@ -233,7 +233,7 @@ def test_the_link_holds_what_is_set(browser, slider):
     run = fl.simulate(fl.SliderOnBelt(mu_k=2.0).without("geometry"), 0.5)
     assert final(page) == run.final_state.tolist()
     assert page.evaluate("linkText(explorer.state, SCENE)") == "mu_k=2&without=geometry&t_end=0.5"
-    assert not page.is_checked(".fl-switch-geometry input")
+    assert not page.is_checked("[data-name=switch-geometry] input")
     page.context.close()
 
 
@@ -265,7 +265,7 @@ def test_presets_and_switches(page):
     page.select_option(".fl-scene select", label="strong")
     wait_until(page, "explorer.result.structure === STRUCTURES.geometry")
     wait_until(page, "explorer.state.F === 1000")
-    page.check(".fl-switch-geometry input")
+    page.check("[data-name=switch-geometry] input")
     wait_until(page, "explorer.result.structure === STRUCTURES['']")
 
 
@@ -294,7 +294,7 @@ def test_a_link_may_start_to_play_unless_motion_is_to_be_reduced(browser, slider
         assert page.evaluate("explorer.share") == begin
     else:
         page.wait_for_function("(begin) => explorer.share !== begin", arg=begin)
-    assert page.input_value(".fl-mu_k .fl-field") == "1.5"
+    assert page.input_value("[data-name=mu_k] .fl-field") == "1.5"
     assert not page.problems
     page.context.close()
 
@@ -448,7 +448,7 @@ def test_a_further_state_and_names_of_several_words(browser, tmp_path):
     for name, text in names.items():
         assert page.locator(f".fl-{name} .fl-label").text_content() == text
     assert "Thot = 2" in page.inner_text(".fl-numbers").replace("\n", "")
-    page.select_option(".fl-start select", "own")
+    page.select_option("[data-name=start] select", "own")
     wait_until(page, "explorer.result.from === 'own' && explorer.request === null")
     assert final(page) == fl.simulate(HeatedMass(), 5.0, x0=[0.0, 0.0], progress=False).final_state.tolist()
     page.evaluate("explorer.startAt({ x: 0.1 }, 'x')")
@@ -610,7 +610,7 @@ def test_a_point_of_a_friction_curve_is_dragged_and_motion_and_stability_follow(
     for text, words in FORMULAS.items():
         field.fill(text)
         field.press("Enter")
-        assert words in page.inner_text(".fl-formula .fl-message")
+        assert words in page.inner_text("[data-name=formula] .fl-message")
     assert page.evaluate("explorer.state.formula").startswith("0.3 + ")
     assert not page.problems
     page.context.close()
@@ -622,7 +622,7 @@ def test_a_lesson_is_recorded_and_replayed_from_its_link_and_its_file(browser, t
     page = opened(browser, path)
     page.evaluate("explorer.lesson.record()")
     for speed, text in (("0.5", "It sticks & slips."), ("1.5", "<b>Faster</b>: it is silent.")):
-        page.fill(".fl-control.fl-v .fl-field", speed)
+        page.fill(".fl-control[data-name=v] .fl-field", speed)
         page.keyboard.press("Enter")
         wait_until(page, f"explorer.result?.parameters.v === {speed} && explorer.request === null")
         page.get_by_label("text of the step").fill(text)
@@ -662,7 +662,7 @@ def test_a_challenge_is_solved_and_its_link_is_the_proof(browser, tmp_path):
     page = opened(browser, path)
     page.select_option("select[aria-label=challenge]", label="faster")
     wait_until(page, "explorer.challengeBox.innerText.includes('Not yet.') && explorer.state.c === 0.1")
-    page.fill(".fl-control.fl-v .fl-field", "1.5")
+    page.fill(".fl-control[data-name=v] .fl-field", "1.5")
     page.keyboard.press("Enter")
     wait_until(page, "explorer.challengeBox.innerText.includes('Solved: v = 1.5.')")
     link = page.evaluate("explorer.link()")

@@ -90,7 +90,7 @@ def test_a_link_opens_its_scene_with_what_was_changed(browser, tmp_path):
         link = f"#scene=stick-slip&mu_k=0.6&lesson={lesson}"
         page.goto(address + printed_path(tmp_path) + link, wait_until="commit")
         page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
-        page.wait_for_function("document.querySelector('.fl-mu_k .fl-field')?.value === '0.55'")
+        page.wait_for_function("document.querySelector('[data-name=mu_k] .fl-field')?.value === '0.55'")
         assert "token" not in page.url
         assert page.locator(".fl-scene select").input_value() == "stick-slip"
         assert page.inner_text(".fl-step") == "See it stick."
@@ -108,7 +108,7 @@ def test_a_long_run_is_stopped(browser, tmp_path):
         page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
         page.wait_for_function("document.querySelector('.fl-method select')?.value.startsWith('paper')")
         settled(page, ".fl-explorer")
-        page.fill(".fl-control.fl-duration .fl-field", "3000")
+        page.fill(".fl-control[data-name=duration] .fl-field", "3000")
         page.keyboard.press("Enter")
         page.get_by_role("button", name="stop").click()
         page.locator(".fl-status").get_by_text("The computation was stopped").wait_for(timeout=PATIENCE)
@@ -171,7 +171,7 @@ def test_a_click_into_the_plane_moves_the_point_there(page):
     assert 300.0 < force < 700.0
 
 
-FIELD = "document.querySelector('.diagram .fl-mu_k .fl-field').value"
+FIELD = "document.querySelector('.diagram [data-name=mu_k] .fl-field').value"
 
 
 def test_a_click_into_the_diagram_selects_the_value_there(page):

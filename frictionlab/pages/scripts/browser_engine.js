@@ -1,6 +1,7 @@
 // The engine of an exported page: the kernels in the browser.  A state gives a result, as panels and words take it.
 const WINDOW_SAMPLES = 1500, DRAG_SAMPLES = 500, SPECTRUM_SAMPLES = 4096, REST_SAMPLES = 65, DECAY_SAMPLES = 400;
 const DRAG_PATIENCE = 20, PATIENCE = 4000; // most milliseconds of a run, while a slider moves and when it has stopped
+const MOST_NAMED = 8; // kinds of events; as in frictionlab/presentation.py
 const PERIODS_SHOWN = 10, PERIODS_HEARD = 100;
 const AT_REST = 1e-9, SEEN = 1e-3, AFTER_REST = 1.15, STEADY = 0.95; // as in frictionlab/widgets/result.py
 const FRICTION_REACH = 1.1, FRICTION_SAMPLES = 200; // of a friction curve; as in frictionlab/widgets/front_end.py
@@ -56,24 +57,24 @@ class BrowserEngine {
   startState(structure, values, state) { // the equilibrium, or null, and the state in which the run begins
     const zero = structure.near.map(() => 0),
       last = this.equilibrium?.length === zero.length ? this.equilibrium : structure.near;
-    const known = equilibriumOf(structure, values, [last, structure.near, zero]);
+    const found = equilibriumOf(structure, values, [last, structure.near, zero]),
+      known = found && found.sliding.following.length < zero.length ? found : null; // where something can move
     this.equilibrium = known ? known.z : null;
     const released = structure.release(values);
     if (state.start === "own") return [known, ownState(state.own, structure, released)];
     if (state.start === "rest") return [known, released];
     if (!known) throw new RangeError("there is no equilibrium to start near of: start from rest");
-    return [known, known.z.map((v, i) => (i < structure.coordinates ? 1.01 * v : v))];
+    return [known, known.z.map((v, i) => (i < shownStates(structure).length ? 1.01 * v : v))];
   }
 
   resultOf(run, known, state, dragging) {
     const { structure } = run, [start, stop] = this.span(run, SCENE.windows[state.window]);
     const samples = sampleWithEvents(this.solver, run, start, stop, dragging ? DRAG_SAMPLES : WINDOW_SAMPLES);
-    const coordinate = structure.states.slice(0, structure.coordinates).includes(state.coordinate) ? state.coordinate
-      : structure.states[0];
+    const shown = shownStates(structure), coordinate = shown.includes(state.coordinate) ? state.coordinate : shown[0];
     const facts = dragging ? {} : this.facts(run);
     return {
       structure, samples, start, stop, coordinate, from: state.start, highest: SCENE.highest,
-        size: largest(structure.states.slice(0, structure.coordinates).map(samples.column)),
+        size: largest(shown.map(samples.column)),
       parameters: Object.fromEntries(structure.parameters.map((name, i) => [name, run.values[i]])),
       finished: run.status === FINISHED, status: this.statusText(run), mode: structure.modes[run.mode],
         final: run.state,
@@ -88,7 +89,19 @@ class BrowserEngine {
   statusText(run) {
     const how = run.status === RUNNING
       ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
-    return `${sentence(how)}. ${run.steps} steps, ${run.events} events, solved in ${run.milliseconds.toFixed(1)} ms`;
+    return `${sentence(how)}. ${run.steps} steps, ${run.events} events${this.eventNames(run)}, `
+      + `solved in ${run.milliseconds.toFixed(1)} ms`;
+  }
+
+  eventNames({ structure: { automaton, guards }, eventCodes, events }) { // " (2 land, 1 caught)" of an automaton
+    const counts = new Map();
+    for (let i = 0; automaton && i < events; i++) {
+      const name = guards[Number(eventCodes[3 * i])];
+      counts.set(name, (counts.get(name) ?? 0) + 1);
+    }
+    const texts = [...counts].sort(([, a], [, b]) => b - a).map(([name, count]) => `${count} ${name}`),
+      more = texts.length > MOST_NAMED ? `, and ${texts.length - MOST_NAMED} more` : "";
+    return texts.length ? ` (${texts.slice(0, MOST_NAMED).join(", ")}${more})` : "";
   }
 
   equilibriumData({ z, sliding }, { structure, values }) {
@@ -112,8 +125,8 @@ class BrowserEngine {
     return frictionCurve(structure.friction, Math.max(0, ...speeds), sliding, values);
   }
 
-  coordinatesAt(run, times) { return run.structure.states.slice(0,
-    run.structure.coordinates).map(sample(this.solver, run, times, NO_OUTPUTS).column); }
+  coordinatesAt(run, times) { return shownStates(run.structure).map(sample(this.solver, run, times,
+    NO_OUTPUTS).column); }
 
   isAtRest(run, start, stop) {
     const columns = this.coordinatesAt(run, sampleTimes(start, stop, REST_SAMPLES)),
@@ -174,12 +187,15 @@ class BrowserEngine {
   }
 
   python(state) {
-    const { parameters, call } = this.structureOf(state) ?? STRUCTURES[""],
+    const { parameters, call, automaton } = this.structureOf(state) ?? STRUCTURES[""],
       names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
-    const values = names.map(({ name }) => `${name}=${formatted(state[name])}`).join(", ");
+    const values = names.map(({ name }) => automaton ? `${JSON.stringify(name)}: ${formatted(state[name])}`
+      : `${name}=${formatted(state[name])}`).join(", ");
     const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]`
       : `"${state.start}"`;
-    const model = `${call}.replace(${values})`;
+    // any text may be the name of an automaton's parameter
+    const model = automaton ? `${call}.replace(**{${values}})  # the automaton of this page`
+      : `${call}.replace(${values})`;
     const run = `fl.simulate(model, ${formatted(state.duration)}, x0=${start})`;
     return `import frictionlab as fl\n\nmodel = ${model}\nrun = ${run}\nprint(run.final_state.tolist())\n`;
   }
@@ -192,8 +208,8 @@ function ownState(text, structure = null, released = []) { // further states beg
     refuse(`be numbers with commas between, got '${text}': write for example 0.01, 0, ...`);
   }
   if (!structure) return values;
-  const { states, coordinates } = structure;
-  if (values.length === 2 * coordinates) return [...values, ...released.slice(2 * coordinates)];
+  const { states, coordinates, automaton } = structure;
+  if (!automaton && values.length === 2 * coordinates) return [...values, ...released.slice(2 * coordinates)];
   if (values.length !== states.length) {
     refuse(`have ${states.length} numbers, got ${values.length}: ${states.join(", ")}`);
   }

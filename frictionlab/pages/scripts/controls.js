@@ -58,12 +58,15 @@ function refusalOf(...fields) { // [where a message stands, what shows it: why a
   }];
 }
 
-const row = (about, children, kind) =>
-  html("div", { className: `fl-control fl-${kind} fl-${about.name}`, title: about.hint ?? "" }, children);
+function row(about, children, kind) {
+  const node = html("div", { className: `fl-control fl-${kind}`, title: about.hint ?? "" }, children);
+  node.dataset.name = about.name; // any text, as parameters of automata have any name
+  return node;
+}
 
 function numberControl(about, changed) { // it counts positions: a browser that computed values would round them
   const { name, label, unit, meaning, log } = about,
-    id = `fl-${name}-${++numberControls}`;
+    id = `fl-number-${++numberControls}`;
   const usual = sliderPositions(about.low, about.high, about.value, log);
   const control = { name, about, positions: usual, value: about.value };
   const range = html("input", { type: "range", id, min: 0, step: 1, ariaLabel: meaning || name });
@@ -124,7 +127,7 @@ function switchControl(about, changed) {
 
 function choiceControl(about, changed) {
   const labels = about.labels ?? about.options,
-    options = about.options.map((value, i) => html("option", { value, textContent: labels[i] }));
+    options = about.options.map((value, i) => html("option", { value, textContent: plainLabel(labels[i]) }));
   const list = html("select", {}, options);
   list.onchange = () => changed(about.name, list.value, false);
   return { name: about.name, about,

@@ -99,6 +99,8 @@ class Explorer {
     return [html("label", { className: "fl-scene" }, ["scene ", list])];
   }
 
+  get played() { return this.scene.mechanism ? "mechanism" : "response"; } // the panel with the player
+
   get beginning() { return this.challenge ? challengeState(this.scene, this.challenge) : this.scene.initial; }
 
   challengeMenu() {
@@ -176,7 +178,7 @@ class Explorer {
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]),
       panel = { name, figure, caption, frame, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
-    if (name === "mechanism") figure.append(...this.player());
+    if (name === this.played) figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
     if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
     if (name === "friction") new PointDrag(this, panel);
@@ -336,10 +338,8 @@ class Explorer {
     this.picture = drawn(result);
     if (kept) kept.picture = drawn(kept.result); // in the colours of now
     for (const name of this.scene.panels) if (name !== "mechanism") this.paint(this.panels[name], look);
-    if (this.panels.mechanism && result.samples) {
-      this.panels.mechanism.figure.hidden = !this.picture;
-      this.showModes();
-    }
+    if (this.panels.mechanism && result.samples) this.panels.mechanism.figure.hidden = !this.picture;
+    if (this.panels[this.played] && result.samples) this.showModes();
     this.frame();
   }
 
@@ -369,7 +369,8 @@ class Explorer {
     const { drawing } = this.panels[name], kept = this.kept?.drawings[name], { coordinate, structure } = this.result;
     const other = kept && OF_COORDINATE.includes(name) && this.kept.result.coordinate !== coordinate;
     if (other) return [drawing, look, memory, null];
-    if (!kept || name !== "response" || structure.coordinates <= MOST_COMPARED) return [drawing, look, memory, kept];
+    const few = shownStates(structure).length <= MOST_COMPARED;
+    if (!kept || name !== "response" || few) return [drawing, look, memory, kept];
     const chosen = structure.labels[coordinate], strip = ({ axis }) => axis === "strip";
     const only = ({ curves, ...one }) => {
       const left = curves.filter(({ label }) => label === chosen).map((curve) => ({ ...curve, axis: "left" }));
@@ -423,7 +424,7 @@ class Explorer {
       panel.marked = marked;
       if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
-        axes.Y.at(samples.column(`${coordinate}'`)[i]), structure.colours[samples.modes[i]]);
+        axes.Y.at(samples.column(otherState(structure, coordinate))[i]), structure.colours[samples.modes[i]]);
     }
   }
 

@@ -178,8 +178,9 @@ class ModeWriter { // function (z, constants, terms, J, order)
 
 function tapesOf(structure) { // a tape for each mode
   const array = (name) => structure.arrays.find((each) => each.name === name);
-  const read = (name) => { const { type, data } = array(`code.${name}`);
-    return data ? Array.from(new KINDS[type](bytesOf(data).buffer), Number) : []; };
+  const read = (name) => { const { type, data, shape } = array(`code.${name}`); // without data all are zero
+    return data ? Array.from(new KINDS[type](bytesOf(data).buffer), Number)
+      : Array(shape.reduce((x, y) => x * y, 1)).fill(0); };
   const [ops, slots, ranges, flow] = ["ops", "term_slots", "mode_ops", "flow"].map(read);
   const inputs = structure.states.length, row = NUMBER * array("scratch.jets").shape[1];
   return structure.modes.map((_, mode) => {

@@ -9,7 +9,8 @@ const LEAST_BAND = 0.1; // of frequencies that are shown, as share of the highes
 const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
 
 // of the array that varies most
-const spread = (columns) => Math.max(...columns.map((x) => largest([x.map((v) => v - x[0])])));
+const end = (x, choose) => x.reduce((a, b) => choose(a, b)); // the least of an array, or its most
+const spread = (columns) => Math.max(...columns.map((x) => end(x, Math.max) - end(x, Math.min)));
 
 function samplesByName(times, modes, names, columns) {
   const byName = Object.fromEntries(names.map((name, i) => [name, columns[i]]));
@@ -20,9 +21,16 @@ const isAngle = (result, name) => result.structure.units[name].startsWith("rad")
 const steadyMotion = ({ structure: { slides, cyclic, units } }) => (!slides ? "the equilibrium"
   : cyclic.some((name) => units[name] === "rad") ? "steady rotation" : "steady sliding");
 // whose spectrum is shown: of an angle that turns for ever the rate
-const heardState = ({ structure, coordinate: name }) => (structure.cyclic.includes(name) ? `${name}'` : name);
-const axisLabel = (result, name) => `${result.structure.labels[name]} (${result.structure.units[name]})`;
-const coordinatesOf = ({ structure }) => structure.states.slice(0, structure.coordinates);
+const heardState = ({ structure: { cyclic, rates }, coordinate: name }) => (cyclic.includes(name) ? rates[name] : name);
+const withUnit = (label, unit) => (unit ? `${label} (${unit})` : label); // states of an automaton have none
+const axisLabel = ({ structure: { labels, units } }, name) => withUnit(labels[name], units[name]);
+// the coordinates, or all states where there are none
+const shownStates = ({ states, coordinates }) => states.slice(0, coordinates || states.length);
+
+// the state against which one is drawn in the phase plane: its rate or, without coordinates, the next one
+function otherState({ states, coordinates, rates }, name) {
+  return coordinates ? rates[name] : states.length > 1 ? states[(states.indexOf(name) + 1) % states.length] : null;
+}
 
 // a curve for each mode that occurs, up to the sample after
 function curvesByMode({ structure, samples: { modes } }, x, y, look) {
@@ -64,16 +72,17 @@ function historyDrawing(result, names, words) {
     units = [...new Set(names.map((name) => result.structure.units[name]))];
   const left = names.find((_, i) => curves[i].axis === "left"),
     right = names.find((_, i) => curves[i].axis === "right");
+  const word = (name) => (result.structure.automaton ? names.length > 1 ? words[2] : result.structure.labels[name]
+    : words[isAngle(result, name) ? 1 : 0]);
   const label = (name, dashed) =>
-    (name ? `${words[isAngle(result, name) ? 1 : 0]} (${result.structure.units[name]})${dashed ? ", dashed" : ""}`
-    : "");
+    (name ? `${withUnit(word(name), result.structure.units[name])}${dashed ? ", dashed" : ""}` : "");
   const turns = (axis) => curves.some((curve) => curve.axis === axis && curve.turns);
   return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves,
     xlim: [result.start, result.stop], turns: { left: turns("left"), right: turns("right") } };
 }
 
 function response(result) {
-  const drawing = historyDrawing(result, coordinatesOf(result), ["displacement", "angle"]);
+  const drawing = historyDrawing(result, shownStates(result.structure), ["displacement", "angle", "state"]);
   return { ...drawing, curves: [...drawing.curves,
     ...modeStrip(result).map((curve) => ({ ...curve, label: `_${curve.label}` }))] };
 }
@@ -82,9 +91,10 @@ function forces(result) {
   const { structure: { forces: drawn }, samples: { times, column } } = result,
     names = Object.keys(drawn).filter(column);
   if (!names.length) { // the rates, where a model has no contact forces
-    const drawing = historyDrawing(result, coordinatesOf(result).map((name) => `${name}'`),
-      ["velocity", "angular velocity"]);
-    return { ...drawing, title: "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
+    const { coordinates, rates, automaton } = result.structure;
+    if (!coordinates) return null;
+    const drawing = historyDrawing(result, Object.values(rates), ["velocity", "angular velocity", "rate"]);
+    return { ...drawing, title: automaton ? "rates" : "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
   }
   const curves = names.map((name) => ({ label: drawn[name][0], x: times, y: column(name), colour: drawn[name][1] }));
   return { xlabel: "time (s)", ylabel: "contact force (N)", curves: [...curves, ...modeStrip(result)],
@@ -92,24 +102,25 @@ function forces(result) {
 }
 
 function phase(result) {
-  const name = result.coordinate, { samples: { column }, structure, equilibrium } = result;
-  const place = structure.states.indexOf(name), turns = { x: doesTurn(result, name) };
-  const curves = curvesByMode(result, column(name), column(`${name}'`), {}).map((curve) => {
+  const name = result.coordinate, { samples: { column }, structure, equilibrium } = result,
+    other = otherState(structure, name), turns = { x: doesTurn(result, name) };
+  if (!other) return null;
+  const curves = curvesByMode(result, column(name), column(other), {}).map((curve) => {
     if (!turns.x) return curve;
     const [x, y] = cutAtTurns(curve.x, curve.y);
     return { ...curve, x, y };
   });
   if (equilibrium && !structure.cyclic.includes(name)) {
-    const [x, y] = [place, place + structure.coordinates].map((i) => [equilibrium.state[i]]);
+    const [x, y] = [name, other].map((one) => [equilibrium.state[structure.states.indexOf(one)]]);
     curves.push({ label: "equilibrium", x, y, marker: "+", size: 11, line: false });
   }
-  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, `${name}'`), curves, turns,
-    touch: (x, v) => ({ [name]: x, [`${name}'`]: v }) };
+  return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, other), curves, turns,
+    touch: (x, v) => ({ [name]: x, [other]: v }) };
 }
 
 function spectrum(result) {
-  const name = heardState(result), { labels, units } = result.structure, xlim = [0, result.highest];
-  const about = { xlabel: "frequency (Hz)", ylabel: `amplitude of ${labels[name]} (${units[name]})`, log: true, xlim };
+  const name = heardState(result), xlim = [0, result.highest];
+  const about = { xlabel: "frequency (Hz)", ylabel: `amplitude of ${axisLabel(result, name)}`, log: true, xlim };
   const found = result.spectrum;
   if (!found) return { ...about, curves: [], note: "the run is too short for a spectrum" };
   if (!(found.largest > SILENT * result.size)) return { ...about, curves: [], note: "at rest" };

@@ -3,6 +3,9 @@ const SAME_MOVE = 700; // milliseconds: steps of one control that follow each ot
 const MOST_STATES = 200;
 const FORMAT = "frictionlab explorer";
 const LINK_WORDS = { start: "x0", duration: "t_end" }; // in links, the words of fl.simulate
+// the word of a control in links, unless it is the name of a parameter
+const linkWord = (name, { controls }) => (controls.some((about) => about.parameter && about.name === LINK_WORDS[name])
+  ? name : LINK_WORDS[name] ?? name);
 const sameValue = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 class StateHistory {
@@ -35,7 +38,7 @@ function linkText(state, scene, { challenge = null, lesson = null } = {}) {
   if (lesson?.steps.length && !lesson.recording) parts.push(["lesson", JSON.stringify(lesson.steps)],
     ["step", String(lesson.place + 1)]);
   const isParameter = (name) => scene.controls.some((about) => about.name === name && about.parameter),
-    add = (name) => parts.push([LINK_WORDS[name] ?? name, String(state[name])]);
+    add = (name) => parts.push([linkWord(name, scene), String(state[name])]);
   changed.filter(isParameter).forEach(add);
   if (changed.some(isSwitch)) parts.push(["without", switchesOff(state).join(",")]);
   changed.filter((name) => !isParameter(name) && !isSwitch(name)).forEach(add);
@@ -50,7 +53,7 @@ const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name
 // {state, scene, plays, challenge, steps, step}; what no control can be set to is left out
 function readLink(text, scene) {
   const state = { ...scene.initial },
-    words = Object.fromEntries(Object.entries(LINK_WORDS).map(([name, word]) => [word, name]));
+    words = Object.fromEntries(Object.keys(LINK_WORDS).map((name) => [linkWord(name, scene), name]));
   const found = { state, scene: "", plays: false, challenge: null, steps: [], step: 0, given: {} };
   for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
     if (word === "scene") found.scene = value;
@@ -66,7 +69,7 @@ function readLink(text, scene) {
       const off = value.split(",").map((name) => `switch-${name}`);
       for (const name of Object.keys(state).filter(isSwitch)) state[name] = !off.includes(name);
     } else if (about?.kind === "number" && value !== "" && Number.isFinite(number)
-      && (word !== "t_end" || number > 0)) state[about.name] = number;
+      && (about.name !== "duration" || number > 0)) state[about.name] = number;
     else if (about?.kind === "choice" && about.options.includes(value)
       || about?.kind === "text" || about?.kind === "formula") state[about.name] = value;
     else if (about?.kind === "range") state[about.name] = value.split(",").map(Number);

@@ -6,6 +6,7 @@ const SYMBOLS = {
   circ: "°", prime: "′", ast: "*", star: "*",
 };
 const OVER = { dot: "\u0307", ddot: "\u0308", bar: "\u0304", tilde: "\u0303", hat: "\u0302" };
+const BARE_LETTER = /\\(d?dot|bar|tilde|hat)\s*(\\[A-Za-z]+|[A-Za-z])/g; // below a mark, without braces
 const SMALL = 0.72; // size of an index, relative to its letter
 
 // Parts of a label: {text, italic, shift}, where shift is -1 for an index and 1 for an exponent.
@@ -21,7 +22,7 @@ function plainPart(text) {
 function mathParts(math) {
   const pattern = /([_^])?(?:\{((?:[^{}]|\{[^{}]*\})*)\}|\\(\w+?)(?:\{([^{}]*)\}|(?![A-Za-z]))|\\.|([^\\_^{}]))\s?/g;
   const parts = [];
-  for (const [, place, group, command, argument, letter] of math.matchAll(pattern)) {
+  for (const [, place, group, command, argument, letter] of math.replace(BARE_LETTER, "\\$1{$2}").matchAll(pattern)) {
     const shift = { _: -1, "^": 1 }[place] ?? 0, upright = command === "mathrm" || command === "text";
     let inner;
     if (group !== undefined) inner = mathParts(group);

@@ -6,14 +6,16 @@ const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest,
 const QUIET = /falls silent$|dies away$/;
 const CLOCKS = ["t", "phase"]; // states that stand for time
 const DRIVEN = "There is no steady sliding, as what moves the bodies changes with time.";
+const NO_EQUILIBRIUM = "No equilibrium was found.";
 const NOT_FOUND = "No equilibrium in which something slides was found.";
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
 
 function verdict(result) {
   const happens = runText(result), values = result.eigenvalues;
   if (!values) {
-    const { slides, states } = result.structure, driven = states.some((name) => CLOCKS.includes(name));
-    return `${!slides ? NOTHING_SLIDES : driven ? DRIVEN : NOT_FOUND}${happens ? ` ${sentence(happens)}.` : ""}`;
+    const { automaton, slides, states } = result.structure, driven = states.some((name) => CLOCKS.includes(name));
+    const why = automaton ? NO_EQUILIBRIUM : !slides ? NOTHING_SLIDES : driven ? DRIVEN : NOT_FOUND;
+    return `${why}${happens ? ` ${sentence(happens)}.` : ""}`;
   }
   const text = stabilityText(values), joint = text === "stable" && !QUIET.test(happens) ? "but" : "and";
   return `${sentence(steadyMotion(result))} is ${text}${happens ? `, ${joint} ${happens}` : ""}.`;
@@ -30,19 +32,20 @@ function stabilityText(values) {
 
 function runText(result) { // a clause: what the run does at its end
   if (!result.samples || !result.finished) return "";
-  const from = STARTS[result.from];
+  const { automaton } = result.structure, from = automaton && result.from === "rest" ? "from zero"
+    : STARTS[result.from];
   if (!result.moving) return result.mode.includes("slip") ? `${from} this run falls silent`
     : `${from} this run is over after ${shortNumber(result.rest, 3)} s`;
   const what = motionText(result);
   if (!what && result.decays) return `${from} this run dies away`;
   const { largest, strongest } = result.spectrum ?? {},
     pitch = largest > SILENT * result.size ? ` at ${shortNumber(strongest, 3)} Hz` : "";
-  return `${from} this run ${what || "vibrates"}${pitch}`;
+  return `${from} this run ${what || (automaton ? "goes on" : "vibrates")}${pitch}`;
 }
 
 function motionText({ structure, samples, struck }) { // as its modes tell; empty where they tell nothing
   const regimes = new Set([...new Set(samples.modes)].flatMap((mode) => structure.modes[mode].split(" | ")));
-  if (regimes.size === 1 && regimes.has("flight")) return struck ? "hits its stop" : "";
+  if (regimes.size === 1 && regimes.has("flight")) return struck && !structure.automaton ? "hits its stop" : "";
   const verbs = [...new Set(Object.keys(VERBS).filter((regime) => regimes.has(regime)).map((regime) => VERBS[regime]))];
   if (verbs.length > 1) return `${verbs.slice(0, -1).join(", ")} and ${verbs.at(-1)}`;
   return regimes.has("slip+") && regimes.has("slip-") ? "slips to and fro" : "";

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,6 +41,9 @@ from frictionlab.plotting.time_histories import (
     Periods,
     Window,
     check_run,
+    check_run_with_coordinates,
+    modes_at,
+    plot_displacements,
     window_limits,
 )
 from frictionlab.plotting.turns import does_turn, within_turn
@@ -134,41 +138,83 @@ class BeltPicture:
         return [*moved, arrows]
 
 
-def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt:
-    """The mechanism of the model of a run.
+@dataclass(frozen=True, eq=False)
+class HistoryPicture:
+    """The coordinates of a run against time, and the instant, where nothing tells what the system looks like."""
+
+    run: Trajectory
+    t: Array
+    note = "time (s)"
+
+    @property
+    def coordinate(self) -> str:
+        """The coordinate that the phase plane shows."""
+        return self.run.automaton.shown_state
+
+    @cached_property
+    def x(self) -> Array:
+        """That coordinate, (K,)."""
+        return self.run(self.t)[:, self.run.names.index(self.coordinate)]
+
+    @cached_property
+    def rate(self) -> Array:
+        """Its rate, (K,)."""
+        return self.run(self.t)[:, self.run.names.index(self.run.automaton.rates[self.coordinate])]
+
+    @cached_property
+    def mode(self) -> Any:
+        """Names of the modes, (K,)."""
+        return modes_at(self.run, self.t)
+
+    def handles(self) -> list[Any]:
+        """Legend entries: none beside those of the modes."""
+        return []
+
+    def draw(self, ax: Axes) -> Any:
+        """The line at the instant, before the curves."""
+        plot_displacements(self.run, ax, window=(float(self.t[0]), float(self.t[-1])))
+        ax.legend(loc="upper right", fontsize=font_size(FONT_SIZE))
+        return ax.axvline(self.t[0], color=ink(ax))
+
+    def move(self, artists: Any, frame: int, colour: str | None) -> list[Artist]:
+        """Put the line where it is in a frame."""
+        artists.set_xdata([self.t[frame]] * 2)
+        return [artists]
+
+
+def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt | None:
+    """The mechanism of the model of a run; None where nothing tells what the system looks like.
 
     Raises
     ------
     TypeError
         If `run` is not a Trajectory.
     ValueError
-        If the model has no mechanism.
+        For a run of a structure.
     """
     check_run(run)
     source = run.source
-    if isinstance(source, Model) and source.mechanism is not None:
-        return source.mechanism
-    if source is None and is_tilting_belt(run):  # a run of the model's automaton alone
-        return TiltingBelt()
-    of = type(run.automaton if source is None else source).__name__
     if isinstance(source, MovingSystem):
         raise ValueError(
-            f"{function} needs a run of a model that has a mechanism, got one of a {of}, whose matrices do "
-            "not tell what it looks like: take fl.plot_run(run)"
+            f"{function} needs a run of a model or an automaton, got one of a {type(source).__name__}, whose "
+            "matrices do not tell what it looks like: take fl.plot_run(run)"
         )
-    raise ValueError(
-        f"{function} needs a run of a model that has a mechanism, got one of a {of}: give the model a "
-        "property `mechanism` (frictionlab.models.Mechanism), or use the panels of frictionlab.plotting"
-    )
+    if source is None and is_tilting_belt(run):  # a run of the model's automaton alone
+        return TiltingBelt()
+    return source.mechanism if isinstance(source, Model) else None
 
 
 def picture_of(
-    run: Any, mechanism: Mechanism | TiltingBelt, t: Array, magnify: float | None = None
-) -> BeltPicture | Parts:
-    """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well visible.
+    run: Any, mechanism: Mechanism | TiltingBelt | None, t: Array, magnify: float | None = None
+) -> BeltPicture | Parts | HistoryPicture:
+    """The mechanism of a run, or its time history, at times `t` (K,); ``magnify=None`` makes the largest
+    displacement well visible.
 
     An equilibrium can be drawn as a run that rests, by an object with what is asked of the run.
     """
+    if mechanism is None:
+        check_run_with_coordinates(run)
+        return HistoryPicture(run, t)
     if isinstance(mechanism, Mechanism):
         return parts(run, mechanism, t, magnify)
     frames, p = sample_frames(run, t), parameters(run)
@@ -181,7 +227,7 @@ def picture_of(
 class AnimationScene:
     """What is drawn in the frames, and the artists that show it; `x` (K,) is that of the phase plane."""
 
-    picture: BeltPicture | Parts
+    picture: BeltPicture | Parts | HistoryPicture
     x: Array
     colours: dict[str, str]
     parts: Any
@@ -202,13 +248,14 @@ def animate(
 
     Dampers are left out.  Displacements and the travel of a belt are magnified, its tilt is not.  The slider
     of :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which the springs k4, k5
-    and k6 hold; the forces drawn are those on the slider.
+    and k6 hold; the forces drawn are those on the slider.  Where nothing tells what the system looks like, as
+    for an automaton, the time history takes the place of the mechanism.
 
     Parameters
     ----------
     run : Trajectory
-        Of a model that has a `mechanism`: any model of the package, or one of your own with a few lines for
-        its picture (:class:`~frictionlab.models.Mechanism`).
+        Of any model of the package, of your own, which tells its picture in a few lines
+        (:class:`~frictionlab.models.Mechanism`), or of an automaton.
     window : float, (float, float) or None
         Seconds at the end, start and end time, or None for the whole run; by default three periods.
     speed : float or None
@@ -229,7 +276,7 @@ def animate(
     Raises
     ------
     ValueError
-        For a run of a model without a mechanism, a window outside the run, or speeds, rates and factors that
+        For a run of a structure, or of an automaton without coordinates, a window outside the run, or speeds, rates and factors that
         are not above zero.
 
     Examples
@@ -269,7 +316,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
     return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
-def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) -> AnimationScene:
+def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts | HistoryPicture) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
     colours = mode_colours(run)
     parts = picture.draw(left)
@@ -285,7 +332,9 @@ def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts) 
     return AnimationScene(picture, x, colours, parts, phase, title)
 
 
-def _draw_legend(figure: Figure, picture: BeltPicture | Parts, colours: dict[str, str]) -> None:
+def _draw_legend(
+    figure: Figure, picture: BeltPicture | Parts | HistoryPicture, colours: dict[str, str]
+) -> None:
     modes = [Patch(facecolor=colour, edgecolor=ink(), label=name) for name, colour in colours.items()]
     handles = [*modes, *picture.handles()]
     figure.legend(

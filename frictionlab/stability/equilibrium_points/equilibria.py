@@ -132,7 +132,7 @@ def _problem_from_equilibrium(
     flow = mode.flow
     return EquilibriumProblem(
         model,
-        _state_names(automaton),
+        automaton.shown_states,
         tuple(automaton.values),
         values,
         partial(follow_zero, flow, x, start, mode.admits),
@@ -161,11 +161,6 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
         f"{what} must have a mode with an equilibrium inside its guards, "
         f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters{still}, or simulate its motion"
     )
-
-
-def _state_names(automaton: HybridAutomaton) -> tuple[str, ...]:
-    """Names of the coordinates, or of all states of an automaton that has none."""
-    return automaton.state_names[: automaton.coordinates or len(automaton.state_names)]
 
 
 def equilibrium_branches(
@@ -398,7 +393,7 @@ def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
 def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
     automaton = automaton_at_rest(model)
     searched = all_mode_equilibria(automaton, is_sliding(model))
-    values, names = parameter_values(automaton), _state_names(automaton)
+    values, names = parameter_values(automaton), automaton.shown_states
     members = (
         Equilibrium(
             x,

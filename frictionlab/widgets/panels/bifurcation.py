@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,20 +23,15 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.components.component import Parameter
-from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.model import check_parameter_name
-from frictionlab.pages.scene import Data, number, slider_range
+from frictionlab.models.model import automaton_of, check_parameter_name, parameters_about, values_of
+from frictionlab.pages.scene import Data, Shown, number, slider_range
 from frictionlab.plotting.appearance import GREY
 from frictionlab.plotting.figure import Curve, Drawing
-from frictionlab.plotting.labels import parameter_label, state_label
+from frictionlab.plotting.labels import parameter_label, state_with_unit
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
-from frictionlab.presentation import state_unit
 from frictionlab.widgets.controls import Control
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
 from frictionlab.widgets.update_scheduler import has_event_loop
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
@@ -93,7 +88,7 @@ class ProgressiveSweep:
         Motions that are to be extended.
     """
 
-    def __init__(self, model: Model, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
+    def __init__(self, model: Shown, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.steady_states: dict[float, SteadyStatePoints] = {}
         self.previews: dict[float, SteadyStatePoints] = {}
@@ -205,9 +200,9 @@ class BifurcationPanel:
 
     __name__ = "bifurcation"
 
-    def __init__(self, model: Model, parameter: str) -> None:
-        about = parameter_metadata(type(model), model.components)[parameter]
-        span = slider_range(about, model.parameters[parameter])
+    def __init__(self, model: Shown, parameter: str) -> None:
+        about = parameters_about(model)[parameter]
+        span = slider_range(about, values_of(model)[parameter])
         first, most = (n * rounded_period(model) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT))
         shown: Data = {"name": "range", "kind": "range", "group": "bifurcation", "value": span}
         shown |= {"text": f"${about.symbol}$ from, to", "hint": "a narrow range is computed more finely"}
@@ -232,14 +227,14 @@ class BifurcationPanel:
         sweep = self._sweep_for(result)
         inside, wanted, progress = self._fill(sweep, result, (low, high))
         name = result.settings.coordinate
-        column = result.model.coordinates.index(name)
+        column = automaton_of(result.model).state_names.index(name)
         kinds = [steady.kind for steady in inside.values()]
         curves = {kind: _section_curve(inside, kind, column) for kind in MOTION_STYLES if kind in kinds}
-        own = result.model.parameters[self.parameter]
+        own = values_of(result.model)[self.parameter]
         curves["_here"] = Curve([own, own], [0.0, 1.0], SELECTED_VALUE_LINE, "strip")
         labels = (
             parameter_label(result.model, self.parameter),
-            f"section of {state_label(name)} ({state_unit(name)})",
+            f"section of {state_with_unit(result.model, name)}",
         )
         waiting = kinds.count(MotionKind.NOT_SETTLED)
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
@@ -271,8 +266,9 @@ class BifurcationPanel:
     def _sweep_for(self, result: Any) -> ProgressiveSweep:
         """The sweep of a result; a new one where anything but the parameter differs."""
         settings, transient = result.settings, self.controls["transient"].value
-        others = tuple(item for item in result.model.parameters.items() if item[0] != self.parameter)
-        key = result.model.structure_key, others, settings.x0, settings.method, transient
+        others = tuple(item for item in values_of(result.model).items() if item[0] != self.parameter)
+        structure = getattr(result.model, "structure_key", None)  # an automaton keeps its own
+        key = structure, others, settings.x0, settings.method, transient
         if self.sweep is None or key != self._key:
             window, method = (
                 WINDOW_PERIODS * rounded_period(result.model),

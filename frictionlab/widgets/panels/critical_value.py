@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.model import check_parameter_name
-from frictionlab.pages.scene import slider_range
+from frictionlab.models.model import check_parameter_name, parameters_about, values_of
+from frictionlab.pages.scene import Shown, slider_range
 from frictionlab.plotting.appearance import BLACK, BLUE, VERMILLION
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label
@@ -19,7 +18,6 @@ from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
 from frictionlab.widgets.update_scheduler import has_event_loop
 
 if TYPE_CHECKING:
-    from frictionlab.models.model import Model
     from frictionlab.widgets.result import Result
 
 CURVE_POINTS, CURVE_PARTS = 87, 4  # points of a critical curve, and the parts in which it is computed
@@ -35,7 +33,7 @@ class CriticalValuePanel:
 
     Parameters
     ----------
-    model : SliderOnBelt
+    model : Model or HybridAutomaton
         The model whose parameters give the limits of the axes.
     parameter, over : str
         The critical parameter, on the vertical axis, and the other one, on the horizontal axis.
@@ -43,10 +41,10 @@ class CriticalValuePanel:
 
     __name__ = "critical"
 
-    def __init__(self, model: Model, parameter: str = "mu_k", over: str = "F") -> None:
-        about = parameter_metadata(type(model), model.components)
+    def __init__(self, model: Shown, parameter: str = "mu_k", over: str = "F") -> None:
+        about, values = parameters_about(model), values_of(model)
         self.parameter, self.over = parameter, over
-        self.bounds, self.sides = (slider_range(about[n], model.parameters[n]) for n in (parameter, over))
+        self.bounds, self.sides = (slider_range(about[n], values[n]) for n in (parameter, over))
         self.pick = over, parameter  # what a click sets: the model moves there
         self._curve = lru_cache(MAX_CACHED_CURVES)(self._begun)
         self._shown: Any = None
@@ -61,7 +59,7 @@ class CriticalValuePanel:
         if not curve.at.size or (result is self._shown and has_event_loop()):
             curve.work()
         self._shown = result
-        here = [model.parameters[self.over]], [model.parameters[self.parameter]]
+        here = [values_of(model)[self.over]], [values_of(model)[self.parameter]]
         stable = eigenvalues is not None and eigenvalues.stable
         curves = {
             "critical": Curve(curve.at, curve.values, {"color": BLACK}),
@@ -102,10 +100,10 @@ class _CurveInParts:
 class _ModelApartFrom:
     """A model without regard to the parameters named: two are equal if they differ only in these."""
 
-    def __init__(self, model: Model, names: tuple[str, ...]) -> None:
+    def __init__(self, model: Shown, names: tuple[str, ...]) -> None:
         self.model = model
-        values = tuple(item for item in model.parameters.items() if item[0] not in names)
-        self._key = model.structure_key, values
+        values = tuple(item for item in values_of(model).items() if item[0] not in names)
+        self._key = getattr(model, "structure_key", None), values  # an automaton keeps its structure
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _ModelApartFrom) and self._key == other._key

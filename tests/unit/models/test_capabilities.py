@@ -123,8 +123,9 @@ def test_a_model_of_ones_own_has_all_of_them():
     assert len(fl.ablation(model, lambda m: m.period, progress=False).results) == 4
     assert len(columns(fl.watch(run))["t"]) > 0
     assert fl.listen(run).signal == "relative_velocity"
-    with pytest.raises(ValueError, match="needs a run of a model that has a mechanism, got one of a Plain"):
-        fl.watch(fl.simulate(Plain(), 1.0, x0=[0.0, 0.1, 0.0, 0.0], progress=False))
+    plain = fl.simulate(Plain(), 1.0, x0=[0.0, 0.1, 0.0, 0.0], progress=False)
+    assert fl.watch(plain).scene["panels"] == ["response", "phase"]
+    assert fl.animate(plain, fps=1).to_jshtml().count("data:image/png") > 1
 
 
 class Plain(Lifted):

@@ -1,0 +1,60 @@
+"""The approximate period of an automaton that states none, as explorers and pages need one before any run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+
+from frictionlab.automaton import HybridAutomaton
+from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import RunOptions, run_automaton
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.stability import eigenvalues
+
+from .motion_scales import DEAD_BAND, SEEN, Array, time_of_rest
+
+STEPS = 400  # of the motion that is looked at: some fifty periods where nothing happens
+FOREVER = 1e30  # s: the steps end it
+LEAST_TURNS = 3
+PERIODS_UNTIL_REST = 10.0  # of a motion that comes to rest without turning: all of it is then shown
+NO_PERIOD = 1.0  # s, where nothing tells one
+
+
+def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
+    """The automaton with the period that it states, or with one found in its motion from a state (n,)."""
+    if automaton.period is not None:
+        return automaton
+    run = run_automaton(automaton, FOREVER, state, Taylor(max_steps=STEPS), RunOptions(progress=False))
+    return replace(automaton.derived(), period=_period_of_motion(run))
+
+
+def _period_of_motion(run: Trajectory) -> float:
+    """The mean time (s) in which the fastest state goes up and down, in the end or in all; else a share of the
+    time until rest, or the period of the fastest eigenvalue."""
+    least = SEEN * np.ptp(run.states, axis=0)
+    for begin in (len(run.t) // 2, 0):
+        times, states = run.t[begin:], run.states[begin:]
+        moving = states[:, np.ptp(states, axis=0) > least]
+        if turning := [period for column in moving.T if (period := _mean_period(times, column))]:
+            return min(turning)
+    rest = time_of_rest(run)
+    if np.ptp(run.states, axis=0).any() and 0.0 < rest < FOREVER:
+        return rest / PERIODS_UNTIL_REST
+    try:
+        fastest = float(np.abs(eigenvalues(run.automaton).values).max(initial=0.0))
+    except (ValueError, ArithmeticError):
+        return NO_PERIOD
+    return 2 * pi / fastest if fastest else NO_PERIOD
+
+
+def _mean_period(times: Array, values: Array) -> float:
+    """Twice the mean time (s) between passes of the middle of the range; 0.0 where there are few."""
+    middle, size = 0.5 * (values.max() + values.min()), np.ptp(values)
+    away = np.abs(values - middle) > DEAD_BAND * size
+    sides = np.sign(values[away] - middle)
+    passes = times[away][1:][sides[1:] != sides[:-1]]
+    if len(passes) < LEAST_TURNS:
+        return 0.0
+    return float(2 * (passes[-1] - passes[0]) / (len(passes) - 1))
