@@ -19,6 +19,7 @@ STEPS = 400  # of the motion that is looked at: some fifty periods where nothing
 FOREVER = 1e30  # s: the steps end it
 LEAST_TURNS = 3
 PERIODS_UNTIL_REST = 10.0  # of a motion that comes to rest without turning: all of it is then shown
+RESTED = 0.9  # share of the run by which a motion that comes to rest has done so
 NO_PERIOD = 1.0  # s, where nothing tells one
 
 
@@ -31,8 +32,8 @@ def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
 
 
 def _period_of_motion(run: Trajectory) -> float:
-    """The mean time (s) in which the fastest state goes up and down, in the end or in all; else a share of the
-    time until rest, or the period of the fastest eigenvalue."""
+    """The mean time (s) in which the fastest state goes up and down, at the end or in all; else a share of
+    the time until rest, or the period of the fastest eigenvalue."""
     least = SEEN * np.ptp(run.states, axis=0)
     for begin in (len(run.t) // 2, 0):
         times, states = run.t[begin:], run.states[begin:]
@@ -40,7 +41,7 @@ def _period_of_motion(run: Trajectory) -> float:
         if turning := [period for column in moving.T if (period := _mean_period(times, column))]:
             return min(turning)
     rest = time_of_rest(run)
-    if np.ptp(run.states, axis=0).any() and 0.0 < rest < FOREVER:
+    if 0.0 < rest < RESTED * run.raw.t:
         return rest / PERIODS_UNTIL_REST
     try:
         fastest = float(np.abs(eigenvalues(run.automaton).values).max(initial=0.0))

@@ -131,7 +131,7 @@ def shortest_period(run: Trajectory, of: Iterable[str] | None = None) -> float:
 
 
 def period_of_run(run: Trajectory) -> float:
-    """Approximate period of oscillation (s): as stated; of an automaton without one, as it moved in the run."""
+    """Approximate period of oscillation (s): as stated; of an automaton without one, as it moved."""
     stated = getattr(run.automaton if run.source is None else run.source, "period", None)
     return stated or min(shortest_period(run), float(run.raw.t)) or DEFAULT_PERIOD
 

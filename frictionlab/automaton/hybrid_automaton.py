@@ -49,8 +49,8 @@ class HybridAutomaton:
         Coordinates that may turn for ever, by their names: where nothing depends on how far they have turned,
         a steady rotation is an equilibrium.
     period : float or None
-        Approximate period of an oscillation, s: explorers and pages show multiples of it.  None lets them find
-        it in the motion.
+        Approximate period of an oscillation, s: explorers and pages show multiples of it.  None lets them
+        find it in the motion.
 
     Raises
     ------

@@ -453,7 +453,7 @@ def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
 
 
 def parameters_about(model: ModelOrAutomaton) -> Mapping[str, Parameter]:
-    """What is known of each parameter of a model by name; of an automaton the letters and signs of its symbols."""
+    """What is known of each parameter of a model by name; of an automaton its symbols' letters and signs."""
     if isinstance(model, Model):
         return parameter_metadata(type(model), model.components)
     return {each.name: _about_symbol(each, value) for each, value in automaton_of(model).parameters.items()}

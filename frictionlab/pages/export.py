@@ -130,7 +130,7 @@ def export_page(
         For unknown names, bad values, parameters that are named like another control, or a model of more than
         64 modes.
     TypeError
-        If `model` is neither a model nor an automaton; the formulas of a structure's matrices are not exported.
+        If `model` is neither a model nor an automaton: a structure's matrices are no formulas.
 
     Examples
     --------

@@ -366,8 +366,9 @@ def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest
         "hint": f"numbers for {', '.join(needed)}, with commas between",
     }
     starts = STARTS if is_model else STARTS | {"rest": "all states zero"}
+    start = x0 if isinstance(x0, str) else "own"
     return [
-        choice("start", starts, x0 if isinstance(x0, str) else "own", "run", starts.values(), "initial state"),
+        choice("start", starts, start, "run", starts.values(), "initial state"),
         own,
         number("duration", duration, t_end, "run", ends),
         choice("window", windows(model), "what moves", "run", hint="part of the run that the panels show"),
@@ -397,8 +398,8 @@ def windows(model: Shown) -> dict[str, float | str | None]:
 
 
 def main_parameters(model: Shown) -> list[str]:
-    """All parameters if they are few; else those of the friction law, of operation, of other components; of an
-    automaton the first ones."""
+    """All parameters if they are few; else those of the friction law, of operation, of other components; of
+    an automaton the first ones."""
     if isinstance(model, HybridAutomaton):
         return list(model.values)[:MAX_UNFOLDED]
     owner = parameter_owners(type(model), model.components)
@@ -453,7 +454,10 @@ def label_of(name: str) -> str:
 
 
 def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
-    """Whether something in a model slides while all coordinates but cyclic ones are at rest: on a belt, say."""
+    """Whether something slides while all coordinates but cyclic ones are at rest: on a belt, say.
+
+    Of an automaton that is not said.
+    """
     if isinstance(model, HybridAutomaton):
         return False
     resting = {rate for name, rate in automaton.rates.items() if name not in automaton.cyclic}

@@ -255,11 +255,11 @@ def explore(
     """Change a model or an automaton with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range; so have those of your own
-    laws.  A parameter of an automaton states no range: its slider goes from zero to twice its value.  The mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off
-    and on.  A scene can be kept, dotted, to compare others with it.  A button fills the screen.  The model
-    and its run are ``explorer.model`` and ``explorer.run``; Python that recreates them can be copied.
-    The initial method is quick: its tolerance is 1e-7, and flights too short to be seen are replaced by their
-    limit.
+    laws.  An automaton states no ranges: sliders of its parameters go from zero to twice the value.  The
+    mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off and on.  A
+    scene can be kept, dotted, to compare others with it.  A button fills the screen.  The model and its run
+    are ``explorer.model`` and ``explorer.run``; Python that recreates them can be copied.  The initial method
+    is quick: its tolerance is 1e-7, and flights too short to be seen are replaced by their limit.
 
     Parameters
     ----------
@@ -276,8 +276,8 @@ def explore(
         Where the run begins, as :func:`simulate` takes it; an automaton is at rest where all its states are
         zero.
     t_end : float or None
-        Its length, s.  None takes 200 periods: those that the model states, or that are found in the motion of
-        an automaton which states none.
+        Its length, s.  None takes 200 periods: those that are stated, or that are found in the motion of an
+        automaton which states none.
 
     Returns
     -------
@@ -345,9 +345,7 @@ def explore_stability(
     over = _usual_parameter(model, "F", parameter) if over is None else over
     if parameter == over:
         raise ValueError(f"over must be another parameter than {parameter!r}: take for example 'F'")
-    return Explorer(
-        settings, {"eigenvalues": None, "critical": CriticalValuePanel(model, parameter, over)}
-    )
+    return Explorer(settings, {"eigenvalues": None, "critical": CriticalValuePanel(model, parameter, over)})
 
 
 def _usual_parameter(model: Shown, name: str, other: str | None = None) -> str:

@@ -234,7 +234,8 @@ def run_text(run: Trajectory) -> str:
         return f"The run ended at {run.raw.t:.4g} s: {run.status}."
     if run.warning is not None:
         return f"Do not trust this picture: {run.warning}."
-    stats, named = run.stats, f" ({tally(run.events.guard)})" if run.source is None and len(run.events) else ""
+    stats = run.stats
+    named = f" ({tally(run.events.guard)})" if run.source is None and len(run.events) else ""
     return (
         f"The end was reached. {stats['steps']} steps, {stats['events']} events{named}, "
         f"solved in {1e3 * stats['wall_time']:.1f} ms"

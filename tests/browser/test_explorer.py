@@ -47,7 +47,7 @@ ROOT = ".fl-explorer"
 SIZES = {390: 844, 1280: 800, 1920: 1080}
 LIBRARY = {each.name: each for each in library_scenes()}
 AT_ONCE = "two fates", "BouncingBall()"
-READS = "([name, text]) => document.querySelector(`.fl-control[data-name='${name}'] .fl-field`)?.value === text"
+READS = "([name, text]) => document.querySelector(`[data-name='${name}'] .fl-field`)?.value === text"
 SAYS = "([of, text]) => document.querySelector(of)?.innerText.includes(text)"
 
 

@@ -11,7 +11,8 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.pages.export import SolverNotBuiltError
-from tests.browser.screen import wait_until
+from tests.browser.screen import come_to, cut_off, faults, wait_until
+from tests.helpers import automata
 
 pytestmark = pytest.mark.browser
 
@@ -74,10 +75,10 @@ def page(browser, slider):
     assert not found.problems
 
 
-def check_same_bits(page, model, values, without=(), start="rest", end=SECONDS):
+def check_same_bits(page, model, values, without=(), start="rest", end=SECONDS, x0=None):
     found = page.evaluate(RUN, [values, list(without), start, end])
     assert "The end was reached" in found["status"]
-    run = fl.simulate(model, end)
+    run = fl.simulate(model, end, x0=start if x0 is None else x0)
     assert found["state"] == run.final_state.tolist()
     assert found["times"] == run.events.t.tolist()
     return found
@@ -107,6 +108,39 @@ def test_a_scene_that_is_kept_has_the_colours_of_now(page):
     for button in ("theme", "compare"):
         page.click(f"button.fl-{button}")
     assert light[0] == light[1] != dark[0] == dark[1]
+
+
+AUTOMATA = {
+    "ball": (automata.ball(), [1.0, 0.0], "e", 0.7, "floor"),
+    "belt": (automata.coulomb(0.2, 1.0, 0.5), [0.0, 0.0], "mu_k", 0.4, "v_r"),
+    "thermostat": (automata.thermostat(), [15.0], "heat", 7.0, "limit"),
+    "named": (automata.named(), [0.4, 1.0], "limit of spring", 0.2, "ünder & <i>"),
+}
+
+
+@pytest.mark.parametrize("name", AUTOMATA)
+def test_automata_have_the_bits_of_simulate_and_their_own_words(browser, tmp_path, axe, name):
+    automaton, start, parameter, value, event = AUTOMATA[name]
+    page = opened(browser, exported(automaton, tmp_path / "page.html", x0=start))
+    for changes in ({}, {parameter: value}):
+        model = automaton.replace(**changes)
+        found = check_same_bits(page, model, changes, start="own", end=20.0, x0=start)
+        assert f" {event}" in found["status"]
+        try:
+            known = fl.eigenvalues(model).values
+        except ValueError:
+            assert found["eigenvalues"] is None
+        else:
+            values = np.array([complex(*pair) for pair in found["eigenvalues"]])
+            assert np.abs(np.sort_complex(values) - np.sort_complex(known)).max() < 1e-9
+    text = page.inner_text("body")
+    assert not [word for word in ("sliding", "displacement", "velocit", "vibrates", "()") if word in text]
+    for width in (390, 1280):
+        page.set_viewport_size({"width": width, "height": 844})
+        assert come_to(page, [], lambda: cut_off(page, "#explorer")) == []
+    assert faults(page, axe, "html") == []
+    assert not page.problems
+    page.context.close()
 
 
 BOTH_WAYS = """async ([without, mu]) => {
@@ -446,7 +480,7 @@ def test_a_further_state_and_names_of_several_words(browser, tmp_path):
     page = opened(browser, exported(HeatedMass(), tmp_path / "page.html", t_end=5.0))
     names = {"F_pre_load": "Fpre load", "heat_capacity": "heat capacity", "mu_gap": "μgap"}
     for name, text in names.items():
-        assert page.locator(f".fl-{name} .fl-label").text_content() == text
+        assert page.locator(f"[data-name={name}] .fl-label").text_content() == text
     assert "Thot = 2" in page.inner_text(".fl-numbers").replace("\n", "")
     page.select_option("[data-name=start] select", "own")
     wait_until(page, "explorer.result.from === 'own' && explorer.request === null")
@@ -653,7 +687,7 @@ def replay(page):
     page.get_by_role("button", name="next").click()
     wait_until(page, "explorer.state.v === 1.5")
     assert page.inner_text(".fl-step") == "<b>Faster</b>: it is silent."
-    assert page.locator(".fl-v.fl-marked").is_visible()
+    assert page.locator("[data-name=v].fl-marked").is_visible()
     assert page.get_by_role("button", name="next").is_disabled()
 
 

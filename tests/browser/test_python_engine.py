@@ -106,7 +106,7 @@ def test_a_long_run_is_stopped(browser, tmp_path):
         page = browser.new_page()
         page.goto(address + printed_path(tmp_path) + "#method=paper%27s+(RK4)", wait_until="commit")
         page.wait_for_selector(".fl-words:not(:empty)", timeout=3 * PATIENCE)
-        page.wait_for_function("document.querySelector('.fl-method select')?.value.startsWith('paper')")
+        page.wait_for_function("document.querySelector('[data-name=method] select')?.value[0] === 'p'")
         settled(page, ".fl-explorer")
         page.fill(".fl-control[data-name=duration] .fl-field", "3000")
         page.keyboard.press("Enter")
@@ -166,7 +166,7 @@ def test_a_click_into_the_plane_moves_the_point_there(page):
     page.wait_for_function(
         "document.querySelector('.plane .fl-words').innerText.includes('unstable')", timeout=PATIENCE
     )
-    force = float(page.locator(".plane .fl-F .fl-field").input_value())
+    force = float(page.locator(".plane [data-name=F] .fl-field").input_value())
     assert force % 5.0 == 0.0  # a round number
     assert 300.0 < force < 700.0
 

@@ -12,7 +12,7 @@ import sympy as sp
 from scipy import stats
 
 import frictionlab as fl
-from tests.helpers.automata import V, X
+from tests.helpers.automata import V, X, thermostat
 
 QUIET: dict[str, Any] = {"progress": False}
 SETTLED: dict[str, Any] = {"transient": 1.0, "window": 1.0, **QUIET}
@@ -25,20 +25,6 @@ def neuron():
     spike = fl.Event("spike", threshold - V, ("rest",), fl.Reset({V: sp.S.Zero}))
     mode = fl.Mode("rest", ((current - V) / tau,), (spike,))
     return fl.HybridAutomaton((V,), (mode,), {current: 1.5, tau: 0.02, threshold: 1.0})
-
-
-def thermostat():
-    """A room that cools, and a heater that is on between two temperatures; energies per heat capacity."""
-    k, heat, outside, low, high = sp.symbols("k heat outside low high")
-    loss = k * (outside - X)
-
-    def mode(name, other, power, event):
-        outputs = {"energy of the room": X, "power of the wall": loss, "power of the heater": power}
-        return fl.Mode(name, (loss + power,), (fl.Event("limit", event, (other,)),), outputs=outputs)
-
-    modes = mode("on", "off", heat, high - X), mode("off", "on", sp.S.Zero, X - low)
-    values = {k: 0.1, heat: 5.0, outside: 10.0, low: 19.0, high: 21.0}
-    return fl.HybridAutomaton((X,), modes, values)
 
 
 def buck_converter():

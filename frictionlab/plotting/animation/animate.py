@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, HTMLWriter, writers
@@ -140,7 +140,7 @@ class BeltPicture:
 
 @dataclass(frozen=True, eq=False)
 class HistoryPicture:
-    """The coordinates of a run against time, and the instant, where nothing tells what the system looks like."""
+    """The coordinates of a run against time, and the instant, where nothing tells how a system looks."""
 
     run: Trajectory
     t: Array
@@ -182,6 +182,9 @@ class HistoryPicture:
         return [artists]
 
 
+Picture: TypeAlias = BeltPicture | Parts | HistoryPicture
+
+
 def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt | None:
     """The mechanism of the model of a run; None where nothing tells what the system looks like.
 
@@ -206,7 +209,7 @@ def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt | No
 
 def picture_of(
     run: Any, mechanism: Mechanism | TiltingBelt | None, t: Array, magnify: float | None = None
-) -> BeltPicture | Parts | HistoryPicture:
+) -> Picture:
     """The mechanism of a run, or its time history, at times `t` (K,); ``magnify=None`` makes the largest
     displacement well visible.
 
@@ -227,7 +230,7 @@ def picture_of(
 class AnimationScene:
     """What is drawn in the frames, and the artists that show it; `x` (K,) is that of the phase plane."""
 
-    picture: BeltPicture | Parts | HistoryPicture
+    picture: Picture
     x: Array
     colours: dict[str, str]
     parts: Any
@@ -276,8 +279,8 @@ def animate(
     Raises
     ------
     ValueError
-        For a run of a structure, or of an automaton without coordinates, a window outside the run, or speeds, rates and factors that
-        are not above zero.
+        For a run of a structure, or of an automaton without coordinates, a window outside the run, or speeds,
+        rates and factors that are not above zero.
 
     Examples
     --------
@@ -316,7 +319,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
     return np.minimum(start + step * np.arange(int((stop - start) / step * (1 + SAMPLING_RTOL)) + 1), stop)
 
 
-def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts | HistoryPicture) -> AnimationScene:
+def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
     colours = mode_colours(run)
     parts = picture.draw(left)
@@ -332,9 +335,7 @@ def _build_scene(run: Trajectory, figure: Figure, picture: BeltPicture | Parts |
     return AnimationScene(picture, x, colours, parts, phase, title)
 
 
-def _draw_legend(
-    figure: Figure, picture: BeltPicture | Parts | HistoryPicture, colours: dict[str, str]
-) -> None:
+def _draw_legend(figure: Figure, picture: Picture, colours: dict[str, str]) -> None:
     modes = [Patch(facecolor=colour, edgecolor=ink(), label=name) for name, colour in colours.items()]
     handles = [*modes, *picture.handles()]
     figure.legend(

@@ -1,0 +1,103 @@
+"""Explorers, pages, films and sounds of automata, whose periods and ranges are found or stated."""
+
+from math import atan, log, pi
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import frictionlab as fl
+from frictionlab.analysis.found_period import with_period
+from tests.helpers.automata import V, X, automaton, ball, coulomb, named, oscillator, thermostat
+from tests.helpers.explorers import words
+
+BELT = coulomb(0.2, 1.0, 0.5)
+DECAY = automaton(fl.Mode("on", (-sp.Symbol("rate") * X,)), states=(X,), coordinates=0, rate=2.0)
+PERIODS = {
+    "stick and slip": (BELT, [0.0, 0.0], 5 + 2 * pi - 2 * atan(2.5)),
+    "two temperatures": (thermostat(), [0.0], 10 * log(11 / 9) + 10 * log(41 / 39)),
+    "at rest": (oscillator(), [0.0, 0.0], 2 * pi),
+    "seconds of 1e-6": (automaton(fl.Mode("on", (V, -1e12 * X))), [1.0, 0.0], 2e-6 * pi),
+    "no oscillation": (DECAY, [1.0], log(1e3) / 2 / 10),
+    "nothing": (automaton(fl.Mode("on", (sp.S.One,)), states=(X,), coordinates=0), [0.0], 1.0),
+}
+
+
+@pytest.mark.parametrize("name", PERIODS)
+def test_a_period_is_found_in_the_motion(name):
+    given, start, period = PERIODS[name]
+    assert with_period(given, np.array(start)).period == pytest.approx(period, rel=0.1)
+
+
+def test_a_period_that_is_stated_is_kept():
+    stated = fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=3.0)
+    explorer = fl.explore(stated.replace(belt=0.1), ["response"])
+    assert explorer.widget.scene["period"] == 2.0
+    with pytest.raises(ValueError, match="period must be a finite number, above 0, got 0"):
+        fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=0)
+
+
+def test_an_explorer_of_an_automaton_is_what_solve_computes():
+    explorer = fl.explore(ball(), x0=[1.0, 0.0], t_end=20.0)
+    explorer.controls["e"].value = 0.7
+    explorer.controls["method"].label = "exact (Taylor)"
+    run = fl.solve(ball().replace(e=0.7), 20.0, x0=[1.0, 0.0], progress=False)
+    np.testing.assert_array_equal(explorer.run.final_state, run.final_state)
+    assert explorer.model.values == {"g": 9.81, "e": 0.7}
+    assert f"({len(run.events)} floor)" in explorer.widget.picture["status"]
+    assert words(explorer) == "No equilibrium was found. From your own state this run is over after 2.56 s."
+    known = {"automaton": ball()}
+    exec(explorer.widget.picture["python"], known)
+    np.testing.assert_array_equal(known["run"].final_state, run.final_state)
+
+
+def test_signs_of_symbols_are_bounds_and_sliders_go_to_twice_the_value():
+    control = fl.explore(named(), ["response"]).controls["x0"]
+    assert 0.0 < control.min < 0.01
+    assert control.max == pytest.approx(1.0, rel=0.01)
+    with pytest.raises(ValueError, match="x0 must be greater than 0"):
+        control.set_data(-1.0)
+
+
+def test_a_bifurcation_and_a_stability_explorer_of_an_automaton():
+    explorer = fl.explore_bifurcation(thermostat(), "heat")
+    drawn = explorer.drawings["bifurcation"].curves["periodic"]
+    assert len(set(drawn.x[drawn.x > 2.0])) > 10  # with less heat it never gets warm enough
+    assert set(np.round(drawn.y, 9)) <= {19.0, 21.0}
+    k, c = sp.symbols("k c")
+    damped = automaton(fl.Mode("on", (V, -k * X - (c - 0.05) * V)), k=1.0, c=0.1)
+    explorer = fl.explore_stability(damped, "c", "k")
+    explorer.controls["c"].value = 0.02
+    assert not explorer.result.eigenvalues.stable
+    critical = explorer.drawings["critical"].curves["critical"].y
+    np.testing.assert_allclose(critical, 0.05, rtol=1e-9)
+
+
+def test_a_film_of_an_automaton_shows_its_history():
+    run = fl.solve(BELT, 20.0, x0=[0.0, 0.0], progress=False)
+    assert fl.animate(run, window=None, speed=10.0, fps=2).to_jshtml().count("data:image/png") == 5
+    widget = fl.watch(run, window=None)
+    assert widget.scene["panels"] == ["response", "phase"]
+    assert widget.picture["structure"]["modes"] == ["stick", "+", "-"]
+    assert fl.listen(run).signal == "v"
+
+
+@pytest.mark.parametrize("name", ["duration", "own", "scene"])
+def test_a_parameter_named_like_a_control_is_refused_in_words(name, tmp_path):
+    taken = automaton(fl.Mode("on", (V, -sp.Symbol(name) * X)), **{name: 1.0})
+    for show in (fl.explore, lambda given: fl.export_page(given, tmp_path / "page.html")):
+        with pytest.raises(ValueError, match=f"named like the explorer's control '{name}'.*rename it"):
+            show(taken)
+
+
+def test_a_structure_is_refused_with_the_cure(tmp_path):
+    structure = fl.Structure(np.eye(1), np.eye(1))
+    run = fl.simulate(structure, 1.0, x0=[1.0, 0.0], progress=False)
+    for show in (fl.explore, lambda given: fl.export_page(given, tmp_path / "page.html")):
+        with pytest.raises(
+            TypeError, match=r"a HybridAutomaton, got Structure.*take fl.simulate and fl.plot_run"
+        ):
+            show(structure)
+    for show in (fl.animate, fl.watch):
+        with pytest.raises(ValueError, match=r"got one of a Structure.*take fl.plot_run\(run\)"):
+            show(run)
