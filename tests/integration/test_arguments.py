@@ -1,11 +1,14 @@
 """What functions take: initial states by name, sections and methods as text, arrays of no dimension."""
 
 import inspect
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.pages.export import SolverNotBuiltError
 from tests.helpers.assertions import assert_all
 
 QUIET = {"progress": False}
@@ -57,7 +60,18 @@ ANALYSES = {
     "ablation": lambda x0: np.array(
         [found.results[0] for found in fl.ablation(BELT, final_state, x0=[x0], **QUIET).results]
     ),
+    "explore": lambda x0: fl.explore(BELT, ["response"], x0=x0, t_end=1.0).run.states,
+    "explore_bifurcation": lambda x0: fl.explore_bifurcation(BELT, x0=x0).run.states,
+    "export_page": lambda x0: page_text(x0),
 }
+
+
+def page_text(x0):
+    with TemporaryDirectory() as folder:
+        try:
+            return fl.export_page(BELT, Path(folder) / "page.html", x0=x0).read_text(encoding="utf-8")
+        except SolverNotBuiltError as error:
+            pytest.skip(str(error))
 
 
 def final_state(model, x0):
