@@ -16,14 +16,11 @@ from frictionlab.components.component import Parameter, check_value
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.composition import without
+from frictionlab.models.composition import parameter_metadata, without
 from frictionlab.models.model import (
-    Model,
     automaton_of,
     nonlinearities_in,
     parameters_about,
-    roles_in,
-    values_of,
 )
 from frictionlab.pages.scene import (
     Data,
@@ -177,9 +174,9 @@ def _reachable(model: Shown) -> Iterator[Shown]:
             yield full.replace(**{role: law})
 
 
-def restoring_components(model: Model) -> dict[str, dict[str, Any]]:
+def restoring_components(model: Any) -> dict[str, dict[str, Any]]:
     """Components that restore each nonlinearity a model lacks: the defaults of the model's class."""
-    lacking = {name: one for name, one in model.nonlinearities.items() if one.missing(model)}
+    lacking = {name: one for name, one in nonlinearities_in(model).items() if one.missing(model)}
     usual = type(model)() if lacking else model
     return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
 

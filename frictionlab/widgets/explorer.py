@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models.model import check_parameter_name, values_of
+from frictionlab.models.model import automaton_of, check_parameter_name, values_of
 from frictionlab.pages.scene import Shown, panels_of, scene_data
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
@@ -223,7 +223,7 @@ def _last_value(model: Shown, name: str, beyond: float) -> float:
 
     def holds(value: float) -> bool:
         try:
-            model.replace(**{name: value}).automaton()  # masses, dampers and normal forces are asked there
+            automaton_of(model.replace(**{name: value}))  # masses, dampers and normal forces are asked there
         except ValueError:
             return False
         return True
