@@ -67,9 +67,9 @@ def test_showing_the_controls_changes_nothing(page):
 def test_a_long_run_is_stopped_in_jupyterlab_and_plain_voila_says_that_it_cannot(page):
     in_lab = "/doc/tree" in page.url
     before, status = settled(page, LIVE), page.locator(f"{LIVE} .fl-status")
-    page.locator(f"{LIVE} .fl-method select").select_option("paper's (RK4)")
+    page.locator(f"{LIVE} [data-name=method] select").select_option("paper's (RK4)")
     changed(page, LIVE, before, words=False)
-    page.fill(f"{LIVE} .fl-control.fl-duration .fl-field", "3000" if in_lab else "300")
+    page.fill(f"{LIVE} [data-name=duration] .fl-field", "3000" if in_lab else "300")
     page.keyboard.press("Enter")
     page.locator(LIVE).get_by_role("button", name="stop").click()
     said = "The computation was stopped" if in_lab else "This server does not let a computation be stopped"
@@ -78,7 +78,7 @@ def test_a_long_run_is_stopped_in_jupyterlab_and_plain_voila_says_that_it_cannot
         page.locator(LIVE).get_by_role("button", name="undo").click()
         page.wait_for_selector(f"{LIVE} .fl-status:not(.fl-bad)", timeout=PATIENCE)
         settled(page, LIVE)
-    assert page.locator(f"{LIVE} .fl-method select").input_value().startswith("quick")
+    assert page.locator(f"{LIVE} [data-name=method] select").input_value().startswith("quick")
 
 
 @needs_voila
