@@ -35,6 +35,7 @@ OUTPUT_UNITS = {
     **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
 SI = "m", "N"  # units of length and of force
+REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
 TIME = "t"  # the state of models that depend on time otherwise, s
 CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad

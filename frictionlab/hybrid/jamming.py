@@ -7,7 +7,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.guard_bounds import Tape
 from frictionlab.hybrid.problem import Problem
-from frictionlab.presentation import WEDGE
+from frictionlab.presentation import REACTION, WEDGE
 
 ZERO_SHARE = 1e-9  # share of a function's size that counts as zero
 
@@ -15,8 +15,9 @@ ZERO_SHARE = 1e-9  # share of a function's size that counts as zero
 def jammed_contact(automaton: HybridAutomaton, problem: Problem, state: np.ndarray) -> str:
     """Words for a contact that a state keeps closed in some mode without a reaction; empty where none is."""
     for number, name in enumerate(problem.program.modes):
-        events = automaton.mode(name).events
-        places = [i for i, event in enumerate(events) if event.name.split("_")[0] == WEDGE]
+        mode = automaton.mode(name)
+        events, of_rigid = mode.events, {f"{WEDGE}{one.removeprefix(REACTION)}" for one in mode.outputs}
+        places = [i for i, event in enumerate(events) if event.name in of_rigid]
         if not places:
             continue
         tape = Tape(problem.program.code, problem.numbers, number)
