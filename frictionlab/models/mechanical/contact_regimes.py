@@ -50,6 +50,7 @@ RUBBING_IN_PLANE = ("stick", "breakaway", "slip")  # in this order, as slip take
 APART = ("separation", "relaxation")  # regimes without contact forces
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
+LEAST_IMPULSE = 1e-150  # N s, so that nothing is divided by zero without a push; its square is no underflow
 DIRECTIONS = "a", "b"  # the components of friction in the plane, in names of outputs
 CHATTER_MODE = "chatter"
 CHATTER_FLIGHT = "flight"  # the event that ends it by an impact
@@ -617,8 +618,9 @@ def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, by_opening
     friction dissipates, which limits p_T too.
     """
     size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
-    largest, needed = mu * impulse, size(stopping) - mu * share * stopping
-    rubbing = 2 * stopping * largest / (largest + needed + size(largest - needed))
+    needed = size(stopping) - mu * share * stopping  # below 0 where the cone has no border on this side
+    largest, needed = 2 * mu * impulse, size(needed + size(needed))  # twice, and neither is negative
+    rubbing = 2 * stopping * largest / (largest + needed + size(largest - needed) + LEAST_IMPULSE)
     if by_opening == 0:
         return rubbing
     twice = 2 * (stopping + by_opening)

@@ -5,10 +5,12 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import frictionlab as fl
+from frictionlab.models.mechanical.contact_regimes import rubbing_impulse
 from tests.reference.moreau import RigidSystem, time_steps
 
 sin, cos = fl.functions.sin, fl.functions.cos
@@ -178,6 +180,13 @@ def test_a_rod_that_slides_into_the_paradox_says_so():
     assert run["theta"][-1] == pytest.approx(theta, rel=1e-6)
 
 
+def test_an_event_of_ones_own_may_be_called_wedge():
+    x, v = sp.symbols("x v")
+    mode = fl.Mode("on", (v, sp.Integer(-1)), (fl.Event("wedge", x, ()),))
+    run = fl.solve(fl.HybridAutomaton((x, v), (mode,), coordinates=1), 3.0, x0=[1.0, 0.0], progress=False)
+    assert (run.status.ok, run.warning) == (False, None)
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [
@@ -261,7 +270,7 @@ class ThrownRod(fl.MechanicalModel):
         return fl.Mechanics(kinetic=(v.x**2 + v.y**2) / 2 + v.theta**2 / 6, contacts=(end,))
 
 
-@pytest.mark.parametrize("mu", [0.2, 0.8, 2.0])
+@pytest.mark.parametrize("mu", [0.0, 0.2, 0.8, 2.0])
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_impulses_of_a_rod_that_strikes_a_floor(e, mu):
     """Newton's law, a push within the cone, and no energy gained: Kane's paradox."""
@@ -278,6 +287,30 @@ def test_impulses_of_a_rod_that_strikes_a_floor(e, mu):
         assert abs(p_T) <= mu * p_N + 1e-12
         energies = [z[3] ** 2 + z[4] ** 2 + z[5] ** 2 / 3 for z in (before, after)]
         assert energies[1] <= energies[0] + 1e-12
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.8])
+def test_an_end_that_does_not_slide_is_not_rubbed(mu):
+    """Both p_T and the cone may be zero: p_N = 1.5/(1 + 3) changes y' and theta' alone."""
+    start = [0.0, 1e-9, 0.0, 0.0, -1.0, 0.0]
+    run = fl.simulate(ThrownRod(impact=fl.FrictionalImpact(e=0.5, mu_i=mu)), 1e-3, x0=start, progress=False)
+    assert run.events.state[0, 3:] == pytest.approx([0.0, -0.625, -1.125], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("mu", "impulse", "share", "stopping", "p_T"),
+    [
+        (0.0, 1.0, 0.0, 0.0, 0.0),
+        (0.5, 0.0, 0.3, 1.0, 0.0),
+        (2.0, 0.0, 1.0, 1.0, 0.0),
+        (2.0, 1e-20, 1.0, 1.0, 1.0),
+    ],
+)
+def test_impulses_of_friction_at_the_tip_of_the_cone(mu, impulse, share, stopping, p_T):
+    """Without a push there is no friction; with mu times the share above 1 any push allows all of it."""
+    symbols = sp.symbols("mu impulse share stopping")
+    formula = sp.lambdify(symbols, rubbing_impulse(*symbols, 0), cse=False)
+    assert formula(mu, impulse, share, stopping) == pytest.approx(p_T, rel=1e-12, abs=0.0)
 
 
 def woodpecker_by_moreau(t_end, h):
