@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache, cached_property, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -61,7 +62,7 @@ class CachedAutomaton(HybridAutomaton):
 
     @cached_property
     def _derived(self) -> HybridAutomaton:
-        return _with_numbers(automaton_of_structure(self._key), _numbers(self.values))
+        return replace(automaton_of_structure(self._key), parameters=_numbers(self.values))
 
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
@@ -130,13 +131,9 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     outline = _outline(key, derivations)
     if outline is None:
         derived = automaton_of_structure(key)
-        return _with_numbers(derived, _numbers(values) | dict(derived.parameters))
+        return replace(derived, parameters=_numbers(values) | dict(derived.parameters))
     outline, added = outline
     return CachedAutomaton(key, outline, {**values, **added}, derivations)
-
-
-def _with_numbers(derived: HybridAutomaton, numbers: Mapping[Symbol, float]) -> HybridAutomaton:
-    return HybridAutomaton(derived.states, derived.modes, numbers, derived.coordinates, derived.cyclic)
 
 
 def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
@@ -236,7 +233,7 @@ def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str
     needed = dict.fromkeys((*key.parameters, *automaton.values))
     if missing := [name for name in needed if name not in parameters]:
         raise ValueError(f"it lacks the parameters {', '.join(missing)}")
-    return _with_numbers(automaton, _numbers(parameters))
+    return replace(automaton, parameters=_numbers(parameters))
 
 
 def _structure_from_data(data: Any, base: type) -> StructureKey:

@@ -99,6 +99,7 @@ def automaton_to_data(automaton: HybridAutomaton) -> dict[str, Any]:
         "parameters": [[writer.node(symbol), float(v)] for symbol, v in automaton.parameters.items()],
         "coordinates": automaton.coordinates,
         "cyclic": list(automaton.cyclic),
+        "period": automaton.period,
         "modes": [_mode_to_data(mode, writer) for mode in automaton.modes],
     }
     data["nodes"] = writer.written
@@ -208,6 +209,7 @@ def automaton_from_data(data: Mapping[str, Any]) -> HybridAutomaton:
             {nodes[place]: float(value) for place, value in data["parameters"]},
             data["coordinates"],
             tuple(data["cyclic"]),
+            data.get("period"),
         )
     except (LookupError, TypeError, AttributeError, NotImplementedError, ArithmeticError) as error:
         raise ValueError(f"the automaton in it is damaged, {error!r}") from error

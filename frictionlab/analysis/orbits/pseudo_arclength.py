@@ -76,13 +76,8 @@ def with_parameter_as_state(automaton: HybridAutomaton, parameter: str) -> Hybri
     """The automaton with a parameter as its last state, of zero rate."""
     symbol = next(s for s in automaton.parameters if s.name == parameter)
     others = {s: value for s, value in automaton.parameters.items() if s is not symbol}
-    return HybridAutomaton(
-        (*automaton.states, symbol),
-        _modes_with_constant(automaton.modes),
-        others,
-        automaton.coordinates,
-        automaton.cyclic,
-    )
+    states, modes = (*automaton.states, symbol), _modes_with_constant(automaton.modes)
+    return replace(automaton.derived(), states=states, modes=modes, parameters=others)
 
 
 @lru_cache(maxsize=64)
