@@ -50,7 +50,8 @@ class HybridAutomaton:
         a steady rotation is an equilibrium.
     period : float or None
         Approximate period of an oscillation, s: explorers and pages show multiples of it.  None lets them
-        find it in the motion.
+        find it in the motion: from its turns, its way to rest, or the fastest eigenvalue.  Where none of them
+        tells a time it is the length of a run that ends by itself, or 1, so state it in a unit other than s.
 
     Raises
     ------

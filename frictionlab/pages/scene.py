@@ -17,7 +17,6 @@ from typing import Any, TypeAlias
 import numpy as np
 
 import frictionlab
-from frictionlab.analysis.found_period import with_period
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import (
     highest_frequency,
@@ -25,6 +24,7 @@ from frictionlab.analysis.motion_scales import (
     round_down_1_2_5,
     rounded_period,
 )
+from frictionlab.analysis.period_of_motion import with_period
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, Parameter, structure_of
 from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact

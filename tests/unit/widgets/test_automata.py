@@ -7,7 +7,8 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.found_period import with_period
+from frictionlab.analysis.orbits.pseudo_arclength import with_parameter_as_state
+from frictionlab.analysis.period_of_motion import with_period
 from tests.helpers.automata import V, X, automaton, ball, coulomb, named, oscillator, thermostat
 from tests.helpers.explorers import words
 
@@ -20,6 +21,9 @@ PERIODS = {
     "seconds of 1e-6": (automaton(fl.Mode("on", (V, -1e12 * X))), [1.0, 0.0], 2e-6 * pi),
     "no oscillation": (DECAY, [1.0], log(1e3) / 2 / 10),
     "nothing": (automaton(fl.Mode("on", (sp.S.One,)), states=(X,), coordinates=0), [0.0], 1.0),
+    "drift": (automaton(fl.Mode("on", (V, sp.S.Zero))), [0.0, 1.0], 1.0),
+    "no mode": (automaton(fl.Mode("on", (V, -X), (), (X - 1,))), [0.0, 0.0], 1.0),
+    "an end in 1e-6": (automaton(fl.Mode("on", (1e6 * X**2,)), states=(X,), coordinates=0), [1.0], 1e-6),
 }
 
 
@@ -33,6 +37,7 @@ def test_a_period_that_is_stated_is_kept():
     stated = fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=3.0)
     explorer = fl.explore(stated.replace(belt=0.1), ["response"])
     assert explorer.widget.scene["period"] == 2.0
+    assert with_parameter_as_state(stated, "belt").period == 3.0
     with pytest.raises(ValueError, match="period must be a finite number, above 0, got 0"):
         fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=0)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import RunOptions, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import eigenvalues
@@ -20,7 +21,7 @@ FOREVER = 1e30  # s: the steps end it
 LEAST_TURNS = 3
 PERIODS_UNTIL_REST = 10.0  # of a motion that comes to rest without turning: all of it is then shown
 RESTED = 0.9  # share of the run by which a motion that comes to rest has done so
-NO_PERIOD = 1.0  # s, where nothing tells one
+NO_PERIOD = 1.0  # in the automaton's unit of time, where nothing tells one, as in a steady drift
 
 
 def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
@@ -33,7 +34,7 @@ def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
 
 def _period_of_motion(run: Trajectory) -> float:
     """The mean time (s) in which the fastest state goes up and down, at the end or in all; else a share of
-    the time until rest, or the period of the fastest eigenvalue."""
+    the time until rest, the period of the fastest eigenvalue, or the length of a run that ends by itself."""
     least = SEEN * np.ptp(run.states, axis=0)
     for begin in (len(run.t) // 2, 0):
         times, states = run.t[begin:], run.states[begin:]
@@ -45,9 +46,13 @@ def _period_of_motion(run: Trajectory) -> float:
         return rest / PERIODS_UNTIL_REST
     try:
         fastest = float(np.abs(eigenvalues(run.automaton).values).max(initial=0.0))
-    except (ValueError, ArithmeticError):
-        return NO_PERIOD
-    return 2 * pi / fastest if fastest else NO_PERIOD
+    except (ValueError, ArithmeticError):  # no equilibrium, or no finite slopes there
+        fastest = 0.0
+    if fastest:
+        return 2 * pi / fastest
+    # A run of all steps has their length, which grows without bounds.
+    length = 0.0 if run.raw.status is Status.STEP_CAP else float(run.raw.t)
+    return length or NO_PERIOD
 
 
 def _mean_period(times: Array, values: Array) -> float:
