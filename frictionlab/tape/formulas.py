@@ -67,11 +67,13 @@ class Arithmetic(NamedTuple):
 
     Parameters
     ----------
+    name : str
     functions : mapping of int to callable
     select : callable
         Of a condition and two values.
     """
 
+    name: str
     functions: Mapping[int, Callable[..., Any]]
     select: Callable[[Any, Any, Any], Any]
 
@@ -144,6 +146,7 @@ FUNCTIONS_BY_KIND = {function.kind: function for function in (*FUNCTIONS, *OTHER
 ELEMENTARY = {function.kind: function.value for function in (*FUNCTIONS, *INVERSE_FUNCTIONS)}
 
 NUMBERS = Arithmetic(
+    "numbers",
     {
         **{kind: _of_float(function.value) for kind, function in FUNCTIONS_BY_KIND.items()},
         NOT: operator.not_,
@@ -172,6 +175,7 @@ def nonnegative_power(base: Any, exponent: Any) -> Any:
 
 
 ARRAYS = Arithmetic(
+    "arrays",
     {
         **{kind: function.array for kind, function in FUNCTIONS_BY_KIND.items()},
         ATAN2: np.arctan2,
@@ -189,7 +193,11 @@ ARRAYS = Arithmetic(
     },
     select,
 )
-ALONG_RUNS = Arithmetic({**ARRAYS.functions, POWER: nonnegative_power, REAL_POWER: nonnegative_power}, select)
+ALONG_RUNS = Arithmetic(
+    "along runs",
+    {**ARRAYS.functions, POWER: nonnegative_power, REAL_POWER: nonnegative_power},
+    select,
+)
 
 
 def _array_power(x: Any, y: Any) -> Any:
@@ -669,7 +677,7 @@ def operands(tape: Tape, i: int) -> list[int]:
     return [a, b, int(tape.constants[i])] if kind == SELECT else [a] if a == b else [a, b]
 
 
-_STEPS: WeakKeyDictionary[Tape, dict[int, dict[int, Step]]] = WeakKeyDictionary()
+_STEPS: WeakKeyDictionary[Tape, dict[str, dict[int, Step]]] = WeakKeyDictionary()
 
 
 def _steps(tape: Tape, arithmetic: Arithmetic, needed: Sequence[int]) -> list[tuple[int, Step]]:
@@ -677,7 +685,7 @@ def _steps(tape: Tape, arithmetic: Arithmetic, needed: Sequence[int]) -> list[tu
 
     They are remembered for each tape, as a tape grows where modes are derived on demand.
     """
-    steps = _STEPS.setdefault(tape, {}).setdefault(id(arithmetic), {})
+    steps = _STEPS.setdefault(tape, {}).setdefault(arithmetic.name, {})
     for i in needed:
         if i not in steps:
             steps[i] = _step(tape, i, arithmetic)
