@@ -43,6 +43,9 @@ from frictionlab.validation import abbreviate, check_flag
 
 # share of a vector's length that remains by rounding alone where an event removes the vector
 LOST_SHARE = 1e-12
+# s, when the first mode of a run that goes on from another was entered, at the latest: neighbours on both
+# sides come from there, and an event at t = 0 has a derivative
+BEFORE_START = -float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,15 +192,18 @@ def carry_rows(steps: Any, run: Trajectory, part: slice, rows: np.ndarray, *more
         raise SaltationError(f"the tangent flow overflows after t = {t:g} s: end the run earlier")
 
 
-def entry_time(run: Trajectory, i: int) -> float:
-    """When the mode that an event ends was entered.  That a phase began anew since then does not count."""
+def entry_time(run: Trajectory, i: int, first: float) -> float:
+    """When the mode that an event ends was entered; the run's own at the `first` time.
+
+    That a phase began anew since then does not count.
+    """
     raw, problem = run.raw, run.problem
     for k in range(i - 1, -1, -1):
         guard, target = (int(one) for one in raw.event_codes[k, :2])
         stays = target == problem.program.guard_modes[guard]
         if not stays or not changes_nothing(problem.program, problem.numbers, guard, raw.event_states[k, 0]):
             return float(raw.event_times[k])
-    return 0.0
+    return first
 
 
 def step_to_stop(run: Trajectory, i: int) -> int | None:
@@ -217,8 +223,8 @@ def step_to_stop(run: Trajectory, i: int) -> int | None:
     return step if stop == guard else None
 
 
-def event_saltation(run: Trajectory, i: int) -> Saltation:
-    """Saltation of an event of a run, by its number."""
+def event_saltation(run: Trajectory, i: int, first: float = 0.0) -> Saltation:
+    """Saltation of an event of a run, by its number; the run's first mode was entered at the `first` time."""
     raw, problem = run.raw, run.problem
     t, (guard, target, closed) = raw.event_times[i], raw.event_codes[i]
     where = f"at t = {t:g} s ({run.events.source[i]} to {run.events.target[i] or 'no mode'})"
@@ -227,7 +233,7 @@ def event_saltation(run: Trajectory, i: int) -> Saltation:
     before, after = raw.event_states[i]
     if (last := step_to_stop(run, i)) is not None:
         before = raw.step_states[last]
-    dwell = float(t - entry_time(run, i)) or (0.0 if i else np.finfo(float).tiny)  # none before the first
+    dwell = float(t - entry_time(run, i, first))
     event = EventCrossing(int(guard), int(target), before, after, dwell)
     try:
         return saltation(problem.program, problem.numbers, event, bool(closed))
@@ -286,6 +292,7 @@ def carry_orthonormal_steps(code, numbers, truncation, steps, z, frame, scratch,
 def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rows (m, n) propagated to the end of a run, orthonormal in units of `size` (n,), and their growth.
 
+    The run goes on from another one.
     The growth (m,) is the logarithm of a factor: -inf where an event or a mode's constraints remove a
     direction.
     """
@@ -297,7 +304,7 @@ def tangent_growth(run: Trajectory, rows: np.ndarray, size: np.ndarray) -> tuple
                 rows = _orthonormalise_anew(rows @ admissible_frame(run, some.start).T, size, growth)
             carry_rows(carry_orthonormal_steps, run, some, rows, Growth(size, growth))
         if event is not None:
-            rows = _orthonormalise_anew(event_saltation(run, event).carried(rows), size, growth)
+            rows = _orthonormalise_anew(event_saltation(run, event, BEFORE_START).carried(rows), size, growth)
     return rows, growth
 
 

@@ -8,7 +8,7 @@ import sympy as sp
 from scipy.linalg import expm
 
 import frictionlab as fl
-from frictionlab.hybrid.variational.tangent_flow import end_rates
+from frictionlab.hybrid.variational.tangent_flow import end_rates, tangent_growth
 from frictionlab.hybrid.variational.tangent_jets import EventCrossing, saltation
 from frictionlab.tape.packing import program_of
 from tests.helpers.automata import ONCE, V, X, automaton, ball, clock, coulomb, oscillator
@@ -280,6 +280,15 @@ def test_grazing_and_coincidence_are_refused():
     z = np.array([0.1, 0.2])
     with pytest.raises(ValueError, match="two events at one instant"):
         saltation(program, numbers, EventCrossing(2, 0, z, z, 0.0))
+
+
+@ONCE
+def test_an_event_where_a_run_starts_has_one_side_only_unless_the_run_goes_on():
+    run = fl.solve(clock(fl.Event("touch", 1 - X, ("off",))), 2.0, x0=[1.0], mode="on")
+    assert run.events.t.tolist() == [0.0]
+    with pytest.raises(ValueError, match="two events at one instant"):
+        fl.tangent_flow(run)
+    assert tangent_growth(run, np.eye(1), np.ones(1))[1] == [-np.inf]
 
 
 @ONCE
