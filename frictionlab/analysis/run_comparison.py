@@ -88,7 +88,8 @@ def _modes_by_motion(run: Trajectory, other: Trajectory) -> Any:
         rates = np.array([tape.values(states, tape.flow) for tape in tapes.values()])
         sizes = np.array([tape.magnitudes(states, tape.flow) for tape in tapes.values()])
         own = np.searchsorted(names, modes[stays]).repeat(within.shape[1]), np.arange(len(states))
-        alike = (np.abs(rates - rates[own]) <= largest_violation(run) * sizes[own]).all(axis=-1)
+        alike: Any = (np.abs(rates - rates[own]) <= largest_violation(run) * sizes[own]).all(axis=-1)
+        alike[own] = True  # also where its rates are not finite
         modes[stays] = names[alike.reshape(len(names), *within.shape).all(axis=-1).argmax(axis=0)]
     return modes
 

@@ -28,12 +28,12 @@ from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.mechanical.friction_in_plane import STOP
+from frictionlab.hybrid.variational.tangent_flow import step_to_stop
+from frictionlab.presentation import count
 
 MOST_STEPS, PIECES_AT_ONCE = 20_000, 1000
 HALVINGS = 30  # by which the time of a violation is found
 SAMPLES_OF_SIZES, SAMPLES_OF_ROUNDING = 2000, 500
-MOST_OF_TIME = 0.9  # rounding of rates grows for an instant where friction in the plane comes to a stop
 VIOLATION_WITHOUT_TOLERANCE = 1e-6  # share of a condition's size, for methods whose tolerance is not known
 ROUNDING_MARGIN = 10.0  # times the rounding errors of a state: what moves less is at rest
 STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relative velocity zero
@@ -48,8 +48,11 @@ def broken_condition(run: Trajectory) -> str:
 def unjudged_steps(run: Trajectory) -> str:
     """How many steps conditions were looked at in, where these are not all; an empty text else."""
     begins, lengths = run.raw.step_times.T
-    judged, count = len(_chosen_steps(run)), int((begins + lengths > begins).sum())
-    return f"Event functions were bounded in {judged} of {count} steps." if judged < count else ""
+    judged, every = len(_chosen_steps(run)), int((begins + lengths > begins).sum())
+    text = f"Event functions were bounded in {judged} of {every} steps." if judged < every else ""
+    stops = len(steps_to_stops(run)) if is_of_series(run) else 0
+    left_out = f"Rates were not compared in {count(stops, 'step')} to stops in the plane." if stops else ""
+    return " ".join(filter(None, [text, left_out]))
 
 
 def is_of_series(run: Trajectory) -> bool:
@@ -76,17 +79,21 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
     """Sizes of the states that move by no more than rounding errors of the rates, summed over the run.
 
     Of such a size these errors are the share by which a condition may be broken.  Those of other states are
-    zero, as a motion is judged by its own size.
+    zero, as a motion is judged by its own size.  In steps to stops in the plane rates grow for an instant:
+    these are left out.
     """
     n = run.automaton.coordinates
-    states, modes = run.states_and_modes(np.linspace(0.0, run.raw.t, SAMPLES_OF_ROUNDING))
+    t = np.linspace(0.0, run.raw.t, SAMPLES_OF_ROUNDING)
+    steps = np.searchsorted(run.raw.step_times[:, 0], t, side="right") - 1
+    states, modes = run.states_and_modes(t[~np.isin(steps, steps_to_stops(run))])
     rates = np.zeros_like(states)
     for mode in np.unique(modes):
         tape, here = Tape(run.problem.program.code, run.problem.numbers, int(mode)), modes == mode
         with np.errstate(all="ignore"):
             rates[here] = tape.magnitudes(states[here], tape.flow)
-    rates = np.quantile(np.nan_to_num(rates, posinf=0.0), MOST_OF_TIME, axis=0)
-    rounding = RESIDUAL_ROUNDING * run.raw.t * rates
+    finite = np.isfinite(rates)
+    mean = np.where(finite, rates, 0.0).sum(axis=0) / np.maximum(finite.sum(axis=0), 1)
+    rounding = RESIDUAL_ROUNDING * run.raw.t * mean
     rounding[:n] = rounding[n : 2 * n] * run.raw.t
     only_rounding = state_ranges(run.states) <= ROUNDING_MARGIN * rounding
     return np.where(only_rounding, rounding / largest_violation(run), 0.0)
@@ -94,8 +101,8 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
 
 def steps_to_stops(run: Trajectory) -> Array:
     """The steps that end by a stop of friction in the plane, over which accelerations count as constant."""
-    stops = run.events.t[np.char.startswith(run.events.guard.astype(str), STOP)]
-    return np.searchsorted(run.raw.step_times[:, 0], stops) - 1
+    last = (step_to_stop(run, i) for i in range(len(run.raw.event_times)))
+    return np.array([step for step in last if step is not None], dtype=int)
 
 
 def evenly_spread(count: int, most: int) -> Array:

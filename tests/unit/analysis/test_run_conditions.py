@@ -1,11 +1,14 @@
 """Runs that break the conditions of their modes are told, whatever other runs say; sound ones are not."""
 
+import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
 from frictionlab import Event, HybridAutomaton, Mode, Reset
-from frictionlab.analysis.run_conditions import broken_condition
+from frictionlab.analysis.run_comparison import mode_stays
+from frictionlab.analysis.run_conditions import broken_condition, judged_size, steps_to_stops, unjudged_steps
+from frictionlab.hybrid.guard_bounds import Tape
 from frictionlab.hybrid.problem import Problem
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.tape.packing import program_of
@@ -81,3 +84,35 @@ def test_sound_runs_break_none(tol):
     assert broken_condition(fl.simulate(fl.NewtonsCradle(), 3.0, method=method, progress=False)) == ""
     for model in (fl.MassOnBelt(), fl.ImpactOscillator(), fl.TwoBlocks(), fl.DenHartog()):
         assert broken_condition(fl.simulate(model, 8.0, method=method, progress=False)) == ""
+
+
+@ONCE
+def test_an_event_that_is_called_stop_is_judged_as_any_other():
+    """Only friction in the plane comes to a norm's zero, over a step of constant accelerations."""
+    law = HybridAutomaton(
+        (X,), (Mode("go", (sp.S.One,), (Event("stop", 1 - X, ("end",)),)), Mode("end", (sp.S.Zero,)))
+    )
+    run = fl.solve(law, 6.0, x0=[0.0], progress=False)
+    assert len(run.events) == 1
+    assert not len(steps_to_stops(run))
+    assert unjudged_steps(run) == ""
+
+
+@ONCE
+def test_rounding_of_rates_adds_up_over_a_short_part_of_a_run():
+    """A force that is rounding alone acts for 0.3 s of 10 s."""
+    t = sp.Symbol("t")
+    after = Mode("after", (V, sp.S.Zero, sp.S.One))
+    rounding = sp.sin(t) ** 2 + sp.cos(t) ** 2 - 1
+    acting = Mode("acting", (V, rounding, sp.S.One), (Event("end", sp.Rational(3, 10) - t, ("after",)),))
+    run = fl.solve(automaton(acting, after, states=(X, V, t)), 10.0, x0=[0.0] * 3, progress=False)
+    assert judged_size(run)[1] > 1e-6
+
+
+@ONCE
+def test_modes_whose_rates_are_not_finite_keep_their_names(monkeypatch):
+    go = Mode("a", (sp.S.One, sp.S.Zero), (Event("turn", 2 - X, ("b",)),), (V,))
+    back = Mode("b", (sp.S.NegativeOne, sp.S.Zero), (), (V,))
+    run = fl.solve(automaton(go, back, coordinates=0), 4.0, x0=[0.0, 0.0], mode="a", progress=False)
+    monkeypatch.setattr(Tape, "values", lambda tape, states, some: np.full((len(states), len(some)), np.nan))
+    assert mode_stays(run, 0.0).mode.tolist() == ["b"]
