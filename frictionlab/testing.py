@@ -27,6 +27,7 @@ from frictionlab.components.component import Component, Parameter, parameters_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.mechanical.contact_regimes import PHASE
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
@@ -35,12 +36,11 @@ from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import formulas_of
 from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.packing import program_of
-from frictionlab.validation import abbreviate, check_t_end
+from frictionlab.validation import abbreviate, check_number, check_t_end
 
 __all__ = ["check_law", "check_model"]
 
 PENETRATIONS = np.linspace(1e-4, 0.1, 7)
-MAX_PENETRATION, MAX_SPEED = 0.1, 100.0  # m, m/s: up to these a force must have its sign
 SHARES = np.append(0.0, np.geomspace(1e-9, 1.0, 73))  # of these, at which signs are looked at first
 MAX_PARTS, ROUNDS = 4096, 50  # of the bisection of the parts between them
 SPEEDS = np.linspace(0.0, 3.0, 7)
@@ -53,6 +53,8 @@ COMPARISON_TIME = 0.02  # s, of the comparison with another integrator
 COMPARISON_METHOD, COMPARISON_RTOL = "DOP853", 1e-7
 SAMPLE_COUNT, MAX_MISS = 400, 1e-9  # of the outputs of a motion, and by which share they may miss a rule
 PARAMETER_FACTOR = 1.0 + 2.0**-20  # by which a parameter's value is changed
+
+Limits = Mapping[str, float]  # `max_speed` and `max_penetration` of check_law
 
 
 def fail(subject: Any, rule: str, got: Any) -> None:
@@ -105,16 +107,17 @@ def _class_names(subject: Component) -> dict[str, type]:
     return classes
 
 
-def check_law(law: Component) -> None:
+def check_law(law: Component, *, max_speed: float = 100.0, max_penetration: float = 0.1) -> None:
     """Check a contact, friction or impact law.
 
     Its parameters are described, its repr makes it again, its methods give for symbols what they give for
-    numbers and arrays, and the forces have the signs that the modes of contact rely on: bounds tell, of
-    penetrations up to 0.1 m and speeds up to 100 m/s.
+    numbers and arrays, and the forces have the signs that the modes of contact rely on: bounds tell.
 
     Parameters
     ----------
     law : ContactLaw, FrictionLaw or ImpactLaw
+    max_speed, max_penetration : float
+        m/s and m: the range of the law, up to which friction and normal force must have their signs.
 
     Raises
     ------
@@ -122,49 +125,70 @@ def check_law(law: Component) -> None:
         With the rule that the law breaks, and what it gives instead.
     TypeError
         For anything else than such a law.
+    ValueError
+        For a range that is not positive.
     """
     kind = next((kind for kind in LAW_CHECKS if isinstance(law, kind)), None)
     if kind is None:
         raise TypeError(f"law must be a ContactLaw, FrictionLaw or ImpactLaw, got {abbreviate(law)}")
+    limits = {
+        "max_speed": check_number("max_speed", max_speed, above=0.0, cure="give the law's range in m/s"),
+        "max_penetration": check_number(
+            "max_penetration", max_penetration, above=0.0, cure="give the law's range in m"
+        ),
+    }
     check_parameters(law, parameters_of(type(law)))
     check_round_trip(law)
-    LAW_CHECKS[kind](law)
+    LAW_CHECKS[kind](law, limits)
 
 
-def _check_contact(law: Any) -> None:
-    _consistent_values(law, "force", PENETRATIONS)
+def _check_contact(law: Any, limits: Limits) -> None:
+    _consistent_values(law, "force", _within(PENETRATIONS, limits["max_penetration"]))
     rule = "force(penetration) must be finite and not negative where the bodies press on each other"
-    _check_sign(law, rule, "force", (), MAX_PENETRATION, "m")
+    _check_sign(law, rule, "force", (), "max_penetration", limits, "m")
 
 
-def _check_friction(law: Any) -> None:
+def _within(arguments: Any, most: float) -> Any:
+    """Arguments of a law, ascending, drawn together where they are beyond its range."""
+    return arguments * min(1.0, most / arguments[-1])
+
+
+def _check_friction(law: Any, limits: Limits) -> None:
+    speeds = _within(SPEEDS, limits["max_speed"])
     if law.states:
-        _check_dynamic_friction(law)
+        _check_dynamic_friction(law, speeds)
         return
-    speed, normal = map(np.ravel, np.meshgrid(SPEEDS, FORCES))
+    speed, normal = map(np.ravel, np.meshgrid(speeds, FORCES))
     kinetic, limit = (
         _consistent_values(law, "kinetic", normal, speed),
         _consistent_values(law, "static_limit", normal),
     )
     rule = "kinetic(normal_force, speed) must be finite and not negative, its direction is the mode's"
     for force in FORCES.tolist():
-        _check_sign(law, rule, "kinetic", (force,), MAX_SPEED, "m/s")
+        _check_sign(law, rule, "kinetic", (force,), "max_speed", limits, "m/s")
     slow = speed == 0.0
     if not (kinetic[slow] <= limit[slow] * (1 + LAW_RTOL)).all():
         fail(law, "kinetic(normal_force, 0) must not exceed static_limit(normal_force)", kinetic[slow])
 
 
-def _check_sign(law: Any, rule: str, method: str, before: Sequence[float], most: float, unit: str) -> None:
-    """Fail where a method is negative, or not finite, at a last argument from 0 to `most`, and say where."""
+def _check_sign(
+    law: Any, rule: str, method: str, before: Sequence[float], limit: str, limits: Limits, unit: str
+) -> None:
+    """Fail where a method is negative, or not finite, at a last argument from 0 to a limit, and say where."""
+    most = limits[limit]
     x = sp.Symbol("argument", real=True)
     values = formulas_of([x], [_formula(law, method, *before, x)]).arrays
 
+    def numbers_at(at: Any) -> Any:
+        return np.broadcast_to(np.asarray(values(at)[0], float), np.shape(at))
+
     def is_wrong(at: Any) -> Any:
-        value = np.broadcast_to(np.asarray(values(at)[0], float), np.shape(at))
-        return ~((value >= 0.0) & np.isfinite(value))
+        value = numbers_at(at)
+        return ~((value >= least) & np.isfinite(value))
 
     with np.errstate(all="ignore"):
-        points = _decisive_points(values, is_wrong, most)
+        least = -_rounding(numbers_at(most * SHARES))
+        points = _decisive_points(values, is_wrong, most, least)
         wrong = is_wrong(points)
         if not wrong.any():
             return
@@ -174,11 +198,19 @@ def _check_sign(law: Any, rule: str, method: str, before: Sequence[float], most:
         high = _border(is_wrong, *points[last : last + 2]) if last + 1 < len(points) else most
         middle = float(values((low + high) / 2)[0])
     force = f" at a normal force of {before[0]:g} N" if before else ""
-    fail(law, f"{rule}, also from {low:.6g} to {high:.6g} {unit}{force}", middle)
+    place = f"also from {low:.6g} to {high:.6g} {unit}{force}"
+    fail(law, f"{rule}, {place}, or check_law(law, {limit}=...) must tell its smaller range", middle)
 
 
-def _decisive_points(values: Callable[..., Any], is_wrong: Callable[[Any], Any], most: float) -> Any:
-    """Points from 0 to `most` one of which is wrong, or none where bounds tell that none is.
+def _rounding(values: Any) -> float:
+    """Rounding errors of terms that cancel, of a law with these values elsewhere."""
+    return LAW_RTOL * float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
+
+
+def _decisive_points(
+    values: Callable[..., Any], is_wrong: Callable[[Any], Any], most: float, least: float
+) -> Any:
+    """Points from 0 to `most` one of which is wrong, or none where bounds tell that none is below `least`.
 
     Parts without such bounds are bisected, as long as they are few.
     """
@@ -187,7 +219,7 @@ def _decisive_points(values: Callable[..., Any], is_wrong: Callable[[Any], Any],
     for _ in range(ROUNDS):
         with suppress(TypeError):  # of a function without bounds all parts are left
             bounds = interval(values(Interval(low, high))[0])
-            left = np.broadcast_to(~((bounds.low >= 0.0) & (bounds.high < np.inf)), low.shape)
+            left = np.broadcast_to(~((bounds.low >= least) & (bounds.high < np.inf)), low.shape)
             low, high = low[left], high[left]
         middle = (low + high) / 2
         points = np.union1d(points, middle)
@@ -206,8 +238,8 @@ def _border(is_wrong: Callable[[float], Any], low: float, high: float) -> float:
     return (low + high) / 2
 
 
-def _check_dynamic_friction(law: Any) -> None:
-    velocities = np.concatenate([-SPEEDS[1:], SPEEDS[1:]])
+def _check_dynamic_friction(law: Any, speeds: Any) -> None:
+    velocities = np.concatenate([-speeds[1:], speeds[1:]])
     grid = np.meshgrid(FORCES, velocities, *[LAW_STATES] * len(law.states))
     arguments = [values.ravel() for values in grid]
     states = tuple(map(symbol, law.states))
@@ -233,8 +265,8 @@ def _check_dynamic_friction(law: Any) -> None:
         fail(law, rule, np.abs(either[0] - either[1]).max())
 
 
-def _check_impact(law: Any) -> None:
-    rate, compliance = map(np.ravel, np.meshgrid(SPEEDS, [0.5, 2.0]))
+def _check_impact(law: Any, limits: Limits) -> None:
+    rate, compliance = map(np.ravel, np.meshgrid(_within(SPEEDS, limits["max_speed"]), [0.5, 2.0]))
     impulse = _consistent_values(law, "impulse", rate, rate, compliance)
     after = rate - compliance * impulse
     if not (impulse >= 0.0).all():
@@ -253,13 +285,13 @@ def _consistent_values(law: Any, method: str, *arguments: Any, of: str = "") -> 
     formula = _formula(law, method, *symbols, of=of)
     for i, row in enumerate(zip(*arguments, strict=True)):
         at = tuple(map(float, row))
-        exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
         single = _real(law, method, at, _value(law, method, at, of))
-        if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=0.0):
-            rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
-            fail(law, rule, (single, values[i]))
         if not np.isfinite(single):
             fail(law, f"{method} must give a finite number at {row}", single)
+        exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
+        if not np.allclose([values[i], single], exact, rtol=LAW_RTOL, atol=_rounding(values)):
+            rule = f"{method} must give the same for symbols ({exact}), numbers and arrays at {row}"
+            fail(law, rule, (single, values[i]))
     return values
 
 
@@ -284,7 +316,7 @@ def _real(law: Any, method: str, at: tuple[float, ...], value: Any) -> float:
         raise
 
 
-LAW_CHECKS: dict[type, Callable[[Any], None]] = {
+LAW_CHECKS: dict[type, Callable[[Any, Limits], None]] = {
     ContactLaw: _check_contact,
     FrictionLaw: _check_friction,
     ImpactLaw: _check_impact,
@@ -397,8 +429,8 @@ def _check_agreement(model: Model, t_end: float) -> None:
     run = simulate(model, t_end, progress=False)
     own, other = run.final_state, simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
     apart = own - other
-    if isinstance(model, MechanicalModel) and "phase" in run.names:  # one of them may have begun anew
-        clock = run.names.index("phase")
+    if isinstance(model, MechanicalModel) and PHASE in run.names:  # one of them may have begun anew
+        clock = run.names.index(PHASE)
         apart[clock] = np.angle(np.exp(1j * apart[clock]))
     error = np.abs(apart).max() / (np.abs(own).max() or 1.0)
     if not error <= COMPARISON_RTOL:

@@ -151,6 +151,18 @@ class Dipping(fl.Coulomb):
 
 
 @dataclass(frozen=True, repr=False)
+class Touching(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * (1 - 2 * speed / 3 + speed**2 / 9) * normal_force
+
+
+@dataclass(frozen=True, repr=False)
+class Undefined(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force * float("nan")
+
+
+@dataclass(frozen=True, repr=False)
 class Endless(fl.Coulomb):
     def static_limit(self, normal_force):
         return normal_force * float("inf")
@@ -177,6 +189,8 @@ class Explosive(fl.ImpactLaw):
         (Snapping(), "where the bodies press on each other, also from 0.03125 to 0.1 m"),
         (Driving(mu_k=0.5), "must be finite and not negative, its direction.* from 8 to 100 m/s"),
         (Dipping(), r"from 1.24992 to 1.25008 m/s at a normal force of 1 N"),  # 1e-4 sqrt(ln 2) on each side
+        (Driving(mu_k=0.5), r"or check_law\(law, max_speed=...\) must tell its smaller range"),
+        (Undefined(), "kinetic must give a finite number at"),
         (Endless(), "static_limit must give a finite number"),
         (Different(), "must give the same for symbols"),
         (Slippery(), "must not exceed static_limit"),
@@ -187,6 +201,13 @@ class Explosive(fl.ImpactLaw):
 def test_what_is_wrong_is_named(law, rule):
     with pytest.raises(AssertionError, match=rule):
         fl.testing.check_law(law)
+
+
+@pytest.mark.plain_python
+def test_a_law_is_sound_within_its_range_and_may_touch_zero():
+    fl.testing.check_law(Driving(mu_k=0.5), max_speed=8.0)
+    fl.testing.check_law(Snapping(stiff=1.0), max_penetration=0.03)
+    fl.testing.check_law(Touching())
 
 
 def test_a_model_is_no_law():
