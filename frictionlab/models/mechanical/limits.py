@@ -2,7 +2,7 @@
 forces at least 0.
 
 Masses and contacts are checked with numbers by `masses.py` and `contact_numbers.py`, dampers here.  A page,
-which has no Python, checks the same by the formulas of :func:`limits_of`.
+which has no Python, checks the masses and dampers of single coordinates by the formulas of :func:`limits_of`.
 """
 
 from __future__ import annotations
@@ -11,9 +11,12 @@ from collections.abc import Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from frictionlab.components.component import StructureKey
 from frictionlab.models.kept_structures import derivations_of
-from frictionlab.models.symbols import parameter_symbols, structure_values, symbol
+from frictionlab.models.symbols import gradient, parameter_symbols, structure_values, symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .contact_numbers import NORMAL_FORCE, given_normal_forces
@@ -23,9 +26,11 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 DISSIPATION = (
-    "dissipation of {of} must not be negative for any motion, and the damper of {name!r} is {value}: write a "
-    "force that drives as a load; fl.parameter(..., minimum=0.0) refuses it at once"
+    "dissipation of {of} must not be negative for any motion, and {got}: write a force that drives as a "
+    "load; fl.parameter(..., minimum=0.0) refuses a negative damper at once"
 )
+DAMPER = "the damper of {name!r} is {value}"
+ROUNDING = 1e-9  # share of the dampers of its coordinates; files hold matrices with some ten digits
 
 
 class Limit(NamedTuple):
@@ -46,41 +51,73 @@ class Limit(NamedTuple):
 
 
 def check_dampers(model: MechanicalModel) -> None:
-    """Raise ValueError where a damper is negative, at the values of the model's parameters."""
-    names, formulas = _dampers(model.structure_key)
-    if not names:
+    """Raise ValueError where a motion has negative dissipation, at the values of the model's parameters.
+
+    The second derivatives of D by the velocities must have no negative eigenvalue.
+    """
+    about, formulas = _dampers(model.structure_key)
+    if not about["places"]:
         return
-    for name, value in zip(names, formulas.numbers(*structure_values(model)).tolist(), strict=True):
-        if value < 0:
-            raise ValueError(DISSIPATION.format(of=type(model).__name__, name=name, value=f"{value:g}"))
+    names = model.coordinates
+    matrix = np.zeros((len(names), len(names)))
+    for (i, j), value in zip(about["places"], formulas.numbers(*structure_values(model)), strict=True):
+        matrix[i, j] = matrix[j, i] = value
+    for block in about["blocks"]:
+        motion = [names[block[i]] for i in _driven_motion(matrix[np.ix_(block, block)])]
+        if motion:
+            got = f"that of {' and '.join(map(repr, motion))} together is"
+            if len(motion) == 1:
+                i = names.index(motion[0])
+                got = DAMPER.format(name=motion[0], value=f"{matrix[i, i]:g}")
+            raise ValueError(DISSIPATION.format(of=type(model).__name__, got=got))
+
+
+def _driven_motion(dampers: NDArray[np.float64]) -> list[int]:
+    """The coordinates of a motion whose dissipation is negative beyond rounding; [] if there is none."""
+    diagonal = np.diag(dampers)
+    if (diagonal < 0).any():
+        return [int(np.argmax(diagonal < 0))]
+    if not np.isfinite(dampers).all():  # of laws and contacts that are refused in words of their own
+        return []
+    size = np.sqrt(np.where(diagonal == 0.0, 1.0, diagonal))
+    shares, motions = np.linalg.eigh(dampers / size[:, None] / size)
+    part = np.abs(motions[:, 0])
+    return [int(i) for i in np.flatnonzero(part > 1e-6)] if shares[0] < -ROUNDING else []
 
 
 @cache
-def _dampers(key: StructureKey) -> tuple[list[str], Formulas]:
-    """The coordinates whose dampers may be negative, and the dampers as formulas of the parameters."""
+def _dampers(key: StructureKey) -> tuple[dict[str, Any], Formulas]:
+    """Where dissipation may be negative: blocks of coordinates, and formulas of the dampers in them."""
     derivations = derivations_of(key)
-    names = derivations.value("dampers", lambda: list(_uncertain_dampers(key)))
+    about = derivations.value("dampers", lambda: _about_dampers(key))
 
     def derive() -> Formulas:
-        return formulas_of(parameter_symbols(key), list(_uncertain_dampers(key).values()))
+        second = _second_derivatives(key)
+        return formulas_of(parameter_symbols(key), [second[i][j] for i, j in about["places"]])
 
-    return names, kept_formulas(derivations, "dampers", derive)
+    return about, kept_formulas(derivations, "dampers", derive)
 
 
-def _uncertain_dampers(key: StructureKey) -> dict[str, Any]:
+def _about_dampers(key: StructureKey) -> dict[str, Any]:
+    """Coordinates all of whose dampers depend on parameters only, together; each of the others alone."""
+    second, parameters, signs = _second_derivatives(key), set(parameter_symbols(key)), known_signs(key)
+    known = [[one.free_symbols <= parameters for one in row] for row in second]
+    count = range(len(second))
+    together = [i for i in count if all(known[i]) and any(second[i])]
+    coupled = any(second[i][j] != 0 for i in together for j in together if i != j)
+    blocks = [together] if coupled else [[i] for i in together]
+    blocks += [[i] for i in count if known[i][i] and not all(known[i])]
+    blocks = [b for b in blocks if len(b) > 1 or not second[b[0]][b[0]].xreplace(signs).is_nonnegative]
+    places = [[i, j] for b in blocks for i in b for j in b if i <= j and second[i][j] != 0]
+    return {"blocks": blocks, "places": places}
+
+
+def _second_derivatives(key: StructureKey) -> list[list[Any]]:
+    """Those of the dissipation by the velocities."""
     from .equations_of_motion import system_of
 
     system = system_of(key)
-    dissipation = system.mechanics.dissipation
-    signs, parameters = known_signs(key), set(parameter_symbols(key))
-    if not dissipation or parameters.isdisjoint(dissipation.free_symbols):
-        return {}
-    dampers = {q.name: dissipation.diff(v, 2) for q, v in zip(system.q, system.v, strict=True)}
-    return {
-        name: damper
-        for name, damper in dampers.items()
-        if damper.free_symbols <= parameters and not damper.xreplace(signs).is_nonnegative
-    }
+    return [gradient(slope, system.v) for slope in gradient(system.mechanics.dissipation, system.v)]
 
 
 def limits_of(model: MechanicalModel) -> Iterator[Limit]:
@@ -98,8 +135,11 @@ def limits_of(model: MechanicalModel) -> Iterator[Limit]:
             )
             got = f"the mass of {q.name!r} is {{value}}"
             yield Limit(mass, True, KINETIC.format(of=of, got=got, at=f" at {values}"))
-    for name, damper in _uncertain_dampers(key).items():
-        yield Limit(damper, False, DISSIPATION.format(of=of, name=name, value="{value}"))
+    second = _second_derivatives(key)
+    for i, name in enumerate(model.coordinates):
+        if second[i][i].free_symbols <= within and not second[i][i].xreplace(signs).is_nonnegative:
+            got = DAMPER.format(name=name, value="{value}")
+            yield Limit(second[i][i], False, DISSIPATION.format(of=of, got=got))
     for number, press in given_normal_forces(key):
         if not press.xreplace(signs).is_nonnegative:
             yield Limit(press, False, NORMAL_FORCE.format(number=number, of=of, value="{value}"))

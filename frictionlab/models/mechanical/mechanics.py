@@ -241,6 +241,7 @@ class Mechanics:
         Energy V(q), J; or its parts by name, such as "springs" and "gravity", of which V is the sum.
     dissipation : Expr
         Rayleigh's dissipation function D(v), W: half the power that the dampers take, where it is quadratic.
+        It must not be negative for any motion; forces that drive are loads.
     contacts : tuple of Friction, Contact or Stop
     loads : mapping of str to Expr
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
