@@ -121,7 +121,9 @@ class FrictionalImpact(RestitutionImpact):
     The tangential impulse stops the sliding where the friction cone allows it, and opposes it otherwise.  The
     normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
     from those before it; the two differ only in proportion to the belt's angle, which couples the impulses.
-    At stops and in structures both impulses are found together, in the cone and without gain of energy.
+    At stops and in structures both impulses are found together, in the cone and without gain of energy.  A
+    subclass with a :meth:`friction` of its own is asked for it in structures, as at a belt, if e and mu_i are
+    above 0; else it is what :meth:`reduced` gives.
 
     Parameters
     ----------
@@ -157,10 +159,5 @@ class FrictionalImpact(RestitutionImpact):
 class _PlasticFrictionalImpact(PlasticImpact):
     penetration_rate: str = "full"
     mu_i: float = _impact_friction_coefficient()
-
-    @property
-    def friction_coefficient(self) -> Any:
-        return self.mu_i
-
-    def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
-        return clip(stopping_impulse, -self.mu_i * impulse, self.mu_i * impulse)
+    friction_coefficient = FrictionalImpact.friction_coefficient
+    friction = FrictionalImpact.friction

@@ -1,19 +1,24 @@
-"""Bounds of the distances of known eigenvalues from those of s^2 M + s C + K.
+"""Bounds of the distances of known eigenvalues from those of Q(s) = s^2 M + s C + K.
 
-Near a group of p close eigenvalues Q(s) is bordered,
+Close eigenvalues are bounded together.  Near a group of p of them, Q(s) gets p further rows and columns, by
+which it is regular there:
 
     [Q(s)  B] [X]   [0]
     [C*    0] [G] = [I],
 
-by n x p matrices B and C that make it regular there.  Then det G(s), of p x p matrices, is zero at the
-eigenvalues of Q and nowhere else, with the same multiplicity.  Its Taylor coefficients about a shift take one
-factorisation of Q and p solutions each.  What they leave out is bounded by a geometric series, as Q is a
-polynomial.  A small matrix A, a solvent of the Taylor polynomial, has the exact eigenvalues but for what this
-remainder moves them, by Bauer and Fike's theorem or Elsner's.  By Rouche's theorem there are p in a disc
-around the shift, and no more.
+where B and C are n x p matrices.  The determinant of G(s), a p x p matrix, is zero at the eigenvalues of Q
+and nowhere else, with the same multiplicity.  The Taylor coefficients of G at a shift take one factorisation
+of Q, and p solutions each.  Since Q is a polynomial, a geometric series bounds the remainder of the Taylor
+polynomial.
 
-The norm of the bordered inverse is bounded by its images of random vectors: the component of a complex normal
-one along any direction is less than t with a probability of at most t^2.
+The Taylor polynomial has a solvent, a p x p matrix A.  The exact eigenvalues are those of A but for what the
+remainder moves them; the theorems of Bauer and Fike and of Elsner bound that.  By Rouche's theorem exactly p
+eigenvalues lie in a disc around the shift.
+
+Two of the norms are those of n x n matrices with the inverse in them.  They are bounded by images of random
+vectors: the component of a complex normal vector along any direction is less than t with a probability of at
+most t^2.  Each of the two bounds is too small with a probability of at most 1e-10, so one of a group's two
+with at most 2e-10.
 
 Sources: A. Spence, C. Poulton, "Photonic band structure calculations using nonlinear eigenvalue techniques",
 J. Comput. Phys. 204 (2005) 65-81; I. C. Gohberg, E. I. Sigal, "An operator generalization of the logarithmic
@@ -67,12 +72,15 @@ def eigenvalue_bounds(
     places : array (k,)
         Of the eigenvalues whose bounds are asked for.
     """
+    if not len(values):
+        return np.zeros(0)
     distances = np.abs(values[:, None] - values)
     _, group = connected_components(sparse.csr_array(distances <= CLOSE * np.abs(values)), directed=False)
     bounds = np.where((values == 0.0) & pencil.at_rest(values, vectors), 0.0, np.inf)
     for each in np.unique(group[places[bounds[places] > 0.0]]):
         own = group == each
-        next_one = distances[np.ix_(own, ~own)].min(initial=np.abs(values[own]).max())
+        most = np.abs(values[own]).max() or np.abs(values).max()  # a group at 0 has no size of its own
+        next_one = distances[np.ix_(own, ~own)].min(initial=most)
         bounds[own] = _bounds_of_group(pencil, values[own], vectors[:, own], ASIDE * next_one)
     return bounds[places]
 
@@ -83,10 +91,10 @@ def _bounds_of_group(
     """The distances (p,) of a group of close eigenvalues."""
     none = np.full(len(values), np.inf)
     bordered = _Bordered.of(pencil, complex(values.mean() + aside), vectors)
-    found = None if bordered is None else bordered.eigenvalues(values)
-    if found is None:
+    disc = None if bordered is None else bordered.eigenvalues(values)
+    if disc is None:
         return none
-    exact, radius = found
+    exact, radius = disc
     distances = np.abs(values[:, None] - exact)
     _, place = linear_sum_assignment(distances)
     touching = np.abs(exact[:, None] - exact) <= 2.0 * radius
@@ -97,23 +105,24 @@ def _bounds_of_group(
 
 @dataclass(frozen=True, eq=False)
 class _Bordered:
-    """The bordered inverse [S T; U W] at a shift.
+    """The inverse of the bordered matrix at a shift, in four blocks.
 
-    Displacements are weighted by the roots of their masses, so that norms are those of kinetic energy, about.
+    The blocks are :meth:`inverse` and `right` above, `left` and `corner` below.  Displacements are weighted
+    by the roots of their masses, so that norms are about those of kinetic energy.
 
     Parameters
     ----------
     pencil : QuadraticPencil
     shift : complex
     solve : callable
-        Q(shift)^-1.
+        Gives Q(shift)^-1 b of b.
     weights : array (n,)
     right, left : array (n, p), array (p, n)
-        T and U, which are nearly the right and left vectors.
+        Nearly the right and left vectors.
     corner : array (p, p)
-        W, which is G(shift).
+        G(shift).
     fixed : array (p, n)
-        C*.
+        The rows C* of the border.
     """
 
     pencil: QuadraticPencil
@@ -138,17 +147,22 @@ class _Bordered:
             return None
         fixed: Any = basis.conj().T * weights
         columns = solve(_slope(pencil, shift) @ (basis / weights[:, None]))
-        inner = np.linalg.inv(fixed @ columns)
+        try:
+            inner = np.linalg.inv(fixed @ columns)
+        except np.linalg.LinAlgError:
+            return None
         left = inner @ solve(np.ascontiguousarray(fixed.T), "T").T
         return cls(pencil, shift, solve, weights, columns @ inner, left, -inner, fixed)
 
     def inverse(self, b: ComplexArray) -> ComplexArray:
-        """S b."""
+        """The product of the first block (n, n) with b (n, k)."""
         x = self.solve(b)
         return x - self.right @ (self.fixed @ x)
 
     def eigenvalues(self, known: ComplexArray) -> tuple[ComplexArray, float] | None:
         """All p eigenvalues near the shift, and by how much they may err; None where this is not known.
+
+        Taylor coefficients are added until the bound is sharp.  The last order that gives a bound counts.
 
         Parameters
         ----------
@@ -158,20 +172,23 @@ class _Bordered:
         slope, M = _slope(self.pencil, self.shift), self.pencil.M
         norms = self._norms()
         rounding = self._rounding()
-        before, last, terms, found = np.zeros_like(self.right), self.right, [self.corner], None
+        before, last, terms, disc = np.zeros_like(self.right), self.right, [self.corner], None
         while len(terms) < MOST_TERMS:
             pushed = slope @ last + M @ before
             before, last = last, -self.inverse(pushed)
             terms.append(-self.left @ pushed)
             sizes = (float(np.linalg.norm(self.weights[:, None] * part)) for part in (before, last))
             with np.errstate(over="ignore", invalid="ignore"):
-                found = _near_shift(terms, norms, *sizes, rounding)
-            if found is not None:
-                exact, radius = found[0] + self.shift, found[1]
+                try:
+                    latest = _near_shift(terms, norms, *sizes, rounding)
+                except np.linalg.LinAlgError:  # a small matrix is singular, or not finite
+                    latest = None
+            if latest is not None:
+                exact, radius = disc = latest[0] + self.shift, latest[1]
                 distance = np.abs(known[:, None] - exact).min(axis=1).max()
                 if radius <= max(SHARP * distance, 2.0 * rounding):
                     break
-        return None if found is None else (found[0] + self.shift, found[1])
+        return disc
 
     def _norms(self) -> _Norms:
         slope, M = _slope(self.pencil, self.shift), self.pencil.M
@@ -193,7 +210,7 @@ class _Bordered:
 
 
 class _Norms(NamedTuple):
-    """Bounds of the norms of S Q', S M, U Q' and U M."""
+    """Bounds of the norms of `inverse` and `left` of :class:`_Bordered`, times Q' (slope) and times M."""
 
     inverse_slope: float
     inverse_mass: float
@@ -206,6 +223,8 @@ def _near_shift(
 ) -> tuple[ComplexArray, float] | None:
     """The p eigenvalues in a disc around the shift, less the shift, and by how much they may err.
 
+    None where this order of the Taylor polynomial does not tell.
+
     Parameters
     ----------
     terms : sequence of arrays (p, p)
@@ -214,6 +233,11 @@ def _near_shift(
     before, last : float
         Sizes of the last but one and the last Taylor coefficient of X.
     rounding : float
+
+    Raises
+    ------
+    LinAlgError
+        Where a small matrix is singular, or not finite.
     """
     order, p = len(terms) - 1, len(terms[0])
     unscale: Any = np.linalg.inv(terms[1])

@@ -75,8 +75,10 @@ class Sample:
         return cls(point, modes.values[chosen], shapes, modes.equilibrium.q)
 
     def weakly_damped(self, structure: Structure) -> Sample:
-        """The modes next to the imaginary axis."""
+        """The modes next to the imaginary axis; all where no vibration is among them."""
         chosen = _is_slow(structure, self.values)
+        if not chosen[self.values.imag > 0.0].any():
+            return self
         return Sample(self.point, self.values[chosen], self.shapes[:, chosen], self.displacements)
 
     @property
@@ -108,7 +110,8 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
     over : mapping of str to (float, float), optional
         Ranges of parameters, over which it has these modes.  Without it at the values at hand.
     tol : float
-        Share by which eigenvalues may err, of modes that are damped by less than 5 % of critical damping.
+        Share by which eigenvalues may err, of modes that are damped by less than 5 % of critical damping, or
+        of all vibrations where none is.
 
     Returns
     -------
@@ -119,8 +122,8 @@ def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> Redu
     TypeError
         For an unknown parameter, or what is no structure.
     ValueError
-        For a structure without a window, ranges that are not two ascending numbers, or a tolerance that is
-        not between 1e-10 and 0.1.
+        For a structure without a window or modes in it, ranges that are not two ascending numbers, or a
+        tolerance that is not between 1e-10 and 0.1.
 
     Warns
     -----
@@ -172,6 +175,8 @@ def estimated_errors(small: ReducedStructure) -> Array:
     join the basis.
     """
     known, full = small.find_eigenvalues(), small.full.at_values(small.parameters)
+    if not len(known.values):
+        return np.zeros(0)
     pencil = full.with_contacts(full.structural_pencil, small.contact_forces)
     upper = known.values.imag >= 0.0
     left_over = pencil.products(known.values[upper], small.basis @ known.vectors[: small.size, upper])
@@ -190,7 +195,7 @@ def bounded_errors(small: ReducedStructure, modes: Any = None) -> Array:
     """Bounds of the distances of eigenvalues, or some of them, from those of the large structure, 1/s."""
     known, pencil = small.find_eigenvalues(), small.full.at_values(small.parameters).pencil
     values, vectors = known.values, small.basis @ known.vectors[: small.size]
-    mirrored = np.abs(values[:, None].conj() - values).argmin(axis=1)
+    mirrored = np.abs(values[:, None].conj() - values).argmin(axis=1) if len(values) else 0
     upper = np.where(values.imag < 0.0, mirrored, np.arange(len(values)))
     try:
         places = upper if modes is None else np.atleast_1d(upper[modes])
@@ -261,6 +266,12 @@ def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[
         if structure.contacts:
             size = np.linalg.norm(sample.displacements) or 1.0
             columns.append(sample.displacements[:, None] / size)
+    if not any(column.any() for column in columns):
+        low, high = structure.window or (0.0, np.inf)
+        raise ValueError(
+            f"structure must have modes in its window, got none from {low:g} to {high:g} Hz: give "
+            "it a wider window"
+        )
     parts: Any = linalg.svd(np.hstack(columns), full_matrices=False)
     return parts[0], parts[1]
 
@@ -345,7 +356,7 @@ def _radical_inverse(i: int, base: int) -> float:
 def error_at(small: Structure, sample: Sample) -> float:
     """Largest share by which a reduced structure misses an eigenvalue of a sample.
 
-    Neither those near the window's ends count, nor those of strongly damped modes.
+    Those near the window's ends do not count, nor those of strongly damped modes where others are not.
     """
     found = small.at_values(sample.point).find_eigenvalues().values
     values = sample.values[_matters(small, sample.values)]
@@ -355,9 +366,10 @@ def error_at(small: Structure, sample: Sample) -> float:
 
 
 def _matters(small: Structure, values: Any) -> NDArray[np.bool_]:
-    """Which eigenvalues are to be known: not near the window's ends, nor strongly damped."""
+    """Which eigenvalues are to be known: not near the window's ends, nor strongly damped if some are not."""
     frequencies = np.abs(values.imag) / (2 * np.pi)
     low, high = small.window or (-np.inf, np.inf)
     edge = EDGE_SHARE * (high - low) if small.window else 0.0
-    weak = np.abs(values.real) < DAMPED_SHARE * np.abs(values)
-    return weak & (frequencies >= low + edge * (low > 0.0)) & (frequencies <= high - edge)
+    inside = (frequencies >= low + edge * (low > 0.0)) & (frequencies <= high - edge)
+    weak = inside & (np.abs(values.real) < DAMPED_SHARE * np.abs(values))
+    return weak if weak.any() else inside & (values.imag != 0.0)

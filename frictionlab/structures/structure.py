@@ -693,7 +693,7 @@ class ReducedStructure(Structure):
         """Estimated distances (m,) of ``eigenvalues(self).values`` from those of the large structure, 1/s.
 
         By so much they move where responses of the large structure to what the modes leave in its equations
-        join the basis.  :meth:`error_bounds` takes longer, and is sure.
+        join the basis.  :meth:`error_bounds` takes longer, and gives bounds.
         """
         from frictionlab.structures.reduction import estimated_errors
 
@@ -704,8 +704,9 @@ class ReducedStructure(Structure):
 
         Within each distance there is an eigenvalue of the large structure, and of close ones as many as there
         are here.  It is infinite where the modes here are too rough to tell.  Each group of close eigenvalues
-        takes a factorisation of the large matrices.  The bounds rest on Rouche's theorem; rounding alone is
-        estimated in them, and the norm of an inverse, which is too small with a probability of 1e-10.
+        takes a factorisation of the large matrices.  The bounds rest on Rouche's theorem.  Rounding is
+        estimated in them, and so are two norms of inverses for each group: one of these is too small with a
+        probability of at most 2e-10.
 
         Parameters
         ----------

@@ -432,6 +432,24 @@ def test_impulses_of_a_contact_whose_directions_are_coupled(seed):
     assert after @ M @ after / 2 - w @ M @ w / 2 <= p_T * v + 1e-12
 
 
+class HalfStopping(fl.FrictionalImpact):
+    def friction(self, impulse, stopping_impulse):
+        return stopping_impulse / 2
+
+
+@pytest.mark.parametrize("inclined", [0.0, 0.4])
+def test_an_impact_law_with_friction_of_its_own_is_asked_for_it(inclined):
+    """Here p_T halves v_r at the impulse without friction; p_N leaves -e times the rate that was there."""
+    g, t, w, e = np.array([0.0, 1.0]), np.array([1.0, inclined]), np.array([0.3, 1.0]), 0.4
+    pads = fl.SlidingContacts(
+        [t], [g], fl.LinearContact(k2=1.0), fl.Coulomb(0.1, 0.1), v=0.0, impact=HalfStopping(e=e, mu_i=0.1)
+    )
+    structure = fl.Structure(np.eye(2), np.zeros((2, 2)), contacts=pads)
+    run = fl.simulate(structure, 0.2, x0=[*(-0.1 * w), *w], progress=False)
+    sliding = t @ w - (1 + e) * inclined  # after the normal impulse (1 + e) alone
+    np.testing.assert_allclose(run.events.state[0, 2:], [w[0] - sliding / 2, -e], atol=1e-12)
+
+
 def test_units_are_those_of_the_matrices():
     structure = chain().replace(units=("mm", "kN"))
     run = fl.simulate(structure, 1.0, progress=False)

@@ -8,6 +8,8 @@ from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 import frictionlab as fl
+from frictionlab.structures import eigenvalue_bounds
+from frictionlab.structures.quadratic_pencil import QuadraticPencil
 from tests.helpers.finite_elements import unsymmetric_chain
 from tests.unit.structures.test_sliding_contacts import beam_under_pads
 
@@ -132,6 +134,64 @@ def test_bounds_of_a_uniform_chain():
 def test_a_basis_that_is_too_small_has_no_bounds():
     small = chain().projected(np.eye(80)[:, :12])
     assert np.isinf(small.error_bounds()).any()
+
+
+def test_a_window_without_eigenvalues_has_no_errors():
+    springs = 2 * np.eye(90) - np.eye(90, k=1) - np.eye(90, k=-1)
+    small = fl.reduce(fl.Structure(np.eye(90), springs, window=(0, 0.05))).replace(window=(0.06, 0.07))
+    assert small.error_bounds().shape == small.error_bounds([]).shape == small.error_estimates().shape == (0,)
+    with pytest.raises(IndexError, match="modes must be places of the 0"):
+        small.error_bounds([0])
+    with pytest.raises(ValueError, match=r"got none from 0 to 0\.001 Hz"):
+        fl.reduce(small.full.replace(window=(0, 0.001)))
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_vibrations_that_are_all_strongly_damped_are_kept(free):
+    """With C = 0.02 M their eigenvalues are -0.01 +- i sqrt(w^2 - 1e-4)."""
+    springs = 2 * np.eye(60) - np.eye(60, k=1) - np.eye(60, k=-1)
+    if free:
+        springs[0, 0] = springs[-1, -1] = 1.0
+    large = fl.Structure(np.eye(60), springs, 0.02 * np.eye(60), window=(0, 0.15 / (2 * np.pi)))
+    found = fl.eigenvalues(fl.reduce(large, tol=1e-4)).values
+    w = 2.0 * np.sin(np.arange(1, 3) * np.pi / (120 if free else 122))
+    exact = -0.01 + 1j * np.sqrt(w**2 - 1e-4)
+    assert np.allclose(found[found.imag > 0.0], exact, rtol=1e-4)
+
+
+@pytest.mark.parametrize("later", [None, np.linalg.LinAlgError("Singular matrix")])
+def test_a_bound_stays_where_later_orders_have_none(monkeypatch, later):
+    """The value of an oscillator is known to 1e-3, and to first order within 0.1."""
+    shift = 1.001j + 1.001e-3
+    orders = iter([(np.array([1j - shift]), 0.1)])
+
+    def near_shift(terms, *_):
+        if later is not None and len(terms) > 2:
+            raise later
+        return next(orders, None)
+
+    monkeypatch.setattr(eigenvalue_bounds, "_near_shift", near_shift)
+    assert bounds_of(1.0, 0.0, 1.0, [1.001j], [[1.0]]) == pytest.approx([0.101])
+
+
+def bounds_of(M, C, K, values, vectors):
+    """Bounds of values and vectors that are nearly those of M s^2 + C s + K."""
+    pencil = QuadraticPencil(*(sparse.csc_array(np.atleast_2d(part)) for part in (M, C, K)))
+    values, vectors = np.array(values, complex), np.array(vectors, complex)
+    return eigenvalue_bounds.eigenvalue_bounds(pencil, values, vectors, np.arange(len(values)))
+
+
+def test_a_value_at_zero_has_a_bound():
+    """Two free masses in a viscous fluid, of whose common motion, with s = 0 and -1, the shape is rough."""
+    bounds = bounds_of(np.eye(2), np.eye(2), [[1, -1], [-1, 1]], [0.0, -1.0], [[1.0, 1.0], [1.001, 1.001]])
+    assert (bounds < 1e-12).all()
+
+
+def test_a_shift_at_which_the_slope_is_zero_has_no_bound():
+    """Q'(s) = 2 s + 2 is zero at s = -1, where the shift is exactly, and the border with it."""
+    value = -1.0 / (1.0 - eigenvalue_bounds.ASIDE)
+    assert value + eigenvalue_bounds.ASIDE * abs(value) == -1.0
+    assert np.isinf(bounds_of(1.0, 2.0, 5.0, [value], [[1.0]])).all()
 
 
 @pytest.mark.slow
