@@ -30,6 +30,7 @@ BALANCING_GAIN = 0.95  # a factor is used if it reduces the norm of a row and a 
 BACKWARD_ERROR = 4.0 * MACHINE_EPSILON  # of the problem and of A itself, with a factor of two to spare
 EQUILIBRATION_ROUNDS = 8  # each halves the decades by which norms differ from 1
 DEPENDENT = 1e-12  # share of the largest singular value of vectors, below which they are dependent
+INDEPENDENT = 0.99  # least share of a vector in the row space where others do not depend on it
 SINGULAR_RTOL = 1e-13  # of the largest singular value, of a matrix scaled by its rows and columns
 
 
@@ -61,20 +62,38 @@ def eigenpairs_of_matrices(matrices: Array) -> tuple[ComplexArray, ComplexArray]
     return values, vectors / np.linalg.norm(vectors, axis=-2, keepdims=True)
 
 
-def left_eigenvectors(right: Any) -> Any:
-    """Left vectors (..., k, m) of right ones (..., m, k) of length 1, as columns: left @ right = 1.
+def left_eigenvectors(matrices: Array, values: Any, right: Any) -> Any:
+    """Left vectors (N, m, m) of state matrices (N, m, m): left @ right = 1.
 
-    Where vectors are dependent, as those of a rigid motion, their inverse is without meaning, for other modes
-    too.  The pseudo-inverse has the left vectors of the others.
+    Known are the eigenvalues (N, m), and right vectors of length 1 as columns (N, m, m).  These may be
+    dependent, as those of a rigid motion.
     """
-    if right.shape[-1] != right.shape[-2]:
-        return np.linalg.pinv(right, DEPENDENT)
     try:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
-        return np.linalg.pinv(right, DEPENDENT)
-    dependent = np.linalg.norm(left, axis=(-2, -1)) > 1.0 / DEPENDENT
-    left[dependent] = np.linalg.pinv(right[dependent], DEPENDENT)
+        left = np.linalg.pinv(right, DEPENDENT)  # of a matrix that is regular its inverse
+    ranks = np.einsum("nij,nji->n", left, right).real
+    regular = (np.linalg.norm(left, axis=(-2, -1)) <= 1.0 / DEPENDENT) & (ranks > right.shape[-1] - 0.5)
+    for i in np.flatnonzero(~regular):
+        left[i] = _left_of_dependent(matrices[i], values[i], right[i])
+    return left
+
+
+def _left_of_dependent(matrix: Array, values: Any, right: Any) -> Any:
+    """Left vectors (m, m) of a matrix that lacks right vectors, since eigenvalues coalesce.
+
+    Those of the simple eigenvalues are vectors of the transposed matrix: they annihilate generalised vectors
+    too.  What they leave of the pseudo-inverse stands for the others: for a rigid motion the momentum.
+    """
+    shares: Any = np.diag(np.linalg.pinv(right, DEPENDENT) @ right)
+    simple = shares.real > INDEPENDENT
+    (same_values,), (vectors,) = eigenpairs_of_matrices(matrix.T[None])
+    away = np.abs(same_values[:, None] - values[~simple]).min(axis=1, initial=np.inf)
+    rows = vectors[:, np.argsort(away)[len(values) - simple.sum() :]].T
+    left = np.empty_like(right)
+    left[simple] = np.linalg.pinv(rows @ right[:, simple], DEPENDENT) @ rows
+    rest = np.eye(len(matrix)) - right[:, simple] @ left[simple]
+    left[~simple] = np.linalg.pinv(right[:, ~simple], DEPENDENT) @ rest
     return left
 
 

@@ -86,7 +86,12 @@ class Eigenvalues(Drawable):
     @property
     def participation(self) -> Array:
         """Share of each coordinate in each mode, (n, m); columns sum to 1."""
-        return participation_factors(left_eigenvectors(self.vectors), self.vectors, len(self.equilibrium.q))
+        problem = equilibrium_problem(self.equilibrium.model)
+        matrix = problem.without_following(_state_matrix(problem, self.equilibrium.state))
+        right = np.delete(self.vectors, problem.following, axis=0)
+        (left,) = left_eigenvectors(matrix[None], self.values[None], right[None])
+        left = problem.with_following(left.T).T
+        return participation_factors(left, self.vectors, len(self.equilibrium.q))
 
     def to_dataframe(self) -> Any:
         """One row for each eigenvalue, as a pandas DataFrame (needs the extra ``data``).

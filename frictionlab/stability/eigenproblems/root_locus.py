@@ -100,7 +100,8 @@ def modes_of_matrices(at: Array, matrices: Array) -> Modes:
         order = _upper_half(values, k)
         modes.values[finite] = np.take_along_axis(values, order, axis=1)
         modes.right[finite] = np.take_along_axis(right, order[:, None, :], axis=2)
-        modes.left[finite] = np.take_along_axis(left_eigenvectors(right), order[:, :, None], axis=1)
+        left = left_eigenvectors(matrices[finite], values, right)
+        modes.left[finite] = np.take_along_axis(left, order[:, :, None], axis=1)
     return modes
 
 

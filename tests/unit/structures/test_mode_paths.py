@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 import frictionlab as fl
 from tests.helpers.finite_elements import unsymmetric_chain
@@ -50,17 +51,17 @@ def test_root_locus_of_two_modes():
 
 
 @pytest.mark.parametrize("damping", [0.0, 1e-4])
-def test_shares_of_a_free_chain(damping):
-    """Those of kinetic energy, cos^2((i + 1/2) k pi/n), also beside a rigid motion's double eigenvalue 0."""
-    n = 6
+@pytest.mark.parametrize("masses", [[1.0] * 6, [1.0, 5.0, 1.0, 3.0, 1.0, 10.0]], ids=str)
+def test_shares_of_a_free_chain(damping, masses):
+    """Those of kinetic energy, also beside a rigid motion's double eigenvalue 0."""
+    n = len(masses)
     springs = 1e3 * (np.diag([1.0, *[2.0] * (n - 2), 1.0]) - np.eye(n, k=1) - np.eye(n, k=-1))
     skew = np.zeros((n, n))
     skew[0, 1], skew[1, 0] = 1.0, -1.0
     free = fl.Structure(
-        np.eye(n), springs, damping * springs, circulatory=[("mu", skew)], parameters={"mu": 0.0}
+        np.diag(masses), springs, damping * springs, circulatory=[("mu", skew)], parameters={"mu": 0.0}
     )
-    expected = np.cos(np.outer(np.arange(n) + 0.5, np.arange(n)) * np.pi / n) ** 2
-    expected /= expected.sum(axis=0)
+    expected = np.diag(masses) @ eigh(springs, np.diag(masses))[1] ** 2
     locus = fl.root_locus(free, "mu", [0.0, 1e-3, 1e-2])
     assert np.allclose(locus.participation, expected, atol=1e-5)
     assert np.allclose(locus.participation[0], expected, atol=1e-12)

@@ -7,7 +7,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 import sympy
+from scipy.linalg import eigh
 
+from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components import SlidingSeparation, StickSlip
 from frictionlab.models import MassOnBelt, ModeCoupling, SliderOnBelt, TwoBlocks
 from frictionlab.stability import eigenvalues, equilibrium, jacobian
@@ -193,3 +195,13 @@ def test_zero_is_told_beside_other_eigenvalues_of_its_frequency():
     zero = np.abs(values.real) < 5e-7  # the double zero is known to the root of rounding
     assert zero.sum() == 4
     np.testing.assert_array_equal(is_neutral(matrix, values), zero)
+
+
+def test_shares_of_three_free_masses():
+    """Those of kinetic energy, beside the rigid motion's double eigenvalue 0."""
+    x, v, masses = sympy.symbols("x:3"), sympy.symbols("v:3"), np.array([1.0, 5.0, 2.0])
+    springs = np.array([[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+    flow = (*v, *(sympy.Matrix(-springs / masses[:, None]) * sympy.Matrix(x)))
+    found = eigenvalues(HybridAutomaton((*x, *v), (Mode("only", flow),), {}, 3))
+    expected = masses[:, None] * eigh(springs, np.diag(masses))[1] ** 2
+    np.testing.assert_allclose(found.participation[:, ::2], expected, atol=1e-13)
