@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar, root_scalar
 
 from frictionlab.analysis.motion_scales import Array
-from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers
+from frictionlab.analysis.orbits.periodic_orbit import floquet_multipliers, transverse_multipliers
 from frictionlab.analysis.orbits.pseudo_arclength import BranchPoint, continuation_step, reversed_point
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.presentation import Kind
@@ -51,10 +51,8 @@ EXTRAPOLATION_RTOL = (
 HOPF_SIZE_RTOL = 1e-2  # an orbit smaller than this share of the largest so far has shrunk to an equilibrium
 
 
-def transverse_multipliers(point: BranchPoint) -> Array:
-    """The multipliers, without that along the orbit."""
-    values = floquet_multipliers(point.monodromy)
-    return np.delete(values, np.argmin(np.abs(values - 1.0)))
+def _transverse_multipliers(point: BranchPoint) -> Array:
+    return transverse_multipliers(floquet_multipliers(point.monodromy))
 
 
 def fold_test(point: BranchPoint) -> float:
@@ -64,12 +62,12 @@ def fold_test(point: BranchPoint) -> float:
 
 def period_doubling_test(point: BranchPoint) -> float:
     """Zero where a multiplier is -1."""
-    return float(np.prod(1.0 + transverse_multipliers(point)).real)
+    return float(np.prod(1.0 + _transverse_multipliers(point)).real)
 
 
 def neimark_sacker_test(point: BranchPoint) -> float:
     """Zero where the product of two multipliers is 1."""
-    values = transverse_multipliers(point)
+    values = _transverse_multipliers(point)
     products = np.outer(values, values)[np.triu_indices(len(values), 1)]
     return float(np.prod(1.0 - products).real)
 
@@ -137,7 +135,7 @@ def _is_special(kind: SpecialKind, point: BranchPoint) -> bool:
 
     Two real multipliers whose product is 1 make a zero that is no Neimark-Sacker point.
     """
-    values = transverse_multipliers(point)
+    values = _transverse_multipliers(point)
     pairs = values[np.abs(values.imag) > 0.0]
     return kind != SpecialKind.NEIMARK_SACKER or bool((np.abs(np.abs(pairs) - 1.0) < UNIT_CIRCLE_ATOL).any())
 

@@ -21,6 +21,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     PeriodicOrbit,
     mode_to_state,
     orbit_of_run,
+    transverse_multipliers,
 )
 from frictionlab.analysis.orbits.pseudo_arclength import (
     BranchPoint,
@@ -126,10 +127,8 @@ class OrbitBranch(Drawable):
         """
         columns: dict[str, Any] = {"period": self.periods, "frequency": self.frequencies}
         columns |= {"stability": [orbit.stability for orbit in self.orbits]}
-        along = np.abs(self.multipliers - 1.0).argmin(axis=1)
-        sizes = np.abs(self.multipliers)
-        sizes[np.arange(len(sizes)), along] = 0.0
-        columns |= {"largest_multiplier": sizes.max(axis=1)}
+        others = np.abs([transverse_multipliers(orbit.multipliers) for orbit in self.orbits])
+        columns |= {"largest_multiplier": others.max(axis=1, initial=0.0)}
         units = {"period": "s", "frequency": "Hz"}
         units |= {self.parameter: parameter_unit(self.orbits[0].model, self.parameter)}
         return dataframe(columns, {self.parameter: self.values}, units)

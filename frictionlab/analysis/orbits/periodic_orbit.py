@@ -25,7 +25,7 @@ from frictionlab.analysis.motion_scales import (
 )
 from frictionlab.analysis.orbits.closing import Closing, closing_of
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.drift import drifting_states
+from frictionlab.analysis.steady_state.drift import drifting_states, shifts_without_effect
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import end_of, problem_of, solve, solve_from_end
@@ -360,13 +360,20 @@ def first_return(run: Trajectory, start: float, direction: int) -> float:
         after = float(abs(minimum.x - start))
         if minimum.fun < RETURN_RTOL and _in_mode_near(run, minimum.x, RETURN_RTOL * after, start):
             return after
-    drifting = [run.names[i] for i in drifting_states(run)]
-    cyclic = f", or list {' and '.join(drifting)} in cyclic, as what grows for ever" if drifting else ""
+    growing = [run.names[i] for i in _shifted_coordinates(run)]
+    cyclic = f", or list {' and '.join(growing)} in cyclic, as what grows for ever" if growing else ""
     raise ValueError(
         f"guess must come back within {RETURN_RTOL:.0%} of the size of its motion, it does not in "
         f"{run.raw.t:g} s: give a state nearer to the orbit, a larger t_max=, or about its period as "
         f"period={cyclic}"
     )
+
+
+def _shifted_coordinates(run: Trajectory) -> list[int]:
+    """The coordinates that drift and are not cyclic, though a shift of them changes nothing."""
+    places = [i for i in drifting_states(run) if i < run.automaton.coordinates]
+    drift = shifts_without_effect(run, places) if places else None
+    return [i for i in drift.shifted if run.names[i] not in run.automaton.cyclic] if drift else []
 
 
 def _in_mode_near(run: Trajectory, t: float, about: float, start: float) -> bool:
@@ -406,6 +413,11 @@ def floquet_multipliers(monodromy: Array) -> Array:
     """Eigenvalues of a monodromy matrix, the largest first."""
     values = np.linalg.eigvals(monodromy).astype(complex)
     return values[np.argsort(-np.abs(values), kind="stable")]
+
+
+def transverse_multipliers(multipliers: Array) -> Array:
+    """Floquet multipliers without that along the orbit, the one next to 1."""
+    return np.delete(multipliers, np.argmin(np.abs(multipliers - 1.0)))
 
 
 def stability_within_errors(orbit: PeriodicOrbit) -> str:

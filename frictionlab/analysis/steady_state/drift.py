@@ -82,6 +82,12 @@ class Drift:
         return np.delete(left, slice(first, first + n), axis=1), left[:, first : first + n]
 
     @property
+    def shifted(self) -> list[int]:
+        """The states among `places` that the shifts move."""
+        along = np.eye(len(self.places)) - self.across @ np.linalg.pinv(self.across)
+        return [i for i, share in zip(self.places, np.diag(along), strict=True) if share > INVARIANCE_RTOL]
+
+    @property
     def travelled(self) -> float:
         """How far the states drift in the run: what is far less of a place is rounding."""
         return float(np.abs((self.run.final_state - self.run.raw.step_states[0])[self.places]).max())

@@ -307,6 +307,16 @@ def test_a_guess_of_other_parameters_will_do():
     assert orbit.period == pytest.approx(again.period, rel=1e-12)
 
 
+def test_what_grows_is_cyclic_only_if_a_shift_of_it_changes_nothing():
+    """x does; y is unstable, and z, which heats up, is no coordinate."""
+    y, z = sp.symbols("y z")
+    growing = automaton(
+        fl.Mode("only", (V, W, sp.S.Zero, y, sp.S.One)), states=(X, y, V, W, z), coordinates=2
+    )
+    with pytest.raises(ValueError, match="or list x in cyclic, as"):
+        fl.periodic_orbit(growing, fl.solve(growing, 10.0, x0=[0.0, 1.0, 1.0, 1.0, 0.0]))
+
+
 def test_what_is_no_orbit_says_what_was_reached():
     at_rest = fl.steady_state(ball(), [1.0, 0.0], transient=5.0, window=5.0, progress=False)
     with pytest.raises(ValueError, match="guess must be periodic, the steady state is 'equilibrium'"):
