@@ -173,8 +173,8 @@ def multiply_out(expr: Expr | float, **hints: bool) -> Expr:
 
     `hints` are those of sympy's `expand`.
     """
-    sound: Expr = sympy.sympify(expr, strict=True)  # a reset may give plain numbers
-    return sympy.expand(sound, **hints) if _term_count(sound) < inf else sound
+    expression: Expr = sympy.sympify(expr, strict=True)  # a reset may give plain numbers
+    return sympy.expand(expression, **hints) if _term_count(expression) < inf else expression
 
 
 def _term_count(expr: Any) -> float:

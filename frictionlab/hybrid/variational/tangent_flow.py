@@ -317,8 +317,8 @@ def _is_constrained(run: Trajectory, part: slice) -> bool:
 def _orthonormalise_anew(rows: np.ndarray, size: np.ndarray, growth: np.ndarray) -> np.ndarray:
     """Orthonormalise rows some of which an event or constraints may have removed.
 
-    They were orthonormal.  A vector that is removed has a growth of -inf, and an arbitrary one takes its
-    place.
+    Before that they were orthonormal, so their lengths are growth.  A vector that is removed has a growth of
+    -inf, and an arbitrary one takes its place.
     """
     columns = (rows / size).T
     frame, upper = np.linalg.qr(columns)
