@@ -321,11 +321,13 @@ def solve_regular(matrix: Any, right: Any) -> Any:
 
 
 def null_vector(matrix: Any) -> Array | None:
-    """A direction (m,) that a state matrix takes to zero; None where it is regular, to rounding."""
+    """A direction (m,) that a finite state matrix takes to zero; None where it is regular, to rounding."""
+    if not np.isfinite(matrix).all():
+        return None
     _, columns, equilibrated = _equilibrated(matrix)
     _, sizes, rows = np.linalg.svd(equilibrated)
     along = np.where(np.abs(rows[-1]) < SINGULAR_RTOL, 0.0, rows[-1])  # others are rounding
-    return columns * along if sizes[-1] < SINGULAR_RTOL * sizes[0] else None
+    return columns * along if sizes[-1] <= SINGULAR_RTOL * sizes[0] else None
 
 
 def _equilibrated(matrix: Any) -> tuple[Array, Array, Array]:

@@ -42,6 +42,7 @@ from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 Array = NDArray[np.float64]
 MOST_MODES = 27  # in which equilibria are searched for: those of three contacts
 LEAST_SLOPE = 1e-8  # of distances by the coordinates that they give, as a share of that by all
+LINE_SHARES = 0.47, 1.0  # of the distance: at a round one alone another equilibrium may be
 LINE_ROUNDING = 1e-12  # share of its terms by which a rate that is zero on a line may come out otherwise
 CONSTRAINT_RTOL = 1e-9  # share of its terms to which a constraint has to hold at an equilibrium
 # what an equilibrium shows, and the outputs that have it: F_N of a rigid contact is its reaction
@@ -96,7 +97,7 @@ class SteadyMode:
             balances = mode.balance and is_free(self.automaton, mode)
             return static_rates(self.automaton, mode, self.idle) if balances else ()
 
-        balance = self._formulas(f"statics{self._choice}", rates, _reactions)
+        balance = self._formulas(f"statics{self._without_idle}", rates, _reactions)
         if not balance.outputs:
             return self.flow
         return Flow(tuple(self.automaton.values), balance, self._formulas("limits", _margins, _reactions))
@@ -112,7 +113,7 @@ class SteadyMode:
         """Whether it has constraints that give no states; those on disk have none."""
         if self.derivations is self.structure:
             return False
-        return bool(states_by_constraints(self.automaton, self.derive()).left)
+        return bool(states_by_constraints(self.automaton, self.derive()).remainder)
 
     def _steady_rates(self, mode: Mode) -> SteadyRates:
         return steady_rates(self.automaton, mode, self.preferred, self.idle)
@@ -120,7 +121,11 @@ class SteadyMode:
     @property
     def _choice(self) -> str:
         by = f" by {self.preferred}" if self.preferred else ""
-        return f"{by} without {self.idle}" if self.idle else by
+        return by + self._without_idle
+
+    @property
+    def _without_idle(self) -> str:
+        return f" without {self.idle}" if self.idle else ""
 
     def without_idle_clocks(self, values: Sequence[float]) -> SteadyMode:
         """The mode with the clocks at zero that are idle for values of the parameters."""
@@ -190,8 +195,8 @@ class SteadyMode:
             for clock in self.idle:
                 lasts = lasts & self._is_idle(clock, values)
             if self.holds:
-                for held, size in zip(*self._constraints(x, values), strict=True):
-                    lasts = lasts & (np.abs(held) <= CONSTRAINT_RTOL * size)
+                for constraint, size in zip(*self._constraints(x, values), strict=True):
+                    lasts = lasts & (np.abs(constraint) <= CONSTRAINT_RTOL * size)
         return lasts
 
     def _constraints(self, x: Array, values: Sequence[Any]) -> tuple[list[Any], Array]:
@@ -338,13 +343,23 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
 
 
 def _is_of_line(flow: Flow, x: Array, values: Sequence[float]) -> bool:
-    """Whether equilibria lie beside x (m,) on a straight line, as with a deflection that rests anywhere."""
-    along = null_vector(flow.jacobian(x, values))
-    if along is None:
-        return False
-    beside = x + along * (float(np.abs(x).max()) or 1.0) / np.abs(along).max()
-    terms = np.abs(flow.jacobian(beside, values)) @ np.abs(beside)
-    return bool((np.abs(flow.rhs(beside, values)) <= LINE_ROUNDING * terms).all())
+    """Whether equilibria lie beside x (m,) on a straight line, as with a deflection that rests anywhere.
+
+    They are looked for as far from x as x is from the origin.  At the origin itself nothing gives a scale,
+    and it is 1: rates are compared with their terms, and of powers that ratio depends on no unit.
+    """
+    with np.errstate(all="ignore"):
+        along = null_vector(flow.jacobian(x, values))
+        if along is None:
+            return False
+        away = along * (float(np.abs(x).max()) or 1.0) / np.abs(along).max()
+        return all(_is_zero(flow, x + share * away, values) for share in LINE_SHARES)
+
+
+def _is_zero(flow: Flow, x: Array, values: Sequence[float]) -> bool:
+    """Whether the rates at x (m,) are rounding of their terms."""
+    terms = np.abs(flow.jacobian(x, values)) @ np.abs(x)
+    return bool((np.abs(flow.rhs(x, values)) <= LINE_ROUNDING * terms).all())
 
 
 @lru_cache(maxsize=256)

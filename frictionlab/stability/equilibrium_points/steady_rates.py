@@ -36,21 +36,21 @@ class SteadyRates(NamedTuple):
 
 
 def steady_rates(
-    automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = (), idle: Sequence[int] = ()
+    automaton: HybridAutomaton, mode: Mode, preferred: Sequence[int] = (), idle: Sequence[int] = ()
 ) -> SteadyRates:
     """The rates of a mode; those of cyclic coordinates relative to the carriers, where there are any.
 
-    Distances give the coordinates `held` (their places), if they can.  Clocks that are `idle`, such as the
-    phase of a load that vanishes, are set to zero like carriers.
+    Distances give the coordinates `preferred` (their places), if they can.  Clocks that are `idle`, such as
+    the phase of a load that vanishes, are set to zero like carriers.
     """
     rates, carriers = _relative_rates(automaton, mode, idle)
-    n, given = automaton.coordinates, states_by_constraints(automaton, mode, held).given
-    values = {automaton.states[place]: one.value for place, one in given.items() if place < 2 * n}
+    n, dependent = automaton.coordinates, states_by_constraints(automaton, mode, preferred).dependent
+    values = {automaton.states[place]: one.value for place, one in dependent.items() if place < 2 * n}
     for place, rate in [*enumerate(rates)] if values else ():
         rates[place] = sympy.sympify(rate, strict=True).xreplace(values)
-    for place, one in given.items():
+    for place, one in dependent.items():
         rates[place] = one.rate
-    return SteadyRates(tuple(rates), tuple(sorted({*carriers, *given})))
+    return SteadyRates(tuple(rates), tuple(sorted({*carriers, *dependent})))
 
 
 def _relative_rates(
@@ -76,9 +76,9 @@ def static_rates(automaton: HybridAutomaton, mode: Mode, idle: Sequence[int] = (
     """
     assert mode.balance is not None
     rates, _ = _relative_rates(automaton, mode, idle)
-    n, (given, _, distances) = automaton.coordinates, states_by_constraints(automaton, mode)
+    n, (dependent, _, distances) = automaton.coordinates, states_by_constraints(automaton, mode)
     rates[n : 2 * n] = mode.balance.forces
-    for place, one in given.items():
+    for place, one in dependent.items():
         if place >= 2 * n:
             rates[place] = one.rate
     return (*rates, *distances)
@@ -95,10 +95,10 @@ def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
 
     In stick each place within the friction cone is one.
     """
-    return not mode.limit and not states_by_constraints(automaton, mode).left
+    return not mode.limit and not states_by_constraints(automaton, mode).remainder
 
 
-class GivenState(NamedTuple):
+class DependentState(NamedTuple):
     """What a constraint says of a state: its value by the others, and a rate that is zero there."""
 
     value: Any
@@ -109,29 +109,29 @@ class ConstrainedStates(NamedTuple):
     """The states that the constraints of a mode give, by their places, the constraints that give none, and
     the distances among them."""
 
-    given: dict[int, GivenState]
-    left: tuple[Any, ...]
+    dependent: dict[int, DependentState]
+    remainder: tuple[Any, ...]
     distances: tuple[Any, ...]
 
 
 def states_by_constraints(
-    automaton: HybridAutomaton, mode: Mode, held: Sequence[int] = ()
+    automaton: HybridAutomaton, mode: Mode, preferred: Sequence[int] = ()
 ) -> ConstrainedStates:
     """The states that constraints give: a distance a coordinate and its velocity, the limit of a friction law
     the law's state.
     """
     n, states = automaton.coordinates, automaton.states
     left = [sympy.sympify(constraint, strict=True) for constraint in mode.constraints]
-    clocks = {states[i]: mode.flow[i] for i in clocks_of(automaton)}
-    distances = [one for one in left if _is_distance(one, states, {*states[:n], *clocks})]
+    clocks = _clock_rates(automaton, mode)
+    distances = [one for one in left if _is_distance(one, states, n, clocks)]
     moving, speeds = (*states[:n], *clocks), (*states[n : 2 * n], *clocks.values())
     rates = [_rate(one, moving, speeds) for one in distances]
     others = [one for one in left if one not in distances and all(sympy.expand(one - r) for r in rates)]
-    given = _held_coordinates(automaton, distances, held, clocks)
-    if len(given) == 2 * len(distances) == len(left) - len(others):
+    dependent = _coordinates_by_distances(automaton, distances, preferred, clocks)
+    if len(dependent) == 2 * len(distances) == len(left) - len(others):
         left = others  # else a distance lacks its rate, or two distances are one
     else:
-        given = {}
+        dependent = {}
     unknown = []
     for constraint in left:
         place, slope = _law_state(constraint, states, n)
@@ -139,13 +139,20 @@ def states_by_constraints(
             unknown.append(constraint)
         else:
             rate = -constraint / slope
-            given[place] = GivenState(states[place] + rate, rate)
-    return ConstrainedStates(given, tuple(unknown), tuple(distances))
+            dependent[place] = DependentState(states[place] + rate, rate)
+    return ConstrainedStates(dependent, tuple(unknown), tuple(distances))
 
 
-def _is_distance(constraint: Any, states: Sequence[Any], moving: set[Any]) -> bool:
-    """Whether a constraint is one of coordinates and clocks alone."""
-    return bool(inputs := constraint.free_symbols & {*states}) and inputs <= moving
+def _clock_rates(automaton: HybridAutomaton, mode: Mode) -> dict[Any, Any]:
+    """The rates of the clocks; a state of such a name whose rate depends on states is none."""
+    rates = {automaton.states[i]: sympy.sympify(mode.flow[i], strict=True) for i in clocks_of(automaton)}
+    return {x: rate for x, rate in rates.items() if rate.free_symbols.isdisjoint(automaton.states)}
+
+
+def _is_distance(constraint: Any, states: Sequence[Any], n: int, clocks: Iterable[Any]) -> bool:
+    """Whether a constraint is one of coordinates, and of clocks beside them."""
+    inputs = constraint.free_symbols & {*states}
+    return not inputs.isdisjoint(states[:n]) and inputs <= {*states[:n], *clocks}
 
 
 def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | None, Any]:
@@ -158,9 +165,9 @@ def _law_state(constraint: Any, states: Sequence[Any], n: int) -> tuple[int | No
     return states.index(further[-1]), slope
 
 
-def _held_coordinates(
-    automaton: HybridAutomaton, distances: Sequence[Any], held: Sequence[int], clocks: Mapping[Any, Any]
-) -> dict[int, GivenState]:
+def _coordinates_by_distances(
+    automaton: HybridAutomaton, distances: Sequence[Any], preferred: Sequence[int], clocks: Mapping[Any, Any]
+) -> dict[int, DependentState]:
     """The coordinates that distances of zero give, first of these, and their velocities, by their places;
     `clocks` have the rates of the clocks."""
     n, states = automaton.coordinates, automaton.states
@@ -172,21 +179,21 @@ def _held_coordinates(
         if not candidates:
             return {}
         slopes = {x: _order_of_choice(sympy.diff(left, x), x, states) for x in reversed(candidates)}
-        x = min(slopes, key=lambda x: (q.index(x) not in held, slopes[x]))
+        x = min(slopes, key=lambda x: (q.index(x) not in preferred, slopes[x]))
         root = _root(left, x)
         solutions = {
-            other: GivenState(*(part.xreplace({x: root.value}) for part in one))
+            other: DependentState(*(part.xreplace({x: root.value}) for part in one))
             for other, one in solutions.items()
         }
         solutions[x] = root
     free = [i for i in range(n) if q[i] not in solutions]
-    given = {}
+    dependent = {}
     for x, one in solutions.items():
         place = q.index(x)
         moving, speeds = [*(q[i] for i in free), *clocks], [*(v[i] for i in free), *clocks.values()]
         speed = _rate(one.value, moving, speeds)
-        given[place], given[n + place] = one, GivenState(speed, speed - v[place])
-    return given
+        dependent[place], dependent[n + place] = one, DependentState(speed, speed - v[place])
+    return dependent
 
 
 def _rate(function: Any, q: Sequence[Any], v: Sequence[Any]) -> Any:
@@ -200,14 +207,14 @@ def _order_of_choice(slope: Any, x: Any, states: Sequence[Any]) -> int:
     return 2 if x in states_of_slope else 1 if states_of_slope else 0
 
 
-def _root(function: Any, x: Any) -> GivenState:
+def _root(function: Any, x: Any) -> DependentState:
     """Where a function of x is zero, if it is linear in x; else two steps of Newton's method from x."""
     slope = sympy.diff(function, x)
     if x in slope.free_symbols:
         step = x - function / slope
-        return GivenState(step.xreplace({x: step}), -function / slope)
+        return DependentState(step.xreplace({x: step}), -function / slope)
     value = sympy.expand(-function.subs(x, 0) / slope)
-    return GivenState(value, value - x)
+    return DependentState(value, value - x)
 
 
 def _carriers(automaton: HybridAutomaton, mode: Mode, places: Sequence[int]) -> dict[int, dict[int, Any]]:

@@ -7,6 +7,7 @@ import pytest
 import sympy
 
 import frictionlab as fl
+from frictionlab.stability.equilibrium_points.steady_rates import states_by_constraints
 from tests.helpers.cases import slow_but
 from tests.helpers.linear_automata import linear
 
@@ -60,6 +61,26 @@ def test_stick_slip_ends_at_the_speed_where_the_damper_balances_friction():
     assert fl.critical_value(on_a_belt(belt=0.5), "N", (0, 20)) == pytest.approx(0.3 * 0.25 / 0.5 * np.exp(2))
     curve = fl.critical_curve(on_a_belt(), "N", (0, 50), over=("belt", [0.05, 0.2, 0.8]))
     np.testing.assert_allclose(curve.values, 0.15 * np.exp(np.array([0.05, 0.2, 0.8]) / 0.25), rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("flow", "complete"),
+    [((0,), False), ((0, 0), False), ((X**2,), True), ((-sympy.sign(X) * sympy.sqrt(abs(X)),), True)],
+    ids=str,
+)
+def test_a_line_of_equilibria_where_the_state_matrix_is_zero_or_infinite(flow, complete):
+    found = fl.equilibria(automaton(flow, states=(X, Y)[: len(flow)], coordinates=0))
+    assert (len(found), found.complete) == (1, complete)
+
+
+@pytest.mark.parametrize("name", ["z", "phase", "t"])
+def test_a_further_state_with_the_name_of_a_clock(name):
+    """A constraint gives it, and others give a coordinate and its velocity."""
+    z = sympy.Symbol(name)
+    flow = (V, W, -X - V, sympy.S.Zero, 1 - z)
+    model = automaton(flow, states=(X, Y, V, W, z), coordinates=2, constraints=(Y, W, z - 1))
+    given = states_by_constraints(model, model.modes[0])
+    assert (sorted(given.dependent), given.remainder, given.distances) == ([1, 3, 4], (), (Y,))
 
 
 def test_a_locus_of_a_mass_on_a_belt():
