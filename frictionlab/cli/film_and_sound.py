@@ -24,7 +24,6 @@ from .parsing import (
 
 FILM_HELP = ".gif, .html or .webp; where there is ffmpeg also .mp4 and others (default: run.gif)"
 SOUND_FORMATS = (".wav",)
-PERIODS = 300  # periods of a run where no end time is given: long enough to settle
 EXIT_FAILED = 1
 
 ANIMATE_DESCRIPTION = """\
@@ -76,7 +75,7 @@ def _run_parser(commands: Any, name: str, about: str, description: str, epilog: 
     add_model_options(parser)
     parser.add_argument("--x0", default="rest", metavar="STATE", help="rest or near (default: rest)")
     parser.add_argument(
-        "--t-end", type=float, metavar="S", help="length of the run (default: some 300 periods)"
+        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, less of a stiff model)"
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
     add_json(parser)
@@ -118,15 +117,15 @@ def _checked_run(
     args: argparse.Namespace, parser: OneLineParser, check_file: Callable[[str, str], Path]
 ) -> Any:
     """A run of the chosen model; the options are checked before it."""
-    from frictionlab.analysis.motion_scales import oscillation_period, round_down_1_2_5
     from frictionlab.analysis.simulate import simulate
+    from frictionlab.pages.scene import usual_duration
     from frictionlab.validation import check_number
 
     try:
         check_writable(check_file("-o", args.output), "-o")
         model = model_from_options(args)
         if args.t_end is None:
-            args.t_end = round_down_1_2_5(PERIODS * oscillation_period(model))
+            args.t_end = usual_duration(model)
         check_number("--t-end", args.t_end, above=0.0, cure="give the length of the run in seconds")
         return simulate(model, args.t_end, x0=args.x0)
     except (ValueError, TypeError) as error:

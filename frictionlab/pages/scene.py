@@ -57,6 +57,7 @@ from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_outputs
+from frictionlab.plotting.turns import turning_angles
 from frictionlab.presentation import unit_of_state
 from frictionlab.stability import eigenvalues
 
@@ -96,7 +97,7 @@ MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
 USUAL_PERIODS = 200  # that are simulated: 20 s of the slider on a belt
-MOST_TIME_CONSTANTS = 5e5  # of what decays fastest, in a run: it keeps steps short
+MOST_TIME_CONSTANTS = 5e5  # 1/|s| of the fastest eigenvalue, in a run: it keeps steps short
 WHAT_MOVES = "moving"  # shows the last periods, or the whole of a motion that has come to rest
 BEGINNING = "beginning"  # shows as many periods from the start
 STARTS = {"rest": "at rest", "near": "near the equilibrium", "own": "own numbers"}
@@ -105,6 +106,7 @@ TAKEN = frozenset(
     "start own duration window coordinate method step formula range transient scene challenge lesson play "
     "without".split()
 )
+SWITCH = "switch-"  # begins the names of switches
 OF_COORDINATE = "coordinate of the phase plane and the spectrum"
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
@@ -121,7 +123,7 @@ def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[f
     """
     known = model if isinstance(model, HybridAutomaton) else require_model(model, KINDS, cure)
     for name in values_of(known):
-        if name in TAKEN:
+        if name in TAKEN or name.startswith(SWITCH):
             raise ValueError(
                 f"a parameter must not be named like the explorer's control {name!r} to be shown: rename it"
             )
@@ -253,7 +255,7 @@ def switch_control(model: Any, name: str) -> Data:
         about = _regimes(model, about)
     hint = f"switches a nonlinearity on and off: {about}"
     return {
-        "name": f"switch-{name}",
+        "name": f"{SWITCH}{name}",
         "kind": "switch",
         "group": "main",
         "text": about,
@@ -377,16 +379,17 @@ def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest
 
 
 def usual_duration(model: Shown) -> float:
-    """Seconds that explorers and pages simulate: 200 periods, less of a stiff model.
+    """Seconds that explorers, pages, films and sounds simulate: 200 periods, less of a stiff model, but 10.
 
     >>> import frictionlab as fl
     >>> usual_duration(fl.SliderOnBelt()), usual_duration(fl.LuGreOscillator())
     (20.0, 50.0)
     """
-    seconds = USUAL_PERIODS * rounded_period(model)
+    least, seconds = (periods * rounded_period(model) for periods in (LEAST_DURATION, USUAL_PERIODS))
     with suppress(ValueError):  # no equilibrium tells how stiff it is
         fastest = float(np.abs(eigenvalues(model).values).max())
-        return min(seconds, round_down_1_2_5(MOST_TIME_CONSTANTS / fastest)) if fastest else seconds
+        if fastest:
+            return max(least, min(seconds, round_down_1_2_5(MOST_TIME_CONSTANTS / fastest)))
     return seconds
 
 
@@ -440,6 +443,7 @@ def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
         "coordinates": automaton.coordinates,
         "rates": dict(automaton.rates),
         "cyclic": list(automaton.cyclic),
+        "turning": turning_angles(automaton),
         "labels": {name: label_of(name) for name in names},
         "units": {name: unit_of_state(model, name) for name in names},
         "forces": forces,

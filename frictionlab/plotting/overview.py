@@ -80,7 +80,7 @@ from frictionlab.plotting.time_histories import (
     window_limits,
     window_text,
 )
-from frictionlab.plotting.turns import cut_at_turns, does_turn, tick_turns
+from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles
 from frictionlab.presentation import output_unit, unit_of_state
 from frictionlab.validation import abbreviate, check_choice, check_number, explains_keywords
 
@@ -142,7 +142,7 @@ def plot_phase_plane(
     column, n = run.names.index(state), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
     here = modes_at(run, t)
-    lines, turns = [], does_turn(run, state, states[:, 0])
+    lines, turns = [], state in turning_angles(run.automaton)
     for mode, pen_of_mode in mode_lines(run, ax).items():
         x, rate = _masked_states(states, here == mode)
         if not np.isnan(x).all():

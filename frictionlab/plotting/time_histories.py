@@ -32,7 +32,7 @@ from frictionlab.plotting.appearance import (
 )
 from frictionlab.plotting.figure import axes_or_new, restyle, set_title
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_with_unit
-from frictionlab.plotting.turns import cut_at_turns, does_turn, tick_turns
+from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles
 from frictionlab.presentation import in_units_of, is_angle, unit_of_state
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
@@ -243,13 +243,15 @@ def plot_displacements(
     right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
         axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
-    lines = []
+    lines, turning = [], turning_angles(run.automaton)
     for i, name in enumerate(names):
         axis, text = right if name in angles else ax, state_with_unit(run.source, name)
         x, time = states[:, i], t
-        if does_turn(run, name, x):
+        if name in turning:
             x, time = cut_at_turns(x, t)
-            tick_turns(axis.yaxis)
+            beside = angles if name in angles else [other for other in names if other not in angles]
+            if {*beside} <= {*turning}:  # what else the axis shows may be large
+                tick_turns(axis.yaxis)
         lines += axis.plot(time, x, label=text, **line_style(i, name, ax))
     label_time_axes(
         run,

@@ -11,20 +11,21 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from numpy.typing import NDArray
 
-from frictionlab.presentation import unit_of_state
+from frictionlab.presentation import state_unit
 
 if TYPE_CHECKING:
-    from frictionlab.hybrid.trajectory import Trajectory
+    from frictionlab.automaton import HybridAutomaton
 
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
 
 
-def does_turn(run: Trajectory, name: str, angle: Array) -> bool:
-    """Whether values (K,) of a coordinate are drawn modulo a turn: of an angle that is cyclic, or that goes
-    through more than a turn."""
-    of_angle = unit_of_state(run.source, name) == "rad"
-    return of_angle and (name in run.automaton.cyclic or float(np.ptp(angle)) > TURN)
+def turning_angles(automaton: HybridAutomaton) -> list[str]:
+    """The coordinates that are drawn modulo a turn: cyclic ones that are angles by their names.
+
+    The motion of any other angle, as on a torsion spring, is not the same a turn further on.
+    """
+    return [name for name in automaton.cyclic if state_unit(name) == "rad"]
 
 
 def within_turn(angle: Array) -> Array:
@@ -39,14 +40,16 @@ def within_turn(angle: Array) -> Array:
 def cut_at_turns(angle: Array, other: Array) -> tuple[Array, Array]:
     """Angles (K,) modulo a turn and what is drawn over them (K,), cut where the angle comes to -pi or pi.
 
-    There are three points more at each cut: on its one side, NaN, on its other.
+    There are three points more at each cut: on its one side, NaN, on its other.  Points more than half a turn
+    apart do not tell how the angle has turned: they are not joined, and three NaN stand between them.
     """
-    turn = np.floor((angle + np.pi) / TURN)
-    cuts = np.flatnonzero(np.nan_to_num(np.diff(turn))) + 1
+    turn, fast = np.floor((angle + np.pi) / TURN), np.abs(np.diff(angle)) > np.pi
+    cuts = np.flatnonzero((np.nan_to_num(np.diff(turn)) != 0) | fast) + 1
     border = TURN * np.maximum(turn[cuts - 1], turn[cuts]) - np.pi
-    share = (border - angle[cuts - 1]) / (angle[cuts] - angle[cuts - 1])
+    share = np.where(fast[cuts - 1], np.nan, (border - angle[cuts - 1]) / (angle[cuts] - angle[cuts - 1]))
     there = other[cuts - 1] + share * (other[cuts] - other[cuts - 1])
-    side, nothing = np.pi * np.sign(turn[cuts] - turn[cuts - 1]), np.full(len(cuts), np.nan)
+    nothing = np.full(len(cuts), np.nan)
+    side = np.where(fast[cuts - 1], nothing, np.pi * np.sign(turn[cuts] - turn[cuts - 1]))
     places = np.repeat(cuts, 3)
     edges = np.column_stack([side, nothing, -side]).ravel()
     return np.insert(within_turn(angle), places, edges), np.insert(other, places, np.repeat(there, 3))

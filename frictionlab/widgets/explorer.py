@@ -135,7 +135,7 @@ class Explorer:
     def _moved(self, change: Any) -> None:
         """Set the controls as the browser says; what they cannot have is told there."""
         state = {name: data for name, data in change["new"].items() if name in self.controls}
-        if state == self.values():  # an answer that was sent to the browser
+        if not self.error and state == self.values():  # an answer that was sent to the browser
             return
         try:
             self.set_values(state)

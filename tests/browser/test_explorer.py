@@ -341,6 +341,11 @@ def test_a_saved_state_is_loaded_again_and_code_is_copied(slider, tmp_path):
     settled(slider.page, ROOT)
     text = slider.file_of("save state", tmp_path / "state.json")
     assert json.loads(text)["changed"] == {"mu_k": 1.41}
+    focus = "document.activeElement.textContent"
+    assert slider.page.evaluate(focus) == "save"
+    for key in ("Enter", "Tab", "Escape"):
+        slider.page.keyboard.press(key)
+    assert slider.page.evaluate(focus) == "save"
     slider.press_button("copy as Python")
     slider.says(".fl-status", "copied as Python")
     slider.press_button("reset")

@@ -11,7 +11,8 @@ class BrowserEngine {
 
   structureOf(state) { // undefined where the page has none: a law with some nonlinearities switched off
     const off = switchesOff(state), switched = SCENE.switches.filter((name) => off.includes(name)).join(",");
-    const law = (state.friction ?? SCENE.initial.friction) !== SCENE.initial.friction ? `|${state.friction}` : "";
+    const menu = SCENE.controls.find(({ name, kind }) => name === "friction" && kind === "choice"); // no parameter
+    const law = menu && (state.friction ?? menu.value) !== menu.value ? `|${state.friction}` : "";
     return STRUCTURES[switched + law];
   }
 

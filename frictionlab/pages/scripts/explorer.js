@@ -38,19 +38,18 @@ class Explorer {
   build() {
     this.panels = {};
     const { scene } = this, part = (name, tag = "div") => (this[name] = html(tag, { className: `fl-${name}` }));
-    const button = (...about) => this.button(...about);
     const buttons = html("div", { className: "fl-buttons" }, [
-      button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
-      button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
-      button("reset", "reset", "All controls back to the values of the start", () => this.set(this.beginning)),
-      button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
-      button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
-      button("copy", "copy as Python", "Copy as Python (c)",
+      this.button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
+      this.button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
+      this.button("reset", "reset", "All controls back to the values of the start", () => this.set(this.beginning)),
+      this.button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
+      this.button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
+      this.button("copy", "copy as Python", "Copy as Python (c)",
         () => this.copy(this.engine.python(this.state), "copied as Python")),
-      button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
+      this.button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
       this.fileMenu(),
-      button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),
-      button("full", "full screen", "Full screen (f)",
+      this.button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),
+      this.button("full", "full screen", "Full screen (f)",
         () => (document.fullscreenElement ? document.exitFullscreen() : this.root.requestFullscreen?.())),
     ]);
     this.linkButton.hidden = this.themeButton.hidden = !this.options.address;
@@ -140,7 +139,7 @@ class Explorer {
     const name = this.scene.model.replace(/\(.*/s, ""),
       load = html("input", { type: "file", accept: ".json", hidden: true });
     const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: () => {
-      this.files.open = false;
+      this.closeFiles();
       does();
     } });
     load.onchange = async () => {
@@ -156,6 +155,11 @@ class Explorer {
     ]);
     this.files = html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), entries]);
     return this.files;
+  }
+
+  closeFiles() { // the keyboard stays at the menu
+    this.files.open = false;
+    this.files.firstChild.focus();
   }
 
   controlGroups() {
@@ -538,7 +542,7 @@ class Explorer {
   }
 
   startAt(touched, coordinate) { // a run from these values of states; all others as in steady sliding
-    const own = startState(this.result, touched).map((value) => roundNumber(value, 5)).join(", ");
+    const own = startState(this.result, touched, this.shownSample()).map((value) => roundNumber(value, 5)).join(", ");
     this.set({ ...this.state, start: "own", own, coordinate, window: "how it begins" });
     this.share = 0;
     if (!this.playing && this.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.toggle();
@@ -595,7 +599,7 @@ class Explorer {
 
   key(event) {
     event.stopPropagation(); // a notebook takes keys for its own commands
-    if (event.key === "Escape") this.files.open = false;
+    if (event.key === "Escape" && this.files.open) this.closeFiles();
     const { tagName, type } = event.target;
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(tagName) && type !== "range" && type !== "checkbox" || event.ctrlKey
       || event.metaKey || event.altKey) return;

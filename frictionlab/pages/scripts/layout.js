@@ -140,13 +140,13 @@ function partsPicture(about, result, look) {
 // what a step of (dx, dy) of a body does to each coordinate that moves it; `angle` is that by which it is turned
 function movesOf({ right, up, turn }, s, states, angle) {
   const moves = {}, bare = (name) => name.replace("-", ""), sign = (name) => (name[0] === "-" ? -s : s);
+  if (turn?.right && turn.up && states.includes(turn.angle)) { // which alone follows a step in both directions
+    const a = angle + turn.start;
+    return { [turn.angle]: (dx, dy) =>
+      withinTurn(Math.atan2(Math.sin(a) + dy / turn.up, Math.cos(a) + dx / turn.right) - a) };
+  }
   if (states.includes(bare(right))) moves[bare(right)] = (dx) => dx / sign(right);
   if (states.includes(bare(up))) moves[bare(up)] = (_, dy) => dy / sign(up);
-  if (turn?.right && turn.up) {
-    const a = angle + turn.start;
-    moves[turn.angle] = (dx, dy) =>
-      withinTurn(Math.atan2(Math.sin(a) + dy / turn.up, Math.cos(a) + dx / turn.right) - a);
-  }
   return moves;
 }
 

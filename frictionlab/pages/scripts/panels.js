@@ -9,8 +9,8 @@ const LEAST_BAND = 0.1; // of frequencies that are shown, as share of the highes
 const SILENT = 1e-9; // share of a motion's size below which an amplitude is rounding
 
 // of the array that varies most
-const end = (x, choose) => x.reduce((a, b) => choose(a, b)); // the least of an array, or its most
-const spread = (columns) => Math.max(...columns.map((x) => end(x, Math.max) - end(x, Math.min)));
+const spread = (columns) => Math.max(...columns.map((x) =>
+  x.reduce((a, b) => Math.max(a, b)) - x.reduce((a, b) => Math.min(a, b))));
 
 function samplesByName(times, modes, names, columns) {
   const byName = Object.fromEntries(names.map((name, i) => [name, columns[i]]));
@@ -76,9 +76,10 @@ function historyDrawing(result, names, words) {
     : words[isAngle(result, name) ? 1 : 0]);
   const label = (name, dashed) =>
     (name ? `${withUnit(word(name), result.structure.units[name])}${dashed ? ", dashed" : ""}` : "");
-  const turns = (axis) => curves.some((curve) => curve.axis === axis && curve.turns);
+  const turns = (axis) => curves.every((curve) => curve.axis !== axis || curve.turns);
   return { xlabel: "time (s)", ylabel: label(left), right: units.length > 1 ? label(right, true) : "", curves,
-    xlim: [result.start, result.stop], turns: { left: turns("left"), right: turns("right") } };
+    xlim: [result.start, result.stop], turns: { left: turns("left"), right: turns("right") },
+    note: noteOfTurns(result, names) };
 }
 
 function response(result) {
@@ -115,7 +116,7 @@ function phase(result) {
     curves.push({ label: "equilibrium", x, y, marker: "+", size: 11, line: false });
   }
   return { xlabel: axisLabel(result, name), ylabel: axisLabel(result, other), curves, turns,
-    touch: (x, v) => ({ [name]: x, [other]: v }) };
+    note: noteOfTurns(result, [name]), touch: (x, v) => ({ [name]: x, [other]: v }) };
 }
 
 function spectrum(result) {

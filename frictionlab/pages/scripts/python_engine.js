@@ -22,7 +22,7 @@ class PythonEngine {
   async stop(explorer) { // what is done in parts stops by a message, a computation that hears none by ctrl-C
     this.model.send({ stop: true });
     if (!this.model.get("computing")) return; // the kernel may run a cell
-    try { await this.model.widget_manager?.kernel?.interrupt();
+    try { await this.model.widget_manager.kernel.interrupt(); // not every front end has them
     } catch { explorer.say("This server does not let a computation be stopped: wait until it is done.", true); }
   }
 

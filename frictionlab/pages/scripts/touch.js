@@ -50,9 +50,9 @@ class BodyDrag {
   }
 
   begin(body, from) { // other bodies go where they are in steady sliding
-    const { explorer } = this, [samples, i] = explorer.shownSample();
+    const shown = this.explorer.shownSample(), [samples, i] = shown;
     const now = Object.fromEntries(Object.keys(body.along).map((name) => [name, samples.column(name)[i]]));
-    Object.assign(this, { body, from, now, touched: {}, mode: samples.modes[i] });
+    Object.assign(this, { body, from, now, shown, touched: {} });
   }
 
   pull(event) {
@@ -69,7 +69,7 @@ class BodyDrag {
     const to = (name, v) => (doesTurn(explorer.result, name) ? withinTurn(v) : v);
     this.touched = Object.fromEntries(Object.entries(body.along).map(([name, change]) =>
       [name, to(name, now[name] + change(dx, dy))]));
-    explorer.held = heldSample(explorer.result, this.touched, this.mode);
+    explorer.held = heldSample(explorer.result, this.touched, this.shown);
     explorer.frame();
   }
 
@@ -128,13 +128,19 @@ class BodyDrag {
   }
 }
 
-function heldSample(result, touched, mode) { // the state of a body that is held, as the sample of an instant
-  const { structure: { states }, samples } = result, start = startState(result, touched),
-    outputs = Object.keys(samples.byName);
+function heldSample(result, touched, shown) { // the state of a body that is held, as the sample of an instant
+  const { structure: { states }, samples } = result, start = startState(result, touched, shown),
+    [{ modes }, i] = shown, outputs = Object.keys(samples.byName);
   const values = outputs.map((name) => Float64Array.of(states.includes(name) ? start[states.indexOf(name)] : 0));
-  return samplesByName(Float64Array.of(0), Int32Array.of(mode), outputs, values);
+  return samplesByName(Float64Array.of(0), Int32Array.of(modes[i]), outputs, values);
 }
 
-function startState({ structure: { states }, equilibrium }, touched) { // all else as in steady sliding
-  return states.map((name, i) => touched[name] ?? equilibrium?.state[i] ?? 0);
+// All else as in steady sliding. Where a cyclic coordinate is touched, the others stay where they are beside it: all
+// turn back by as many turns as it does.
+function startState(result, touched, [samples, i]) {
+  const { structure: { states, cyclic }, equilibrium } = result, now = (name) => samples.column(name)[i];
+  const one = cyclic.find((name) => name in touched),
+    turns = one && doesTurn(result, one) ? Math.round((now(one) - touched[one]) / TURN) : 0;
+  const other = (name, place) => (one && cyclic.includes(name) ? now(name) - TURN * turns : equilibrium?.state[place]);
+  return states.map((name, place) => touched[name] ?? other(name, place) ?? 0);
 }

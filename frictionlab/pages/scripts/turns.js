@@ -4,20 +4,25 @@ const TURN = 2 * Math.PI;
 
 const withinTurn = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);
 
-// of an angle that is cyclic, or that goes through more than a turn
-function doesTurn({ structure, samples }, name) {
-  if (structure.units[name] !== "rad") return false;
-  const [low, high] = dataRange([samples.column(name)]) ?? [0, 0];
-  return structure.cyclic.includes(name) || high - low > TURN;
+const doesTurn = ({ structure }, name) => structure.turning.includes(name);
+const isFast = (step) => Math.abs(step) > Math.PI; // which leaves open how the angle has turned
+
+function noteOfTurns(result, names) {
+  const fast = ([...angle]) => angle.some((v, i) => isFast(v - angle[i - 1]));
+  return names.some((name) => doesTurn(result, name) && fast(result.samples.column(name)))
+    ? "turns too fast to be drawn: show less of the run" : "";
 }
 
 // [angles modulo a turn, what is drawn over them], cut where the angle comes to -pi or pi: with its one side, NaN and
-// its other
+// its other; points more than half a turn apart are not joined
 function cutAtTurns(angle, other) {
   const angles = [], others = [];
   for (let i = 0, before = NaN; i < angle.length; i++) {
     const turn = Math.floor((angle[i] + Math.PI) / TURN);
-    if (turn !== before && Number.isFinite(turn - before)) {
+    if (isFast(angle[i] - angle[i - 1])) {
+      angles.push(NaN, NaN, NaN);
+      others.push(NaN, NaN, NaN);
+    } else if (turn !== before && Number.isFinite(turn - before)) {
       const border = TURN * Math.max(turn, before) - Math.PI,
         share = (border - angle[i - 1]) / (angle[i] - angle[i - 1]);
       const there = other[i - 1] + share * (other[i] - other[i - 1]), side = turn > before ? Math.PI : -Math.PI;

@@ -46,7 +46,7 @@ from frictionlab.plotting.time_histories import (
     plot_displacements,
     window_limits,
 )
-from frictionlab.plotting.turns import does_turn, within_turn
+from frictionlab.plotting.turns import turning_angles, within_turn
 from frictionlab.validation import abbreviate, check_number, check_path
 
 from .parts import Parts, parts
@@ -330,8 +330,7 @@ def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> Animation
     left.set_xlabel(picture.note, fontsize=font_size(FONT_SIZE))
     # At a fixed height, as otherwise the title would move with each draw.
     title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
-    turns = does_turn(run, picture.coordinate, picture.x)
-    x = within_turn(picture.x) if turns else picture.x
+    x = within_turn(picture.x) if picture.coordinate in turning_angles(run.automaton) else picture.x
     return AnimationScene(picture, x, colours, parts, phase, title)
 
 

@@ -4,10 +4,11 @@ import json
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
 from frictionlab import plotting
-from frictionlab.pages.export import text_of
+from frictionlab.pages.export import script_text, text_of
 from frictionlab.plotting.turns import cut_at_turns
 from tests.unit.pages.test_javascript import run_in_node
 
@@ -30,14 +31,59 @@ def test_an_angle_is_cut_where_it_comes_to_half_a_turn(angle):
     assert np.array_equal(in_page, [shown, time], equal_nan=True)
 
 
-def test_a_drill_string_turns_and_a_pendulum_that_swings_does_not():
-    for model, turns in ((fl.DrillString(), True), (fl.FroudePendulum(), False)):
-        run = fl.simulate(model, 60.0, progress=False)
+def test_points_more_than_half_a_turn_apart_are_not_joined():
+    angle = 15.0 * np.arange(9.0)
+    script = f"""{text_of("turns.js")}
+        console.log(JSON.stringify(Array.from(cutAtTurns({angle.tolist()}, {angle.tolist()})[0])));"""
+    for shown in (cut_at_turns(angle, angle)[0], np.array(run_in_node(script), float)):
+        assert np.array_equal(np.flatnonzero(~np.isnan(shown)), 4 * np.arange(9))
+
+
+PHI, OMEGA = sp.symbols("phi omega")
+FREE, SPRING = (fl.Mode("only", (OMEGA, torque)) for torque in (sp.S.Zero, -PHI))
+
+
+def automaton(mode, *cyclic):
+    return fl.HybridAutomaton((PHI, OMEGA), (mode,), {}, 1, cyclic)
+
+
+def test_a_cyclic_angle_turns_and_no_other():
+    for model, x0, turns in (
+        (fl.DrillString(), "rest", True),
+        (fl.FroudePendulum(), "rest", False),
+        (fl.FroudePendulum(), [0.0, 40.0], False),  # over the top
+        (automaton(FREE, "phi"), [0.0, 1.0], True),
+        (automaton(SPRING), [5.0, 0.0], False),
+    ):
+        run = fl.simulate(model, 60.0, x0=x0, progress=False)
         for lines, axis in (
             (plotting.plot_phase_plane(run), "x"),
             (plotting.plot_displacements(run), "y"),
         ):
             drawn = np.concatenate([getattr(line, f"get_{axis}data")() for line in lines])
-            assert np.nanmax(np.abs(drawn)) <= np.pi
+            assert np.nanmax(np.abs(drawn)) <= (np.pi if turns else np.inf)
             ticks = [text.get_text() for text in getattr(lines[0].axes, f"get_{axis}ticklabels")()]
             assert (r"$\pi/2$" in ticks) == turns
+
+
+def in_page(expression):
+    scripts = script_text(("turns", "layout", "touch"))
+    return run_in_node(f"{scripts}\nconsole.log(JSON.stringify({expression}));")
+
+
+def test_of_two_cyclic_angles_the_one_that_is_dragged_changes_the_twist_by_the_drag_alone():
+    structure = '{ states: ["phi1", "phi2", "w"], cyclic: ["phi1", "phi2"], turning: ["phi1", "phi2"] }'
+    shown = "[{ column: (name) => [{ phi1: 100, phi2: 98.5, w: 7 }[name]] }, 0]"
+    start = in_page(
+        f"startState({{ structure: {structure}, equilibrium: {{ state: [0, 9, 6] }} }}, "
+        f"{{ phi1: withinTurn(100.3) }}, {shown})"
+    )
+    assert abs(start[0]) <= np.pi
+    assert np.isclose(start[0] - start[1], 1.8)
+    assert start[2] == 6  # as in steady rotation
+
+
+@pytest.mark.parametrize(("states", "moved"), [(["x", "phi"], ["phi"]), (["x"], ["x"])])
+def test_what_turns_is_moved_by_its_angle_where_that_is_a_state(states, moved):
+    place = '{ right: "x", up: "", turn: { angle: "phi", right: 1, up: 1, start: 0 } }'
+    assert in_page(f"Object.keys(movesOf({place}, 1, {json.dumps(states)}, 0))") == moved

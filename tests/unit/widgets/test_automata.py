@@ -9,8 +9,11 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.analysis.orbits.pseudo_arclength import with_parameter_as_state
 from frictionlab.analysis.period_of_motion import with_period
+from frictionlab.pages.export import script_text
+from frictionlab.pages.scene import usual_duration
 from tests.helpers.automata import V, X, automaton, ball, coulomb, named, oscillator, thermostat
 from tests.helpers.explorers import words
+from tests.unit.pages.test_javascript import run_in_node
 
 BELT = coulomb(0.2, 1.0, 0.5)
 DECAY = automaton(fl.Mode("on", (-sp.Symbol("rate") * X,)), states=(X,), coordinates=0, rate=2.0)
@@ -87,12 +90,29 @@ def test_a_film_of_an_automaton_shows_its_history():
     assert fl.listen(run).signal == "v"
 
 
-@pytest.mark.parametrize("name", ["duration", "own", "scene"])
+@pytest.mark.parametrize("name", ["duration", "own", "scene", "switch-k"])
 def test_a_parameter_named_like_a_control_is_refused_in_words(name, tmp_path):
     taken = automaton(fl.Mode("on", (V, -sp.Symbol(name) * X)), **{name: 1.0})
     for show in (fl.explore, lambda given: fl.export_page(given, tmp_path / "page.html")):
         with pytest.raises(ValueError, match=f"named like the explorer's control '{name}'.*rename it"):
             show(taken)
+
+
+def test_a_parameter_named_friction_is_no_law_in_a_page():
+    scene = """{ switches: [], initial: { friction: 0.3 },
+      controls: [{ name: "friction", kind: "number", value: 0.3 }] }"""
+    found = run_in_node(
+        f"""const STRUCTURES = {{ "": "the only one" }}, SCENE = {scene};
+        {script_text(("words", "state", "browser_engine"))}
+        console.log(JSON.stringify(new BrowserEngine(null).structureOf({{ friction: 0.4 }})));"""
+    )
+    assert found == "the only one"
+
+
+def test_a_run_of_a_stiff_automaton_has_ten_periods():
+    y, rate = sp.symbols("y w")
+    both = fl.Mode("both", (V, rate, -((2 * sp.pi) ** 2) * X, -1e12 * y))
+    assert usual_duration(fl.HybridAutomaton((X, y, V, rate), (both,), {}, 2, period=1.0)) == 10.0
 
 
 def test_a_structure_is_refused_with_the_cure(tmp_path):

@@ -81,6 +81,8 @@ def test_what_a_browser_sends_is_taken_or_refused_in_words(explorer):
     explorer.widget.set_state({"state": state | {"mu_k": -1.0}})
     assert "mu_k must be at least 0, got -1.0" in explorer.widget.error
     assert explorer.model.mu_k == 1.3
+    explorer.widget.set_state({"state": state | {"mu_k": 1.3, "start": "near"}})
+    assert (explorer.error, explorer.widget.error) == (None, "")
 
 
 def test_a_control_is_linked_to_any_widget(explorer):
@@ -196,14 +198,16 @@ def test_the_stop_button_interrupts_the_kernel_only_while_the_widget_computes():
         assert explorer.widget.computing is False
     assert run_in_node(
         f"""{text_of("python_engine.js").replace("export default", "void")}
-        const counts = [false, true].map((computing) => {{
-          let count = 0;
-          const kernel = {{ interrupt: () => {{ count += 1; }} }};
-          new PythonEngine({{ get: () => computing, send: () => {{}}, widget_manager: {{ kernel }} }}).stop();
-          return count;
+        const counts = [[false, true], [true, true], [true, false]].map(([computing, has_kernel]) => {{
+          let count = 0, said = 0;
+          const manager = {{ kernel: {{ interrupt: () => {{ count += 1; }} }} }};
+          const widget_manager = has_kernel ? manager : undefined;
+          const engine = new PythonEngine({{ get: () => computing, send: () => {{}}, widget_manager }});
+          engine.stop({{ say: (text) => {{ said += text.startsWith("This server"); }} }});
+          return [count, said];
         }});
         console.log(JSON.stringify(counts));"""
-    ) == [0, 1]
+    ) == [[0, 0], [1, 0], [0, 1]]
 
 
 def test_what_takes_long_waits_until_a_slider_stops():
