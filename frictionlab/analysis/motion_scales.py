@@ -200,7 +200,7 @@ class Spectrum(NamedTuple):
 def heard_state(run: Trajectory) -> str:
     """The state whose spectrum is shown: the first coordinate, or its rate if it may turn for ever."""
     first = run.automaton.shown_state
-    return f"{first}'" if first in run.automaton.cyclic else first
+    return run.automaton.rates[first] if first in run.automaton.cyclic else first
 
 
 def amplitude_spectrum(

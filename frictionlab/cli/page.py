@@ -56,7 +56,7 @@ def add_page(commands: Any) -> OneLineParser:
     add_model_options(parser)
     parser.add_argument("--slider", nargs="+", metavar="NAME", help="sliders shown at first")
     parser.add_argument(
-        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, less of a stiff model)"
+        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, fewer for a stiff model)"
     )
     add_json(parser)
     return parser

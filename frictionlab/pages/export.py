@@ -113,7 +113,7 @@ def export_page(
         None takes five that follow from the speed alone, where the model has few modes.  The others of the
         menu need Python.
     t_end : float or None
-        End time in seconds; None takes 200 periods, less of a stiff model, but 10 at least.
+        End time in seconds; None takes 200 periods, fewer for a stiff model, but 10 at least.
     title : str or None
         None takes the model's name; that of an automaton is "hybrid automaton".
 

@@ -379,7 +379,7 @@ def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest
 
 
 def usual_duration(model: Shown) -> float:
-    """Seconds that explorers, pages, films and sounds simulate: 200 periods, less of a stiff model, but 10.
+    """Seconds that explorers, pages, films and sounds simulate: 200 periods, fewer for a stiff model, but 10.
 
     >>> import frictionlab as fl
     >>> usual_duration(fl.SliderOnBelt()), usual_duration(fl.LuGreOscillator())

@@ -19,7 +19,6 @@ from matplotlib.colors import to_hex, to_rgb, to_rgba
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.rcsetup import cycler
 
-from frictionlab.presentation import is_angle
 from frictionlab.validation import check_choice
 
 if TYPE_CHECKING:
@@ -430,20 +429,21 @@ def _printed_modes(run: Trajectory) -> dict[str, PrintedMode]:
     return {name: PRINTED_MODES[colour] for name, colour in mode_colours(run).items()}
 
 
-def line_style(index: int, name: str, ax: Axes | None = None) -> dict[str, Any]:
-    """Colour, width and dashes of a coordinate's line in `ax`: angles are dashed, as their unit differs.
+def line_style(index: int, ax: Axes | None = None, *, dashed: bool = False) -> dict[str, Any]:
+    """Colour, width and dashes of a curve in `ax`; `dashed` if its unit is another one, as of an angle beside
+    lengths.
 
     What the user has set in ``axes.prop_cycle`` takes the place of the package's colours.
     """
     own = cycled_style(index)
     if own is not None:
         usual = {"color": legible(BLACK, ax), "linestyle": "-", "linewidth": line_width()}
-        return usual | own | ({"linestyle": DASHED} if is_angle(name) else {})
+        return usual | own | ({"linestyle": DASHED} if dashed else {})
     place = index % len(LINE_COLOURS)
-    dashed = is_angle(name) or index >= len(LINE_COLOURS)
     dashes = PRINTED_DASHES[place] if in_print() else "-"
+    dashes = DASHED if dashed or index >= len(LINE_COLOURS) else dashes
     colour = legible(LINE_COLOURS[place], ax)
-    return {"color": colour, "linestyle": DASHED if dashed else dashes, "linewidth": line_width()}
+    return {"color": colour, "linestyle": dashes, "linewidth": line_width()}
 
 
 def crowding() -> float:

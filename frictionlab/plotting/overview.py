@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.text import Annotation
+from matplotlib.ticker import MaxNLocator
 
 from frictionlab.analysis.motion_scales import (
     MAX_SAMPLES,
@@ -152,7 +153,7 @@ def plot_phase_plane(
     label_phase_plane(ax, run.source, state, title)
     if turns:
         tick_turns(ax.xaxis)
-    else:
+    if isinstance(ax.xaxis.get_major_locator(), MaxNLocator):
         ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
 

@@ -232,7 +232,7 @@ def _draw_modes(
     selection = select_modes(locus, modes)
     lines, heavy = [], []
     for i, mode in enumerate(selection):
-        style = line_style(mode, "", ax)
+        style = line_style(mode, ax)
         name = f"mode {mode}" if label is None else (label if i == 0 else f"_{label}")
         lines += ax.plot(locus.at, values[:, mode], label=name, **style)
         growing = np.where(locus.growth_rates[:, mode] > 0, values[:, mode], np.nan)
@@ -403,9 +403,10 @@ def plot_frequency_response(
     source = system.inputs[0] if input is None else input
     outputs = system.outputs if output is None else (output,)
     curves = {name: response.response(name, source) for name in outputs}
+    angles_beside = secondary_axis_angles(outputs)
     gain, *below = _gain_and_phase_axes() if ax is None else [axes_or_new(ax)]
     for i, (name, values) in enumerate(curves.items()):
-        style = line_style(i, name, gain)
+        style = line_style(i, gain, dashed=name in angles_beside)
         restyle(gain.plot(response.frequencies, np.abs(values), label=_label(system, name), **style), line)
         for phase in below:
             angles = np.degrees(np.unwrap(np.angle(values)))

@@ -106,7 +106,7 @@ def plot_critical(
     ax = axes_or_new(ax)
     lines = []
     for i, (curve, label) in enumerate(zip(curves, labels)):
-        lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, "", ax))
+        lines += ax.plot(curve.at, curve.values, label=label, **line_style(i, ax))
     first = curves[0]
     ylabel = wrap_label(f"critical {parameter_label(first.model, first.parameter)}", LABEL_LENGTH)
     ax.set(xlabel=parameter_label(first.model, first.over), ylabel=ylabel)

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
+from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import moving_span, period_of_run
@@ -185,7 +186,7 @@ def shade_modes(run: Trajectory, ax: Axes, window: Window = DEFAULT_WINDOW) -> l
 def _intervals_in_window(
     edges: Array, selection: list[bool], start: float, stop: float
 ) -> list[tuple[float, float]]:
-    """(start, length) of the chosen intervals, cut to the window."""
+    """(start, length) of the selected intervals, cut to the window."""
     left, right = np.maximum(edges[:-1], start), np.minimum(edges[1:], stop)
     inside = np.array(selection, dtype=bool) & (right > left)
     return list(zip(left[inside].tolist(), (right - left)[inside].tolist(), strict=True))
@@ -212,9 +213,9 @@ def plot_displacements(
 ) -> list[Line2D]:
     """Draw all coordinates against time, with the modes shaded behind them.
 
-    Lengths belong to the axis on the left.  An angle (phi, theta, alpha ...) is dashed, as it has another
-    unit and size; where there are lengths it belongs to an axis on the right.  One that turns is drawn modulo
-    a turn.
+    Lengths belong to the axis on the left.  Where there are some, an angle (phi, theta, alpha ...) is dashed
+    and belongs to an axis on the right, as it has another unit and size.  One that turns is drawn modulo a
+    turn.
 
     Parameters
     ----------
@@ -242,17 +243,18 @@ def plot_displacements(
     angles = secondary_axis_angles(names) if has_units else ()
     right = _angle_axis(ax) if angles else ax
     for axis in (ax, right):
-        axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
+        if isinstance(axis.yaxis.get_major_formatter(), ScalarFormatter):
+            axis.ticklabel_format(axis="y", scilimits=(-3, 4))  # 1e-4 once, not 0.00012 at every tick
     lines, turning = [], turning_angles(run.automaton)
     for i, name in enumerate(names):
         axis, text = right if name in angles else ax, state_with_unit(run.source, name)
         x, time = states[:, i], t
         if name in turning:
             x, time = cut_at_turns(x, t)
-            beside = angles if name in angles else [other for other in names if other not in angles]
-            if {*beside} <= {*turning}:  # what else the axis shows may be large
-                tick_turns(axis.yaxis)
-        lines += axis.plot(time, x, label=text, **line_style(i, name, ax))
+        lines += axis.plot(time, x, label=text, **line_style(i, ax, dashed=name in angles))
+    for axis, shown in ((ax, [name for name in names if name not in angles]), (right, angles)):
+        if shown and {*shown} <= {*turning}:  # what else the axis shows may be large
+            tick_turns(axis.yaxis)
     label_time_axes(
         run,
         ax,
@@ -304,13 +306,13 @@ def plot_rates(
     t, n = sample_times(start, stop), run.automaton.coordinates
     states, lines = run(t), []
     names = run.names[n : 2 * n]
+    has_units = bool(unit_of_state(run.source, run.names[0]))
+    angles = secondary_axis_angles(names) if has_units else ()
     label = "rate" if any(map(is_angle, names)) else in_units_of(run.source, "velocity (m/s)")
     for i, name in enumerate(names):
         text = state_with_unit(run.source, name)
-        lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, name, ax))
-    label_time_axes(
-        run, ax, (start, stop), shade, "Rates", label if unit_of_state(run.source, run.names[0]) else "rate"
-    )
+        lines += ax.plot(t, states[:, n + i], label=text, **line_style(i, ax, dashed=name in angles))
+    label_time_axes(run, ax, (start, stop), shade, "Rates", label if has_units else "rate")
     return restyle(lines, line)
 
 

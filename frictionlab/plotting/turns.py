@@ -56,7 +56,9 @@ def cut_at_turns(angle: Array, other: Array) -> tuple[Array, Array]:
 
 
 def tick_turns(axis: Any) -> None:
-    """Put the ticks of an axis of matplotlib at multiples of pi/2, written as such."""
+    """Tick an axis of matplotlib that shows more than pi at multiples of pi/2, written as such."""
+    if abs(np.subtract(*axis.get_view_interval())) <= np.pi:
+        return
     axis.set_major_locator(MultipleLocator(np.pi / 2))
     axis.set_major_formatter(FuncFormatter(lambda x, _: _multiple_of_pi(x)))
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.models.model import automaton_of, check_parameter_name, values_of
 from frictionlab.pages.scene import Shown, panels_of, scene_data
+from frictionlab.presentation import count
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
 from frictionlab.widgets.panels.standard import (
@@ -255,11 +256,12 @@ def explore(
     """Change a model or an automaton with sliders and watch its motion.
 
     Every parameter has a slider, made from its symbol, unit, meaning and range; so have those of your own
-    laws.  An automaton states no ranges: sliders of its parameters go from zero to twice the value.  The
-    mechanism moves beside its curves, and can be heard.  The nonlinearities can be switched off and on.  A
-    scene can be kept, dotted, to compare others with it.  A button fills the screen.  The model and its run
-    are ``explorer.model`` and ``explorer.run``; Python that recreates them can be copied.  The initial method
-    is quick: its tolerance is 1e-7, and flights too short to be seen are replaced by their limit.
+    laws.  An automaton states no ranges: sliders of its parameters go from zero to twice a positive value,
+    and to twice the size of a negative one on both sides of zero.  The mechanism moves beside its curves, and
+    can be heard.  The nonlinearities can be switched off and on.  A scene can be kept, dotted, to compare
+    others with it.  A button fills the screen.  The model and its run are ``explorer.model`` and
+    ``explorer.run``; Python that recreates them can be copied.  The initial method is quick: its tolerance is
+    1e-7, and flights too short to be seen are replaced by their limit.
 
     Parameters
     ----------
@@ -326,7 +328,7 @@ def explore_stability(
     TypeError
         If `model` is neither a model nor an automaton, or has no such parameter.
     ValueError
-        If both are the same parameter.
+        If both are the same parameter, or the model has fewer than two.
 
     Examples
     --------
@@ -338,6 +340,11 @@ def explore_stability(
     """
     settings = starting_settings(model)
     model = settings.model
+    if len(known := values_of(model)) < 2:
+        raise ValueError(
+            f"model must have two parameters, got {count(len(known), 'parameter')}"
+            f"{' (' + ', '.join(known) + ')' if known else ''}: take fl.eigenvalues(model)"
+        )
     for name in (parameter, over):
         if name is not None:
             check_parameter_name(model, name)

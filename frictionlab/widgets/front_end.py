@@ -149,10 +149,9 @@ def _without_run(model: Shown) -> Data:
 
 def quantities_of(model: Shown, automaton: HybridAutomaton) -> Data:
     """What `quantity_data` says of a model and its automaton; it depends on the structure alone."""
-    if isinstance(model, HybridAutomaton):
-        key: Any = model.modes, model.coordinates, model.cyclic
-    else:
-        key = model.structure_key
+    if isinstance(model, HybridAutomaton):  # found at once, and its modes are not kept alive
+        return quantity_data(model, automaton)
+    key = model.structure_key
     if key not in _QUANTITIES:
         _QUANTITIES[key] = quantity_data(model, automaton)
     return _QUANTITIES[key]

@@ -45,7 +45,8 @@ function logarithmicLimits(now, needed) {
   return [10 ** (Math.floor(top) + 1 - DECADES), 10 ** (Math.floor(top) + 1)];
 }
 
-function turnLimits(_, needed) { // multiples of pi/2
+function turnLimits(now, needed, least) { // multiples of pi/2 where more than pi is shown
+  if (needed && needed[1] - needed[0] <= Math.PI) return linearLimits(now, needed, least);
   const [low, high] = (needed ?? [-Math.PI, Math.PI]).map((angle) => 2 * angle / Math.PI),
     first = Math.floor(low + 1e-9);
   return [first, Math.max(Math.ceil(high - 1e-9), first + 1)].map((halves) => Math.PI / 2 * halves);
@@ -73,7 +74,7 @@ class Axis { // from data to pixels, and back
       return { values, texts: values.map((v) => `10${raised(Math.round(Math.log10(v)))}`), power: 0 };
     }
     const least = this.span / Math.max(2, Math.floor(Math.abs(this.stop - this.start) / space));
-    if (this.turns) {
+    if (this.turns && this.span > Math.PI) {
       const half = Math.PI / 2, by = Math.ceil(roundStep(Math.max(least / half, 1))),
         first = Math.ceil(this.low / half / by - 1e-9), last = Math.floor(this.high / half / by + 1e-9);
       const halves = Array.from({ length: last - first + 1 }, (_, i) => by * (first + i));

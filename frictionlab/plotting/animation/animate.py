@@ -172,8 +172,9 @@ class HistoryPicture:
 
     def draw(self, ax: Axes) -> Any:
         """The line at the instant, before the curves."""
-        plot_displacements(self.run, ax, window=(float(self.t[0]), float(self.t[-1])))
-        ax.legend(loc="upper right", fontsize=font_size(FONT_SIZE))
+        lines = plot_displacements(self.run, ax, window=(float(self.t[0]), float(self.t[-1])))
+        above = next((line.axes for line in lines if line.axes is not ax), ax)
+        above.legend(handles=lines, loc="upper right", fontsize=font_size(FONT_SIZE))
         return ax.axvline(self.t[0], color=ink(ax))
 
     def move(self, artists: Any, frame: int, colour: str | None) -> list[Artist]:
@@ -233,7 +234,7 @@ class AnimationScene:
     picture: Picture
     x: Array
     colours: dict[str, str]
-    parts: Any
+    artists: Any
     phase: Any
     title: Any
 
@@ -322,7 +323,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
 def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
     colours = mode_colours(run)
-    parts = picture.draw(left)
+    artists = picture.draw(left)
     plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
     dot: dict[str, Any] = {"markersize": marker_size(9.0), "markeredgecolor": background(right)}
     (phase,) = right.plot([], [], "o", color=ink(right), zorder=5, **dot)
@@ -331,7 +332,7 @@ def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> Animation
     # At a fixed height, as otherwise the title would move with each draw.
     title = left.set_title("", y=1.0, fontsize=font_size(FONT_SIZE + 2))
     x = within_turn(picture.x) if picture.coordinate in turning_angles(run.automaton) else picture.x
-    return AnimationScene(picture, x, colours, parts, phase, title)
+    return AnimationScene(picture, x, colours, artists, phase, title)
 
 
 def _draw_legend(figure: Figure, picture: Picture, colours: dict[str, str]) -> None:
@@ -356,7 +357,7 @@ def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[A
 
     def update(frame: int) -> list[Artist]:
         mode = str(picture.mode[frame])
-        artists = picture.move(scene.parts, frame, scene.colours.get(mode))
+        artists = picture.move(scene.artists, frame, scene.colours.get(mode))
         scene.phase.set_data([scene.x[frame]], [picture.rate[frame]])
         scene.phase.set_markerfacecolor(scene.colours.get(mode, BLACK))
         scene.title.set_text(f"t = {picture.t[frame]:.{digits}f} s: {mode}; {pace}")

@@ -74,8 +74,8 @@ class Parts:
         Names of the modes.
     coordinate : str
     shapes : tuple of Shape
-    magnify : float
-        Factor of the displacements; 0 where there are none.
+    magnify : float or None
+        Factor of the displacements; None where no point is displaced.
     forces : mapping of str to float
         Largest size (N) of each force that is drawn, by its symbol.
     """
@@ -86,7 +86,7 @@ class Parts:
     mode: np.ndarray
     coordinate: str
     shapes: tuple[Shape, ...]
-    magnify: float
+    magnify: float | None
     forces: dict[str, float]
 
     @property
@@ -100,7 +100,7 @@ class Parts:
     @property
     def note(self) -> str:
         """A note on the magnification, which angles of what turns do not have."""
-        return f"displacements × {self.magnify:g}" if self.magnify else "angles as they are"
+        return "angles as they are" if self.magnify is None else f"displacements × {self.magnify:g}"
 
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
@@ -215,7 +215,6 @@ def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None
     lengths = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
     largest = max((float(np.abs(value).max()) for value in lengths), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
-    s = s if lengths else 0.0
     contacts = [part.contact for part in mechanism.parts if isinstance(part, Forces)]
     forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}
     top = max((float(np.abs(force).max()) for force in forces.values()), default=0.0)
@@ -225,8 +224,8 @@ def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None
     for (_, name), force in forces.items():
         letter = FORCES[name][1]
         sizes[letter] = max(sizes.get(letter, 0.0), float(np.abs(force).max()))
-    first = run.automaton.shown_state
-    return Parts(t, values[first], values[first + "'"], samples.mode, first, tuple(shapes), s, sizes)
+    first, factor = run.automaton.shown_state, s if lengths else None
+    return Parts(t, values[first], values[first + "'"], samples.mode, first, tuple(shapes), factor, sizes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -292,7 +292,7 @@ def _draw_quantity(ablation: Ablation, ax: Axes, quantity: str | None) -> Axes:
     label = quantity or ablation.quantities[0]
     for name, values in over.items():
         for i, (title, curve) in enumerate(zip(_scene_titles(ablation), means, strict=True)):
-            style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
+            style: dict[str, Any] = {"marker": "."} | line_style(i, ax)
             style["linewidth"] *= THICKEST * THINNER**i
             ax.plot(values, curve, label=title, **style)
         ax.set_xlabel(parameter_label(ablation.models[0], name))

@@ -40,6 +40,7 @@ from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set
 from frictionlab.plotting.labels import state_label, with_unit
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
 from frictionlab.plotting.time_histories import check_run_with_coordinates
+from frictionlab.plotting.turns import turning_angles, within_turn
 from frictionlab.presentation import SI, in_units, state_unit
 from frictionlab.validation import check_choice
 
@@ -92,8 +93,9 @@ def plot_steady_state(
     if steady.kind == MotionKind.EQUILIBRIUM:
         column = run.names.index(coordinate)
         x, rate = run.final_state[[column, column + run.automaton.coordinates]]
+        x = within_turn(x) if coordinate in turning_angles(run.automaton) else x
         lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
-        ax.set(ylim=(-1.0, 1.0))
+        ax.set(ylim=(rate - 1.0, rate + 1.0))
     else:
         seconds = SHOWN_PERIODS * steady.period if steady.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         lines = plot_phase_plane(run, ax, name=coordinate, window=min(seconds, float(run.raw.t)))
@@ -151,13 +153,14 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **l
         The points.
     """
     coordinates = [each for each in ends.names if f"{each}'" in ends.names]
-    column = coordinates[0] if name is None else name
-    check_choice("name", column, coordinates)
-    x, rate = (ends.states[:, ends.names.index(each)] for each in (column, f"{column}'"))
+    coordinate = coordinates[0] if name is None else name
+    check_choice("name", coordinate, coordinates)
+    rate_name = f"{coordinate}'"
+    x, rate = (ends.states[:, ends.names.index(each)] for each in (coordinate, rate_name))
     ax = axes_or_new(ax)
     lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
     units = dict(zip(ends.names, ends.units))
-    ax.set(xlabel=with_unit(column, units[column]), ylabel=with_unit(f"{column}'", units[f"{column}'"]))
+    ax.set(xlabel=with_unit(coordinate, units[coordinate]), ylabel=with_unit(rate_name, units[rate_name]))
     set_title(ax, f"Ends of {len(x)} runs")
     return restyle(lines, line)
 

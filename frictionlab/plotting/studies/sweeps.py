@@ -178,7 +178,7 @@ def plot_intensity(
     ax = axes_or_new(ax)
     lines = []
     for i, (result, text) in enumerate(zip(results, labels)):
-        style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
+        style: dict[str, Any] = {"marker": "."} | line_style(i, ax)
         lines += ax.plot(result.values, result.intensities, label=text, **style)
         resting = np.array(result.kinds) == MotionKind.EQUILIBRIUM
         hollow = {"color": style["color"], "markerfacecolor": background(ax), "linestyle": "none"}
@@ -435,7 +435,7 @@ def _numbers(sweep: Sweep) -> np.ndarray:
 def _draw_curves(at: np.ndarray, values: np.ndarray, starts: list[str], label: str, ax: Axes) -> list[Artist]:
     lines: list[Artist] = []
     for i, start in enumerate(starts):
-        style: dict[str, Any] = {"marker": "."} | line_style(i, "", ax)
+        style: dict[str, Any] = {"marker": "."} | line_style(i, ax)
         lines += ax.plot(at, values[:, i], label=start or None, **style)
     ax.set_ylabel(label)
     if len(starts) > 1:

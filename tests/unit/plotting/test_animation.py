@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import frictionlab as fl
-from frictionlab.plotting.animation.animate import check_film_path, frame_times
-from frictionlab.plotting.animation.parts import spring_outline
+from frictionlab.models.mechanism import Belt, Block, Mechanism, Point
+from frictionlab.plotting.animation.animate import HistoryPicture, check_film_path, frame_times
+from frictionlab.plotting.animation.parts import parts, spring_outline
 from frictionlab.plotting.animation.tilting_belt import (
     COLUMNS,
     belt_outline,
@@ -195,6 +196,20 @@ def test_an_automaton_of_a_model_is_animated_without_the_model():
 
 
 @pytest.mark.slow
+def test_a_belt_travels_where_no_point_is_displaced():
+    run = fl.simulate(fl.MassOnBelt(v=0.5), 2.0, progress=False)
+    picture = parts(run, Mechanism(Belt("v"), Block(Point(0.0, 0.2))), np.array([0.0, 2.0]))
+    assert picture.shapes[0].rows[:, 3].tolist() == [0.0, 1.0]
+    assert picture.note == "angles as they are"
+
+
+def test_the_legend_of_a_history_has_all_coordinates_and_no_modes():
+    run, ax = result("run"), Figure().add_subplot()
+    HistoryPicture(run, run.t).draw(ax)
+    (legend,) = (each.get_legend() for each in ax.figure.axes if each.get_legend())
+    assert len(legend.get_texts()) == run.automaton.coordinates
+
+
 def test_a_file_is_written(tmp_path):
     run = fl.simulate(MODEL, 0.1, progress=False)
     fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import sympy as sp
+from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
@@ -87,3 +88,47 @@ def test_of_two_cyclic_angles_the_one_that_is_dragged_changes_the_twist_by_the_d
 def test_what_turns_is_moved_by_its_angle_where_that_is_a_state(states, moved):
     place = '{ right: "x", up: "", turn: { angle: "phi", right: 1, up: 1, start: 0 } }'
     assert in_page(f"Object.keys(movesOf({place}, 1, {json.dumps(states)}, 0))") == moved
+
+
+@pytest.mark.parametrize("draw", [plotting.plot_displacements, plotting.plot_phase_plane])
+def test_axes_that_show_turns_take_a_second_run(draw):
+    ax = Figure().add_subplot()
+    for model in (fl.DrillString(), fl.DrillString(), fl.FroudePendulum()):
+        draw(fl.simulate(model, 20.0, progress=False), ax)
+    axis = ax.xaxis if draw is plotting.plot_phase_plane else ax.yaxis
+    assert r"$\pi/2$" in [text.get_text() for text in axis.get_ticklabels()]
+
+
+def test_a_small_part_of_a_turn_has_the_usual_ticks():
+    run = fl.simulate(fl.MotorAndCart(U=0.1), 20.0, progress=False)
+    ax = plotting.plot_displacements(run, window=5.0)[0].axes
+    low, high = ax.get_ylim()
+    assert high - low < np.pi / 2
+    assert sum(low <= tick <= high for tick in ax.get_yticks()) > 2
+    script = f"""{text_of("turns.js")}{text_of("plot.js")}
+        const found = [[0.1, 0.3], [-1, 3]].map((needed) => turnLimits(null, needed));
+        const texts = (limits) => new Axis(limits, [0, 300], false, true).ticks(30).texts;
+        console.log(JSON.stringify([found, found.map(texts)]));"""
+    (part, whole), (texts, halves) = run_in_node(script)
+    assert part[0] <= 0.1 < 0.3 <= part[1] < 0.5
+    assert np.allclose(whole, [-np.pi / 2, np.pi])
+    assert len(texts) > 2
+    assert halves == ["−π/2", "0", "π/2", "π"]
+
+
+def test_a_steady_rotation_is_marked_within_a_turn():
+    steady = fl.steady_state(fl.DrillString(Omega=25.0), progress=False)
+    (cross,) = plotting.plot_steady_state(steady)
+    (x,), (rate,) = cross.get_data()
+    final = dict(zip(steady.trajectory.names, steady.trajectory.final_state))
+    assert abs(x) <= np.pi
+    assert np.exp(1j * x) == pytest.approx(np.exp(1j * final["phi1"]), abs=1e-9)
+    low, high = cross.axes.get_ylim()
+    assert low < rate == final["phi1'"] < high
+
+
+def test_angles_are_dashed_beside_lengths_alone():
+    for model, dashed in ((fl.FroudePendulum(), {False}), (fl.Woodpecker(), {False, True})):
+        run = fl.simulate(model, 1.0, progress=False)
+        for draw in (plotting.plot_displacements, plotting.plot_rates):
+            assert {line.get_linestyle() != "-" for line in draw(run)} == dashed

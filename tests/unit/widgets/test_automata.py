@@ -11,6 +11,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import with_parameter_as_state
 from frictionlab.analysis.period_of_motion import with_period
 from frictionlab.pages.export import script_text
 from frictionlab.pages.scene import usual_duration
+from frictionlab.widgets.front_end import quantities_of
 from tests.helpers.automata import V, X, automaton, ball, coulomb, named, oscillator, thermostat
 from tests.helpers.explorers import words
 from tests.unit.pages.test_javascript import run_in_node
@@ -79,6 +80,18 @@ def test_a_bifurcation_and_a_stability_explorer_of_an_automaton():
     assert not explorer.result.eigenvalues.stable
     critical = explorer.drawings["critical"].curves["critical"].y
     np.testing.assert_allclose(critical, 0.05, rtol=1e-9)
+
+
+def test_a_plane_of_parameters_needs_two():
+    with pytest.raises(ValueError, match=r"model must have two parameters, got 1 parameter \(rate\)"):
+        fl.explore_stability(DECAY)
+
+
+def test_what_is_told_of_states_has_the_automatons_own_names():
+    others = sp.symbols("a b")
+    for names in ((X, V), others):
+        given = fl.HybridAutomaton(names, (fl.Mode("on", (sp.S.One, sp.S.Zero)),), {}, 1)
+        assert quantities_of(given, given)["states"] == [each.name for each in names]
 
 
 def test_a_film_of_an_automaton_shows_its_history():
