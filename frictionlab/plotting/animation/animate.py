@@ -173,7 +173,7 @@ class HistoryPicture:
     def draw(self, ax: Axes) -> Any:
         """The line at the instant, before the curves."""
         lines = plot_displacements(self.run, ax, window=(float(self.t[0]), float(self.t[-1])))
-        above = next((line.axes for line in lines if line.axes is not ax), ax)
+        above: Any = next((line.axes for line in lines if line.axes is not ax), ax)
         above.legend(handles=lines, loc="upper right", fontsize=font_size(FONT_SIZE))
         return ax.axvline(self.t[0], color=ink(ax))
 

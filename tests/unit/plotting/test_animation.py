@@ -195,7 +195,6 @@ def test_an_automaton_of_a_model_is_animated_without_the_model():
     assert animation.to_jshtml().count("data:image/png") == 2
 
 
-@pytest.mark.slow
 def test_a_belt_travels_where_no_point_is_displaced():
     run = fl.simulate(fl.MassOnBelt(v=0.5), 2.0, progress=False)
     picture = parts(run, Mechanism(Belt("v"), Block(Point(0.0, 0.2))), np.array([0.0, 2.0]))
@@ -210,6 +209,7 @@ def test_the_legend_of_a_history_has_all_coordinates_and_no_modes():
     assert len(legend.get_texts()) == run.automaton.coordinates
 
 
+@pytest.mark.slow
 def test_a_file_is_written(tmp_path):
     run = fl.simulate(MODEL, 0.1, progress=False)
     fl.animate(run, speed=0.1, fps=6).save(tmp_path / "run.gif", writer="pillow")

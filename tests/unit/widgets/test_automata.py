@@ -88,9 +88,9 @@ def test_a_plane_of_parameters_needs_two():
 
 
 def test_what_is_told_of_states_has_the_automatons_own_names():
-    others = sp.symbols("a b")
-    for names in ((X, V), others):
-        given = fl.HybridAutomaton(names, (fl.Mode("on", (sp.S.One, sp.S.Zero)),), {}, 1)
+    mode = fl.Mode("on", (sp.S.One, sp.S.Zero))
+    for names in ((X, V), sp.symbols("a b")):
+        given = fl.HybridAutomaton(names, (mode,), {}, 1)
         assert quantities_of(given, given)["states"] == [each.name for each in names]
 
 
