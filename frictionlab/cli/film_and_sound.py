@@ -75,7 +75,7 @@ def _run_parser(commands: Any, name: str, about: str, description: str, epilog: 
     add_model_options(parser)
     parser.add_argument("--x0", default="rest", metavar="STATE", help="rest or near (default: rest)")
     parser.add_argument(
-        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, less of a stiff model)"
+        "--t-end", type=float, metavar="S", help="end time (default: 200 periods, fewer for a stiff model)"
     )
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress bar")
     add_json(parser)
