@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import motion_size, state_ranges
+from frictionlab.analysis.motion_scales import motion_size, state_groups, state_ranges
 from frictionlab.hybrid.accuracy import RESIDUAL_ROUNDING, largest_sound_defect
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import (
@@ -36,6 +37,7 @@ HALVINGS = 30  # by which the time of a violation is found
 SAMPLES_OF_SIZES, SAMPLES_OF_ROUNDING = 2000, 500
 VIOLATION_WITHOUT_TOLERANCE = 1e-6  # share of a condition's size, for methods whose tolerance is not known
 ROUNDING_MARGIN = 10.0  # times the rounding errors of a state: what moves less is at rest
+SMALL_BESIDE_OTHERS = 1e-9  # share of the largest range in a group of states
 STICK_GUARD = "v_r"  # begins the names of the guards whose event makes a relative velocity zero
 
 
@@ -79,8 +81,28 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
     """Sizes of the states that move by no more than rounding errors of the rates, summed over the run.
 
     Of such a size these errors are the share by which a condition may be broken.  Those of other states are
-    zero, as a motion is judged by its own size.  In steps to stops in the plane rates grow for an instant:
-    these are left out.
+    zero, as a motion is judged by its own size.
+    """
+    rounding = _rounding_of_rates(run)
+    only_rounding = state_ranges(run.states) <= ROUNDING_MARGIN * rounding
+    return np.where(only_rounding, rounding / largest_violation(run), 0.0)
+
+
+def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
+    """The states (n,) that but rounding moves beside others of their group, as the height of a body that
+    slides on two feet."""
+    ranges, small = state_ranges(run.states), np.zeros(len(run.names), dtype=bool)
+    for group in state_groups(run.automaton.coordinates):
+        small[group] = ranges[group] <= SMALL_BESIDE_OTHERS * ranges[group].max(initial=0.0)
+    if not (small & (ranges > 0.0)).any():  # the others are not asked, which takes milliseconds
+        return np.zeros(len(run.names), dtype=bool)
+    return small & (ranges <= ROUNDING_MARGIN * _rounding_of_rates(run))
+
+
+def _rounding_of_rates(run: Trajectory) -> Array:
+    """What rounding errors of the rates, summed over the run, change in each state (n,).
+
+    In steps to stops in the plane rates grow for an instant: these are left out.
     """
     n = run.automaton.coordinates
     t = np.linspace(0.0, run.raw.t, SAMPLES_OF_ROUNDING)
@@ -95,8 +117,7 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
     mean = np.where(finite, rates, 0.0).sum(axis=0) / np.maximum(finite.sum(axis=0), 1)
     rounding = RESIDUAL_ROUNDING * run.raw.t * mean
     rounding[:n] = rounding[n : 2 * n] * run.raw.t
-    only_rounding = state_ranges(run.states) <= ROUNDING_MARGIN * rounding
-    return np.where(only_rounding, rounding / largest_violation(run), 0.0)
+    return rounding
 
 
 def steps_to_stops(run: Trajectory) -> Array:

@@ -21,8 +21,7 @@ class Problem(NamedTuple):
 
     Two flights in a row shorter than `chatter` (s) are replaced by the limit mode, if there is one.
 
-    One that `goes_on` starts where another run ended, in its mode.  That mode holds what it holds but for
-    rounding, also where all terms of a condition are rounding.
+    One `on_constraints` starts in a mode whose constraints its state satisfies but for rounding.
 
     Where modes are derived on demand, `derive` takes combinations of regimes and returns the program and its
     numbers with their modes added.  The modes already in the program keep their indices.
@@ -35,7 +34,7 @@ class Problem(NamedTuple):
     mode: int | None = None
     derive: Callable[[Sequence[tuple[int, ...]]], tuple[Program, Numbers]] | None = None
     chatter: float = 0.0
-    goes_on: bool = False
+    on_constraints: bool = False
 
     def with_mode(self, combination: np.ndarray) -> Problem:
         """The problem with the mode of one more combination."""

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import AT_REST_RTOL, Array, state_ranges
+from frictionlab.analysis.run_conditions import moved_by_rounding
 from frictionlab.analysis.steady_state.drift import TREND_PARTS, Drift, drift_of
 from frictionlab.analysis.steady_state.poincare_sections import (
     STICK,
@@ -288,14 +289,18 @@ class Comparison(NamedTuple):
     drift : Drift or None
     reach : float
         The largest coordinate before the run, which may come to rest at zero.
+    still : array (n,) of bool
+        States that count as zero, as but rounding moves them.
     """
 
     run: Trajectory
     drift: Drift | None = None
     reach: float = 0.0
+    still: Any = False
 
     def columns(self, states: Array) -> Array:
         """What is compared of states (N, m)."""
+        states = np.where(self.still, 0.0, states)
         if self.drift is None:
             return phase_on_circle(self.run, states)
         return self.drift.leave_out(states)
@@ -449,8 +454,10 @@ def classify_run(
     classified = _classify(Comparison(run, reach=reach), section, tolerance)
     if classified.kind != MotionKind.NOT_SETTLED:
         return classified
-    drift = drift_of(run)
-    return classified if drift is None else _classify(Comparison(run, drift), section, tolerance)
+    drift, still = drift_of(run), moved_by_rounding(run)
+    if drift is None and not still.any():
+        return classified
+    return _classify(Comparison(run, drift, reach if drift is None else 0.0, still), section, tolerance)
 
 
 def _classify(of: Comparison, section: Section | None, tolerance: float) -> MotionClass:

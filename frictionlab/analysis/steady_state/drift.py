@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array
+from frictionlab.analysis.run_conditions import moved_by_rounding
 from frictionlab.analysis.steady_state.poincare_sections import phase_on_circle, phase_resets
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.hybrid.trajectory import Trajectory
@@ -40,7 +41,9 @@ def drifting_states(run: Trajectory) -> list[int]:
     one_way = (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
     at = phase_resets(run)
     phases = (run.events.before[at] != run.events.state[at]).any(axis=0)
-    return [int(i) for i in np.flatnonzero(one_way & ~phases) if not n <= i < 2 * n]
+    places = [int(i) for i in np.flatnonzero(one_way & ~phases) if not n <= i < 2 * n]
+    still = moved_by_rounding(run) if places else ()
+    return [i for i in places if not still[i]]
 
 
 def mean_rates(run: Trajectory) -> dict[str, float]:

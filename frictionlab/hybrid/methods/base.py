@@ -188,7 +188,7 @@ def initial_mode(run: ActiveRun) -> Selection:
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.interpreted_system
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    if problem.goes_on and problem.mode is not None:
+    if problem.on_constraints and problem.mode is not None:
         held = slice(*program.code.mode_constraints[problem.mode :][:2])
         scratch.structural_zeros[program.code.function_classes[held]] = 1
     for share in ROUNDINGS_AT_START:

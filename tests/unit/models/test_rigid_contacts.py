@@ -10,6 +10,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import frictionlab as fl
+from frictionlab.hybrid.solve import solve_from_end
 from frictionlab.models.mechanical.contact_regimes import rubbing_impulse
 from tests.reference.moreau import RigidSystem, time_steps
 
@@ -420,3 +421,37 @@ def test_an_orbit_along_a_rail_closes_without_a_flight():
     assert orbit.stable
     settled = fl.steady_state(model, transient=30.0, window=10.0, progress=False)
     assert abs(settled.period - orbit.period) < 1e-6 * orbit.period
+
+
+@fl.model
+class Sledge(fl.MechanicalModel):
+    """A body that slides on two feet, with Stribeck's friction on a belt, and a spring."""
+
+    m: float = 1.0
+    J: float = 0.02
+    k: float = 50.0
+    friction: fl.FrictionLaw = fl.Stribeck(mu_s=0.4, mu_k=0.2, v_s=0.1)
+    coordinates = ("x", "y", "theta")
+
+    def mechanics(self, q, v):
+        kinetic = (self.m * (v.x**2 + v.y**2) + self.J * v.theta**2) / 2
+        law, v_r = fl.FrictionalImpact(e=0.0, mu_i=0.2), 0.3 - v.x - 0.2 * v.theta
+        gaps = (q.y - 0.3 * q.theta, q.y + 0.3 * q.theta)
+        feet = tuple(fl.Stop(gap, law, friction=self.friction, relative_velocity=v_r) for gap in gaps)
+        springs = self.k * q.x**2 / 2 + 9.81 * self.m * q.y
+        return fl.Mechanics(kinetic, springs, 0.1 * v.x**2, contacts=feet)
+
+
+def test_a_body_on_two_feet_goes_on_where_its_height_is_rounding():
+    model = Sledge()
+    run = fl.simulate(model, 2.7, progress=False)
+    for t in (0.5, 1.0, 1.3, 2.0):
+        rest = solve_from_end(run.automaton, 2.7 - t, run(t), str(run.modes_at(t)), progress=False)
+        assert np.abs(rest.final_state - run.final_state).max() < 1e-14
+    block = fl.MassOnBelt(m=1.0, k=50.0, c=0.2, N=9.81, v=0.3, friction=model.friction)
+    settled, of_block = (
+        fl.steady_state(one, x0={"x": 0.01}, transient=20.0, window=10.0, progress=False)
+        for one in (model, block)
+    )
+    assert settled.kind == of_block.kind == "periodic"
+    assert settled.period == pytest.approx(of_block.period, rel=1e-9)
