@@ -90,13 +90,16 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
 
 def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
     """The states (n,) that but rounding moves beside others of their group, as the height of a body that
-    slides on two feet."""
+    slides on two feet: coordinates together with their velocities."""
     ranges, small = state_ranges(run.states), np.zeros(len(run.names), dtype=bool)
     for group in state_groups(run.automaton.coordinates):
         small[group] = ranges[group] <= SMALL_BESIDE_OTHERS * ranges[group].max(initial=0.0)
-    if not (small & (ranges > 0.0)).any():  # the others are not asked, which takes milliseconds
+    # errors of other methods are not rounding; and to ask takes milliseconds
+    if not is_of_series(run) or not (small & (ranges > 0.0)).any():
         return np.zeros(len(run.names), dtype=bool)
-    return small & (ranges <= ROUNDING_MARGIN * _rounding_of_rates(run))
+    still, n = small & (ranges <= _rounding_of_rates(run)), run.automaton.coordinates
+    still[:n] = still[n : 2 * n] = still[:n] & still[n : 2 * n]
+    return still
 
 
 def _rounding_of_rates(run: Trajectory) -> Array:
@@ -122,7 +125,10 @@ def _rounding_of_rates(run: Trajectory) -> Array:
 
 def steps_to_stops(run: Trajectory) -> Array:
     """The steps that end by a stop of friction in the plane, over which accelerations count as constant."""
-    last = (step_to_stop(run, i) for i in range(len(run.raw.event_times)))
+    program = run.problem.program
+    # a norm has a root
+    may_be = program.code.powers[program.guard_modes[run.raw.event_codes[:, 0]]]
+    last = (step_to_stop(run, int(i)) for i in np.flatnonzero(may_be))
     return np.array([step for step in last if step is not None], dtype=int)
 
 

@@ -21,8 +21,6 @@ class Problem(NamedTuple):
 
     Two flights in a row shorter than `chatter` (s) are replaced by the limit mode, if there is one.
 
-    One `on_constraints` starts in a mode whose constraints its state satisfies but for rounding.
-
     Where modes are derived on demand, `derive` takes combinations of regimes and returns the program and its
     numbers with their modes added.  The modes already in the program keep their indices.
     """
@@ -34,7 +32,6 @@ class Problem(NamedTuple):
     mode: int | None = None
     derive: Callable[[Sequence[tuple[int, ...]]], tuple[Program, Numbers]] | None = None
     chatter: float = 0.0
-    on_constraints: bool = False
 
     def with_mode(self, combination: np.ndarray) -> Problem:
         """The problem with the mode of one more combination."""

@@ -92,7 +92,7 @@ class RunKeywords(TypedDict, total=False):
 class RunOptions:
     """Options of a run: the mode it starts in, what it records, whether it shows its progress, its model.
 
-    The fields are arguments of :func:`solve`, but for `on_constraints`, of :class:`Problem`.
+    The fields are arguments of :func:`solve`.
     """
 
     mode: str | None = None
@@ -101,7 +101,6 @@ class RunOptions:
     quadratures: Mapping[str, Any] | None = None
     progress: bool = True
     source: Any = None
-    on_constraints: bool = False
 
     def __post_init__(self) -> None:
         check_flag("progress", self.progress)
@@ -196,29 +195,8 @@ def solve_from_end(
     """
     if mode is not None:
         with suppress(ValueError):
-            return solve_on_constraints(automaton, t_end, state, mode, **options)
+            return solve(automaton, t_end, x0=state, mode=mode, **options)
     return solve(automaton, t_end, x0=state, **options)
-
-
-def solve_on_constraints(
-    automaton: HybridAutomaton,
-    t_end: float,
-    state: np.ndarray,
-    mode: str | None,
-    method: str | Method = "taylor",
-    **options: Any,
-) -> Trajectory:
-    """As :func:`solve`, from a state (n,) that satisfies the constraints of a mode but for rounding.
-
-    They are not checked: the feet of a body that stands may be 1e-16 m above the ground, of which no share
-    counts as zero.
-    """
-    start = state_from_x0(automaton, state)
-    return with_warning(
-        run_automaton(
-            automaton, t_end, start, method_of(method), RunOptions(mode, on_constraints=True, **options)
-        )
-    )
 
 
 def with_warning(run: Trajectory) -> Trajectory:
@@ -249,7 +227,6 @@ def run_automaton(
         check_mode_name(options.mode, automaton.names)
     start = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
     problem = problem_of(automaton, start, float(t_end), options.mode, asked, chatter)
-    problem = problem._replace(on_constraints=True) if options.on_constraints else problem
     order, begin = method.order_of(problem.program), time.perf_counter()
     with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
         raw = method.integrate(problem, order, bar)

@@ -72,8 +72,9 @@ def left_eigenvectors(matrices: Array, values: Any, right: Any) -> Any:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         left = np.linalg.pinv(right, DEPENDENT)  # of a matrix that is regular its inverse
-    ranks = np.einsum("nij,nji->n", left, right).real
-    regular = (np.linalg.norm(left, axis=(-2, -1)) <= 1.0 / DEPENDENT) & (ranks > right.shape[-1] - 0.5)
+    with np.errstate(over="ignore", invalid="ignore"):  # of an inverse of 1e300
+        ranks = np.einsum("nij,nji->n", left, right).real
+        regular = (np.linalg.norm(left, axis=(-2, -1)) <= 1.0 / DEPENDENT) & (ranks > right.shape[-1] - 0.5)
     for i in np.flatnonzero(~regular):
         left[i] = _left_of_dependent(matrices[i], values[i], right[i])
     return left

@@ -28,7 +28,7 @@ from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.drift import drifting_states, shifts_without_effect
 from frictionlab.analysis.steady_state.steady_state import SteadyState
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import end_of, problem_of, solve, solve_from_end, solve_on_constraints
+from frictionlab.hybrid.solve import end_of, problem_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_flow import carry_frame
 from frictionlab.hybrid.variational.tangent_jets import SaltationError, linearise_mode
@@ -500,7 +500,7 @@ def run_one_period(automaton: HybridAutomaton, guess: OrbitGuess) -> ShootingRes
         If the motion ends early.
     """
     z, frame = _on_constraints(automaton, guess)
-    run = solve_on_constraints(automaton, guess.period, z, guess.mode, progress=False)
+    run = solve(automaton, guess.period, x0=z, mode=guess.mode, progress=False)
     if not run.status.ok:
         raise SaltationError(f"a motion near the orbit ends after {run.raw.t:g} s: {run.status}")
     closing = closing_of(run)

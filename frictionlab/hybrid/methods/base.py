@@ -9,8 +9,9 @@ The mode at t = 0 is chosen by the rule that follows every event.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -57,9 +58,7 @@ STATUS_OF_CODE = {
 BYTES_BETWEEN_LOOKS = 2**26  # largest growth of a run between two checks of the free memory
 BYTES_AT_FIRST_LOOK = 2**20  # below them a run is too small to fill a memory
 MOST_SPARES = 8  # programs, or sizes, for which arrays are kept
-# Shares of a condition's terms below which it counts as zero where a run starts, tried in turn until a mode
-# is admissible.  The sums in the last step of another run, at whose event this one starts, had larger terms
-# than the state has; along a closed contact rounding adds up, so that its state may be off by more.
+# Shares of a condition's terms below which it counts as zero where a run starts.
 ROUNDINGS_AT_START = COEFFICIENT_ROUNDING, 4096 * MACHINE_EPSILON, 1e-9
 
 
@@ -188,11 +187,7 @@ def initial_mode(run: ActiveRun) -> Selection:
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
     system = run.interpreted_system
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
-    if problem.on_constraints and problem.mode is not None:
-        held = slice(*program.code.mode_constraints[problem.mode :][:2])
-        scratch.structural_zeros[program.code.function_classes[held]] = 1
-    for share in ROUNDINGS_AT_START:
-        rounding = Rounding(problem.x0, share)
+    for rounding in _roundings_at_start(problem):
         if problem.mode is None and run.queue is not None:
             selection = select_combination(
                 system, run.queue, NO_MODE, *(problem.x0, rounding, order, scratch)
@@ -207,6 +202,21 @@ def initial_mode(run: ActiveRun) -> Selection:
             "does not hold or fails at once; leave mode=None to have the mode chosen"
         )
     return selection
+
+
+def _roundings_at_start(problem: Problem) -> Iterator[Rounding]:
+    """What counts as zero where a run starts, to be tried in turn until a mode is admissible.
+
+    The sums in the last step of another run, at whose event this one starts, had larger terms than the state
+    has; along a closed contact rounding adds up, so that its state may be off by more.  A body that slides on
+    two feet is 1e-16 m above them, of which no share is zero: beside the largest state of the group it is.
+    """
+    for share in ROUNDINGS_AT_START:
+        yield Rounding(problem.x0, share)
+    sizes, groups = problem.x0.copy(), problem.program.code.groups
+    for first, last in pairwise(groups[:3]):
+        sizes[first:last] = np.abs(sizes[first:last]).max(initial=0.0)
+    yield Rounding(sizes, ROUNDINGS_AT_START[-1])
 
 
 class RecordList:

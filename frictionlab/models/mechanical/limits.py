@@ -75,11 +75,12 @@ def check_dampers(model: MechanicalModel) -> None:
 def _driven_motion(dampers: NDArray[np.float64]) -> list[int]:
     """The coordinates of a motion whose dissipation is negative beyond rounding; [] if there is none."""
     diagonal = np.diag(dampers)
-    if (diagonal < 0).any():
-        return [int(np.argmax(diagonal < 0))]
+    least = -ROUNDING * diagonal.max(initial=0.0)
+    if (diagonal < least).any():
+        return [int(np.argmin(diagonal))]
     if not np.isfinite(dampers).all():  # of laws and contacts that are refused in words of their own
         return []
-    size = np.sqrt(np.where(diagonal == 0.0, 1.0, diagonal))
+    size = np.sqrt(np.maximum(diagonal, -least) if least else np.ones(len(diagonal)))
     shares, motions = np.linalg.eigh(dampers / size[:, None] / size)
     part = np.abs(motions[:, 0])
     return [int(i) for i in np.flatnonzero(part > 1e-6)] if shares[0] < -ROUNDING else []

@@ -448,6 +448,7 @@ def test_a_body_on_two_feet_goes_on_where_its_height_is_rounding():
     for t in (0.5, 1.0, 1.3, 2.0):
         rest = solve_from_end(run.automaton, 2.7 - t, run(t), str(run.modes_at(t)), progress=False)
         assert np.abs(rest.final_state - run.final_state).max() < 1e-14
+        assert fl.simulate(model, 2.7 - t, x0=run(t), progress=False).status.ok
     block = fl.MassOnBelt(m=1.0, k=50.0, c=0.2, N=9.81, v=0.3, friction=model.friction)
     settled, of_block = (
         fl.steady_state(one, x0={"x": 0.01}, transient=20.0, window=10.0, progress=False)
@@ -455,3 +456,12 @@ def test_a_body_on_two_feet_goes_on_where_its_height_is_rounding():
     )
     assert settled.kind == of_block.kind == "periodic"
     assert settled.period == pytest.approx(of_block.period, rel=1e-9)
+
+
+def test_a_motion_that_leaves_its_constraints_does_not_go_on_in_its_mode():
+    belt = fl.MassOnBelt(v=0.2)
+    run = fl.simulate(belt, 2.0, x0={"x": 0.0, "x'": 0.2}, progress=False)
+    assert run.modes_at(0.1) == "stick"
+    faster = belt.replace(v=0.25)
+    on = solve_from_end(faster.automaton(), 0.01, run(0.1), "stick", progress=False)
+    assert on.mode[0] == "slip+"
