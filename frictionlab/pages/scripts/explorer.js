@@ -159,7 +159,7 @@ class Explorer {
 
   closeFiles() { // the keyboard stays at the menu
     this.files.open = false;
-    this.files.firstChild.focus();
+    this.files.querySelector("summary").focus();
   }
 
   controlGroups() {

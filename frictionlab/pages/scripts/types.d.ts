@@ -2,7 +2,8 @@
 declare const SCENE: any, SOLVER: any, STRUCTURES: any, CARDS: any[];
 interface Assembler { [instruction: string]: any }
 interface Axis { low: number; high: number; start: number; stop: number; log: boolean; turns: boolean }
-interface BodyDrag { explorer: Explorer; over: HTMLCanvasElement; body: any; mode: number; now: Record<string, number> }
+interface BodyDrag { explorer: Explorer; over: HTMLCanvasElement; body: any; mode: number; shown: any }
+interface BodyDrag { now: Record<string, number> }
 interface BrowserEngine { solver: Solver }
 interface Explorer {
   root: HTMLElement; scene: any; engine: any; options: { address?: boolean }; audio: AudioContext | undefined;
