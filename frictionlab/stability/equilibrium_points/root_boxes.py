@@ -176,8 +176,8 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     left = np.flatnonzero(~rows)
     sums, left = _linear_sums(flow, values, left, held)
     if len(sums):
-        with_sums = np.vstack([matrix[rows], sums @ flow.jacobian(origin, values)])
-        solution = _solve_rows(with_sums, -np.append(rates[rows], sums @ rates))
+        with_sums = np.vstack([matrix[rows], _sums_of_rows(sums, flow.jacobian(origin, values))])
+        solution = _solve_rows(with_sums, -np.append(rates[rows], _sums_of_rows(sums, rates)))
         if solution is None:
             return None
     origin, basis = solution
@@ -230,6 +230,12 @@ def _linear_sums(
     sums = np.zeros((len(cancelled), flow.size))
     sums[:, rows] = cancelled
     return sums, np.setdiff1d(left, rows[~pivots])
+
+
+def _sums_of_rows(sums: Array, rows: Array) -> Array:
+    """Sums (s, m) of rows (m, ...); what but rounding leaves where the terms cancel is zero."""
+    total = sums @ rows
+    return np.where(np.abs(total) <= PIVOT_RTOL * (np.abs(sums) @ np.abs(rows)), 0.0, total)
 
 
 def _whole(count: int, size: float = LARGEST) -> list[Interval]:

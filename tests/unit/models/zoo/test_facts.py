@@ -523,6 +523,14 @@ def test_a_bowed_string_is_that_of_another_integrator():
     assert run.final_state == pytest.approx(exact, abs=1e-8)
 
 
+@pytest.mark.parametrize("modes", [3, 6, 11])
+def test_a_bowed_string_rests_under_its_bow_also_where_modes_have_a_node_there(modes):
+    model, i = fl.BowedString(modes=modes), np.arange(1, modes + 1)
+    friction = (0.3 + 0.5 / (1 + model.v / 0.1)) * model.N
+    exact = 2 / model.m * friction * np.sin(i * np.pi * model.beta) / (i * np.pi) ** 2
+    assert fl.equilibrium(model).q == pytest.approx(exact, rel=1e-12, abs=1e-15)
+
+
 def test_a_mass_on_a_beam_moves_as_by_another_integrator():
     """With the convective terms of its acceleration, written by hand."""
     model = fl.MassOnBeam(d=0.4)
