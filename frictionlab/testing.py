@@ -302,8 +302,7 @@ def _value(law: Any, method: str, at: Sequence[Any], of: str) -> Any:
 
 def _formula(law: Any, method: str, *at: Any, of: str = "") -> Any:
     """A method's value at symbols, or at symbols and numbers, as an expression."""
-    reduced = law.reduced()
-    numbers = {symbol(name): getattr(reduced, name) for name in parameters_of(type(reduced))}
+    numbers = {symbol(name): getattr(law, name) for name in law.structure_key.parameters}
     return sp.sympify(_value(symbolic_copy(law.structure_key), method, at, of), strict=True).subs(numbers)
 
 

@@ -264,18 +264,12 @@ class Component:
     def check(self) -> None:
         """Raise ValueError where values contradict each other; subclasses may override it."""
 
-    def reduced(self) -> Component:
-        """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
-        component itself."""
-        return self
-
     @property
     def structure_key(self) -> StructureKey:
-        """Its structure as it is now, or that of the simpler law that it equals."""
-        reduced = self.reduced()
-        kind = type(reduced)
+        """Its structure as it is now."""
+        kind = type(self)
         roles = getattr(kind, "roles", {})
-        values = {name: getattr(reduced, name) for name in structure_of(kind)}
+        values = {name: getattr(self, name) for name in structure_of(kind)}
         return StructureKey(
             kind,
             tuple(value.structure_key if name in roles else value for name, value in values.items()),

@@ -8,7 +8,7 @@ from typing import Any
 
 from frictionlab.validation import check_choice
 
-from .component import Component, parameter
+from .component import Component, StructureKey, parameter, parameters_of
 
 PENETRATION_RATES = ("material", "full")
 
@@ -31,6 +31,25 @@ class ImpactLaw(Component):
             W_N^T M^-1 W_N, 1/kg.
         """
         raise NotImplementedError(f"{type(self).__name__} must define impulse(...)")
+
+    def reduced(self) -> ImpactLaw:
+        """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
+        law itself.  Its parameters are some of this law's."""
+        return self
+
+    @property
+    def structure_key(self) -> StructureKey:
+        """Its structure as it is now, or that of the simpler law that it equals."""
+        reduced = self.reduced()
+        if reduced is self:
+            return super().structure_key
+        for name in parameters_of(type(reduced)):
+            if name not in parameters_of(type(self)):
+                raise ValueError(
+                    f"reduced() of {type(self).__name__} must return a law with no parameters but its own, "
+                    f"got {reduced!r} with {name}: give both the same names"
+                )
+        return reduced.structure_key
 
     @property
     def friction_coefficient(self) -> Any:
@@ -91,12 +110,21 @@ class RestitutionImpact(ImpactLaw):
     )
 
     def reduced(self) -> ImpactLaw:
-        """A plastic impact at e = 0: the gap rate after it is zero by construction, not to rounding."""
-        return PlasticImpact("full") if self.e == 0 else self
+        """A plastic impact at e = 0: the gap rate after it is zero by construction, not to rounding.
+
+        A subclass with an impulse or friction of its own is no simpler law.
+        """
+        return PlasticImpact("full") if self.e == 0 and _has_formulas_of(self, RestitutionImpact) else self
 
     def impulse(self, material_rate: Any, penetration_rate: Any, compliance: Any) -> Any:
         """Impulse (N s): (1 + e) penetration_rate / compliance."""
         return (1 + self.e) * penetration_rate / compliance
+
+
+def _has_formulas_of(law: ImpactLaw, base: type) -> bool:
+    """Whether the class of a law has no impulse or friction of its own beside those of a base."""
+    methods = "impulse", "friction", "friction_coefficient"
+    return all(getattr(type(law), name) is getattr(base, name) for name in methods)
 
 
 def _impact_friction_coefficient() -> Any:
@@ -122,8 +150,7 @@ class FrictionalImpact(RestitutionImpact):
     normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
     from those before it; the two differ only in proportion to the belt's angle, which couples the impulses.
     At stops and in structures both impulses are found together, in the cone and without gain of energy.  A
-    subclass with a :meth:`friction` of its own is asked for it in structures, as at a belt, if e and mu_i are
-    above 0; else it is what :meth:`reduced` gives.
+    subclass with a :meth:`friction` of its own is asked for it in structures, as at a belt.
 
     Parameters
     ----------
@@ -141,8 +168,10 @@ class FrictionalImpact(RestitutionImpact):
 
     def reduced(self) -> ImpactLaw:
         """RestitutionImpact without friction; at e = 0 the gap rate afterwards is zero by construction."""
+        if not _has_formulas_of(self, FrictionalImpact):
+            return self
         if self.mu_i == 0:
-            return super().reduced()
+            return RestitutionImpact(self.e).reduced()
         return _PlasticFrictionalImpact(mu_i=self.mu_i) if self.e == 0 else self
 
     @property

@@ -14,6 +14,7 @@ from frictionlab.components import (
     Coulomb,
     CubicContact,
     FixedLoad,
+    FrictionalImpact,
     MovingLoad,
     PlasticImpact,
     RestitutionImpact,
@@ -85,6 +86,20 @@ def test_restitution_reverses_the_full_rate(e):
 def test_no_restitution_is_the_plastic_impact_on_the_full_rate():
     assert RestitutionImpact(e=0.0).reduced() == PlasticImpact("full")
     assert RestitutionImpact(e=0.5).reduced() == RestitutionImpact(e=0.5)
+
+
+class SoftImpact(RestitutionImpact):
+    def impulse(self, material_rate, penetration_rate, compliance):
+        return (1 + self.e) * penetration_rate / (2 * compliance)
+
+    def reduced(self):
+        return FrictionalImpact() if self.e == 1 else super().reduced()
+
+
+def test_an_impulse_of_its_own_stays_without_restitution():
+    assert SoftImpact(e=0.0).reduced() == SoftImpact(e=0.0)
+    with pytest.raises(ValueError, match=r"reduced\(\) of SoftImpact must .* its own, got .* with mu_i"):
+        _ = SoftImpact(e=1.0).structure_key
 
 
 def test_impacts_refuse_what_they_do_not_know():

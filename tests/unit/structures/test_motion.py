@@ -437,13 +437,12 @@ class HalfStopping(fl.FrictionalImpact):
         return stopping_impulse / 2
 
 
-@pytest.mark.parametrize("inclined", [0.0, 0.4])
-def test_an_impact_law_with_friction_of_its_own_is_asked_for_it(inclined):
+@pytest.mark.parametrize(("inclined", "e", "mu_i"), [(0.0, 0.4, 0.1), (0.4, 0.4, 0.0), (0.4, 0.0, 0.1)])
+def test_an_impact_law_with_friction_of_its_own_is_asked_for_it(inclined, e, mu_i):
     """Here p_T halves v_r at the impulse without friction; p_N leaves -e times the rate that was there."""
-    g, t, w, e = np.array([0.0, 1.0]), np.array([1.0, inclined]), np.array([0.3, 1.0]), 0.4
-    pads = fl.SlidingContacts(
-        [t], [g], fl.LinearContact(k2=1.0), fl.Coulomb(0.1, 0.1), v=0.0, impact=HalfStopping(e=e, mu_i=0.1)
-    )
+    g, t, w = np.array([0.0, 1.0]), np.array([1.0, inclined]), np.array([0.3, 1.0])
+    law, friction = HalfStopping(e=e, mu_i=mu_i), fl.Coulomb(0.1, 0.1)
+    pads = fl.SlidingContacts([t], [g], fl.LinearContact(k2=1.0), friction, v=0.0, impact=law)
     structure = fl.Structure(np.eye(2), np.zeros((2, 2)), contacts=pads)
     run = fl.simulate(structure, 0.2, x0=[*(-0.1 * w), *w], progress=False)
     sliding = t @ w - (1 + e) * inclined  # after the normal impulse (1 + e) alone
