@@ -35,6 +35,8 @@ OUTPUT_UNITS = {
     **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
 SI = "m", "N"  # units of length and of force
+ROTATIONAL_UNITS = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # of a contact whose bodies turn
+FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
 REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
 TIME = "t"  # the state of models that depend on time otherwise, s
@@ -102,10 +104,29 @@ def unit_of_state(source: Any, name: str) -> str:
     return in_units_of(source, state_unit(name))
 
 
+def output_of_contact(name: str) -> tuple[str, str]:
+    """An output's name without the number of its contact, and that number: normal_force_2, normal_force."""
+    base, _, number = name.rpartition("_")
+    return (base, number) if number.isdigit() else (name, "")
+
+
 def output_unit(name: str, source: Any) -> str:
     """Unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
-    base, _, number = name.rpartition("_")
-    return in_units_of(source, OUTPUT_UNITS.get(base if number.isdigit() else name, ""))
+    unit = OUTPUT_UNITS.get(output_of_contact(name)[0], "")
+    return ROTATIONAL_UNITS[unit] if is_rotational(name, source) else in_units_of(source, unit)
+
+
+def force_symbol(name: str, source: Any) -> str:
+    """Symbol of a contact force: F_N, F_T, F_{N,2} ... or, where the bodies turn, of a moment: M_N, M_T."""
+    base, number = output_of_contact(name)
+    letter, index = FORCE_SYMBOLS[base].split("_")
+    letter = "M" if is_rotational(name, source) else letter
+    return f"{letter}_{{{index},{number}}}" if number else f"{letter}_{index}"
+
+
+def is_rotational(name: str, source: Any) -> bool:
+    """Whether an output of a model is of a contact whose bodies turn: an angle, its rate or a moment."""
+    return name in getattr(source, "rotational_outputs", ())
 
 
 def in_units_of(source: Any, text: str) -> str:

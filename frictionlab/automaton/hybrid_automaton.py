@@ -9,6 +9,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from frictionlab.presentation import OUTPUT_UNITS, is_angle, output_of_contact
 from frictionlab.validation import (
     abbreviate,
     check_field,
@@ -171,9 +172,37 @@ class HybridAutomaton:
     @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
+        return tuple(self._expressions)
+
+    @property
+    def _expressions(self) -> Mapping[str, Any]:
+        """The outputs in the first of the modes that are known."""
         so_far = self.modes.known().modes if isinstance(self.modes, ModesOnDemand) else ()
         any_mode = so_far or self.modes
-        return tuple(any_mode[0].outputs) if any_mode else ()
+        return any_mode[0].outputs if any_mode else {}
+
+    @cached_property
+    def rotational_outputs(self) -> tuple[str, ...]:
+        """Names of the outputs of contacts whose bodies turn: they are angles, their rates and moments.
+
+        Such a contact moves by angles alone, at least by one of them without a lever.
+        """
+        if not any(map(is_angle, self.shown_states)):
+            return ()
+        expressions = self._expressions
+        return tuple(name for name in expressions if self._is_angle(expressions, name))
+
+    def _is_angle(self, expressions: Mapping[str, Any], name: str) -> bool:
+        base, number = output_of_contact(name)
+        if base not in OUTPUT_UNITS:
+            return False
+        tangential = base in ("relative_velocity", "friction_force")
+        measures = ("relative_velocity",) if tangential else ("penetration", "distance", "relative_velocity")
+        names = (f"{measure}_{number}" if number else measure for measure in measures)
+        motion = next((expressions[each] for each in names if each in expressions), None)
+        moving = [s for s in self.states[: 2 * self.coordinates] if s in getattr(motion, "free_symbols", ())]
+        levers = (motion.diff(s) for s in moving)  # type: ignore[union-attr]
+        return all(is_angle(s.name) for s in moving) and any(lever in (1, -1) for lever in levers)
 
     def mode(self, name: str) -> Mode:
         """The mode of that name, derived if it is not yet.

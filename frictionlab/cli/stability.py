@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from frictionlab.presentation import output_unit, unit_of_state
+
 from .parsing import (
     OneLineParser,
     add_command,
@@ -85,15 +87,19 @@ def eig_command(args: argparse.Namespace, parser: OneLineParser) -> int:
 def equilibrium_lines(model: Model) -> Iterator[str]:
     """Equilibrium and eigenvalues, or one line that says why there are none."""
     from frictionlab.stability import equilibrium
+    from frictionlab.stability.equilibrium_points.equilibria import contact_forces
 
     try:
         point = equilibrium(model)
         yield "\nSliding equilibrium"
         for name, value in zip(model.coordinates, point.q, strict=True):
-            yield f"  {name:4} {value:+.6f} {'rad' if name == 'phi' else 'm'}"
-        if math.isfinite(point.normal_force):  # of a model with one contact
-            forces = f"F_N {point.normal_force:.4f} N, F_T {point.friction_force:.4f} N"
-            yield f"  penetration  {point.penetration:+.6f} m, {forces}"
+            yield f"  {name:4} {value:+.6f} {unit_of_state(model, name)}"
+        forces = [f"{symbol} {value:.4f} {unit}" for symbol, value, unit in contact_forces(point)]
+        if math.isfinite(point.penetration):
+            unit = output_unit("penetration", model)
+            forces = [f"penetration  {point.penetration:+.6f} {unit}", *forces]
+        if forces:  # of a model with one contact
+            yield f"  {', '.join(forces)}"
         yield from _eigenvalue_lines(model)
     except ValueError as error:
         yield f"\nNo sliding equilibrium: {error}"

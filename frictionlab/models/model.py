@@ -320,6 +320,11 @@ class Model(Component):
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name not in NOTES}
 
+    @property
+    def rotational_outputs(self) -> tuple[str, ...]:
+        """Outputs of contacts whose bodies turn: they are in rad, rad/s and N m in place of m, m/s and N."""
+        return self.automaton().rotational_outputs
+
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.
 

@@ -56,9 +56,9 @@ from frictionlab.models.model import (
 from frictionlab.plotting.animation.parts import MARKS, WIDTH
 from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
-from frictionlab.plotting.time_histories import force_outputs
+from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
-from frictionlab.presentation import unit_of_state
+from frictionlab.presentation import force_symbol, output_unit, unit_of_state
 from frictionlab.stability import eigenvalues
 
 Data = dict[str, Any]
@@ -93,6 +93,7 @@ LAWS: Mapping[type[Component], Mapping[str, Component]] = MappingProxyType(
 )
 LAW_HINTS = {ImpactLaw: "the velocity after a body has landed"}
 OPERATION_PARAMETERS = "F", "v", "Omega"  # the model's own parameters that are changed most in operation
+ONE_CONTACT = "normal_force", "friction_force"  # the outputs of a model with one contact
 MAX_UNFOLDED = 12  # a model with more parameters has some of them folded away
 MAX_SLIDER_STEPS = 300  # most steps of a slider from one end to the other
 SHOWN_PERIODS = 5, 10, 20, 50  # periods
@@ -433,10 +434,8 @@ def _default_range(about: Parameter, value: float) -> tuple[float, float]:
 
 def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
     """Labels and units of states, labels and colours of contact forces, and whether something can slide."""
-    names = list(automaton.state_names)
-    forces = {
-        name: [text.partition(" (")[0], colour] for name, (text, colour) in force_outputs(automaton).items()
-    }
+    names, forces = list(automaton.state_names), force_outputs(automaton, model)
+    speed = output_unit("relative_velocity", model)
     return {
         "automaton": isinstance(model, HybridAutomaton),
         "states": names,
@@ -446,7 +445,13 @@ def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
         "turning": turning_angles(automaton),
         "labels": {name: label_of(name) for name in names},
         "units": {name: unit_of_state(model, name) for name in names},
-        "forces": forces,
+        "forces": {name: [look.symbol, look.colour] for name, look in forces.items()},
+        "axis_of_forces": force_axis_label(forces.values()),
+        "at_contact": {
+            "penetration": ["penetration", output_unit("penetration", model)],
+            **{name: [f"${force_symbol(name, model)}$", output_unit(name, model)] for name in ONE_CONTACT},
+        },
+        "sliding_units": {"speed": speed, "damper": "N s/m" if speed == "m/s" else "N m s"},
         "slides": can_slide_steadily(model, automaton),
         "points": friction_points(model),
     }

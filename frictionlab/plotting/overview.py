@@ -459,7 +459,7 @@ def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = 
     (displacements, phase), (forces, spectrum) = panels
     coordinates = plot_displacements(run, displacements, window=window)
     plot_phase_plane(run, phase)
-    draw = plot_contact_forces if force_outputs(run.automaton) else plot_rates
+    draw = plot_contact_forces if force_outputs(run.automaton, run.source) else plot_rates
     contact = draw(run, forces, window=window)
     plot_spectrum(run, spectrum)
     # An angle has its axis next to the panel; the legends stand to the right of it.

@@ -41,6 +41,7 @@ from frictionlab.plotting.labels import (
 )
 from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import unit_of_state
+from frictionlab.stability.equilibrium_points.equilibria import contact_forces
 from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
@@ -84,11 +85,12 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
     artists = picture.move(parts, 0, MODE_COLOURS["slip"])
     ax.set(xlabel=picture.note)
     set_title(ax, "Equilibrium")
-    forces = _forces(equilibrium)
+    acting = contact_forces(equilibrium)
     if isinstance(picture, BeltPicture):
-        forces["$F$"] = picture.preload, BLACK
-    entries = {f"{name} = {size:.4g} N": colour for name, (size, colour) in forces.items()}
-    legend_beside(ax, [Line2D([], [], label=text, **pen(c, 3.0, ax)) for text, c in entries.items()])
+        acting.append(("F", picture.preload, "N"))
+    texts = (f"${symbol}$ = {size:.4g} {unit}" for symbol, size, unit in acting)
+    colours = BLUE, VERMILLION, BLACK
+    legend_beside(ax, [Line2D([], [], label=text, **pen(c, 3.0, ax)) for text, c in zip(texts, colours)])
     return artists
 
 
@@ -117,12 +119,6 @@ class _EquilibriumFrames:
     def output(self, name: str, t: Array) -> Array:
         """A force or the penetration; NaN where the equilibrium does not have it."""
         return np.full(len(t), getattr(self.equilibrium, name, np.nan))
-
-
-def _forces(equilibrium: Equilibrium) -> dict[str, tuple[float, str]]:
-    """Size and colour of the contact forces that the equilibrium has, by their letters."""
-    sizes = {"$F_N$": (equilibrium.normal_force, BLUE), "$F_T$": (equilibrium.friction_force, VERMILLION)}
-    return {name: force for name, force in sizes.items() if np.isfinite(force[0])}
 
 
 def _draw_bars(equilibrium: Equilibrium, ax: Axes) -> Sequence[Artist]:

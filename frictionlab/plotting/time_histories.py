@@ -34,10 +34,20 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, restyle, set_title
 from frictionlab.plotting.labels import coordinate_axis_label, secondary_axis_angles, state_with_unit
 from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles
-from frictionlab.presentation import in_units_of, is_angle, unit_of_state
+from frictionlab.presentation import (
+    FORCE_SYMBOLS,
+    force_symbol,
+    in_units_of,
+    is_angle,
+    output_of_contact,
+    output_unit,
+    unit_of_state,
+)
 from frictionlab.validation import abbreviate, check_number, float_array, plain_number
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.hybrid.trajectory import Trajectory
 
@@ -45,9 +55,16 @@ Array = NDArray[np.float64]
 WINDOW_CURE = "give seconds, Periods(10), (start, stop), or None for the whole run"
 SAMPLES = 4001
 SAMPLING_RTOL = 1e-12  # rounding allowed for where the whole steps within a window are counted
-FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
 # of the first contact, the second ...
 FORCE_COLOURS = {"F_N": (BLUE, GREEN, SKY, BLACK), "F_T": (VERMILLION, ORANGE, PURPLE, GREY)}
+
+
+class ForceLook(NamedTuple):
+    """How a contact force, or moment, is drawn: its symbol in mathtext, its unit and its colour."""
+
+    symbol: str
+    unit: str
+    colour: str
 
 
 class Periods(NamedTuple):
@@ -316,22 +333,26 @@ def plot_rates(
     return restyle(lines, line)
 
 
-def force_outputs(automaton: HybridAutomaton) -> dict[str, tuple[str, str]]:
-    """Label and colour of every contact force among an automaton's outputs; none where it has none.
+def force_outputs(automaton: HybridAutomaton, source: Any) -> dict[str, ForceLook]:
+    """How every contact force among the outputs of an automaton is drawn; none where it has none.
 
-    The reaction of a stop without friction is not among them: it is zero but for rest.
+    `source` is the model that it was derived from, or None.  The reaction of a stop without friction is not
+    among them: it is zero but for rest.
     """
-    labels = {}
+    looks = {}
     for name in automaton.outputs:
-        base, _, number = name.rpartition("_")
-        kind, number = (base, number) if number.isdigit() else (name, "")
+        kind, number = output_of_contact(name)
         if kind in FORCE_SYMBOLS and name.replace(kind, "friction_force") in automaton.outputs:
-            symbol = FORCE_SYMBOLS[kind]
-            letter, index = symbol.split("_")
-            colours = FORCE_COLOURS[symbol]
-            text = f"{letter}_{{{index},{number}}}" if number else symbol
-            labels[name] = f"${text}$ (N)", colours[(int(number or 1) - 1) % len(colours)]
-    return labels
+            colours = FORCE_COLOURS[FORCE_SYMBOLS[kind]]
+            colour = colours[(int(number or 1) - 1) % len(colours)]
+            looks[name] = ForceLook(f"${force_symbol(name, source)}$", output_unit(name, source), colour)
+    return looks
+
+
+def force_axis_label(looks: Iterable[ForceLook]) -> str:
+    """Label of the axis of contact forces, of moments, or of both."""
+    units = sorted({look.unit for look in looks}, key=len)
+    return ", ".join(f"contact {'moment' if unit.endswith(' m') else 'force'} ({unit})" for unit in units)
 
 
 def plot_contact_forces(
@@ -370,7 +391,7 @@ def plot_contact_forces(
         For a run without contact forces.
     """
     check_run(run)
-    outputs = force_outputs(run.automaton)
+    outputs = force_outputs(run.automaton, run.source)
     if not outputs:
         raise ValueError(
             "run must have contact forces among its outputs (normal_force, friction_force), got "
@@ -380,9 +401,7 @@ def plot_contact_forces(
     start, stop = window_limits(run, window)
     t = sample_times(start, stop)
     lines = []
-    for name, (text, colour) in outputs.items():
-        lines += ax.plot(t, run.output(name, t), label=in_units_of(run.source, text), **pen(colour, ax=ax))
-    label_time_axes(
-        run, ax, (start, stop), shade, "Contact forces", in_units_of(run.source, "contact force (N)")
-    )
+    for name, (symbol, unit, colour) in outputs.items():
+        lines += ax.plot(t, run.output(name, t), label=f"{symbol} ({unit})", **pen(colour, ax=ax))
+    label_time_axes(run, ax, (start, stop), shade, "Contact forces", force_axis_label(outputs.values()))
     return restyle(lines, line)

@@ -71,17 +71,17 @@ function pointsOnFormula(text, points, parameters) { // values of the coefficien
 }
 
 // its curve, and words on its slope at a speed and on what the points, up to the last one, miss of it
-function formulaDrawing(text, speeds, mu, v, last) {
+function formulaDrawing(text, speeds, mu, v, last, unit) {
   const of = readFormula(text), y = Float64Array.from(speeds, of), step = 1e-5 * speeds.at(-1);
   const slope = v === undefined ? null : (of(v + step) - of(v - step)) / (2 * step);
   const missed = mu.map((value, i) => (speeds[i] > last ? 0 : value - y[i]));
-  const said = slope === null ? "" : `formula: slope ${withMinus(slope)} s/m\n`;
+  const said = slope === null ? "" : `formula: slope ${withMinus(slope)} ${unit.split("/").reverse().join("/")}\n`;
   return { curve: { label: "formula", x: speeds, y, colour: "#009E73", dash: true, width: 1.5 },
     note: `${said}points within ${shortNumber(largest([missed]), 2)} of it` };
 }
 
 // null where nothing varies
-function frictionDrawing({ friction, parameters, structure: { points } }, { formula = "" } = {}) {
+function frictionDrawing({ friction, parameters, structure: { points, sliding_units: units } }, { formula = "" } = {}) {
   if (!friction || !points.length && spread([friction.mu]) < SILENT) return null;
   const { speeds, mu, at } = friction, reach = speeds.at(-1),
     curves = /** @type {any[]} */ ([{ label: "_friction", x: speeds, y: mu, width: 2 }]);
@@ -92,19 +92,19 @@ function frictionDrawing({ friction, parameters, structure: { points } }, { form
     const [v, here, slope, damper] = at, ends = [Math.max(0, v - 0.25 * reach), Math.min(reach, v + 0.25 * reach)];
     curves.push({ label: "slope at steady sliding", x: ends, y: ends.map((u) => here + slope * (u - v)),
       colour: "#D55E00", dash: true });
-    const like = Math.abs(slope) * v < SILENT * here ? "no damper" : `a damper of ${withMinus(damper)} N s/m`;
-    note = `${shortNumber(v, 3)} m/s: like ${like}\n${note}`.trim();
+    const like = Math.abs(slope) * v < SILENT * here ? "no damper" : `a damper of ${withMinus(damper)} ${units.damper}`;
+    note = `${shortNumber(v, 3)} ${units.speed}: like ${like}\n${note}`.trim();
   }
   if (handles.length && formula) {
-    const drawn = formulaDrawing(formula, speeds, mu, at?.[0], handles.at(-1).x);
+    const drawn = formulaDrawing(formula, speeds, mu, at?.[0], handles.at(-1).x, units.speed);
     curves.push(drawn.curve);
     note = `${note.replace(DRAG, "")}${drawn.note}`;
   }
   if (handles.length) curves.push({ label: "_points", x: handles.map(({ x }) => x), y: handles.map(({ y }) => y),
     colour: "#0072B2", marker: "o", size: 13, line: false });
   const top = Math.max(largest([mu]), ...handles.map(({ y }) => y)) || 1;
-  return { xlabel: "sliding speed (m/s)", ylabel: "coefficient of friction", curves, note, handles, xlim: [0, reach],
-    ylim: [0, roundStep(1.25 * top)] };
+  return { xlabel: `sliding speed (${units.speed})`, ylabel: "coefficient of friction", curves, note, handles,
+    xlim: [0, reach], ylim: [0, roundStep(1.25 * top)] };
 }
 
 class PointDrag { // of the points of the curve; the parameters follow, and with them motion and stability

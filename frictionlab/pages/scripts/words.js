@@ -57,8 +57,7 @@ function equilibriumTexts({ structure, equilibrium }) {
   const { states, labels, units, coordinates: n } = structure, { state } = equilibrium;
   const shown = states.map((_, i) => (i < n ? !state[i + n] : i < 2 * n ? state[i] : !CLOCKS.includes(states[i])));
   const rows = states.map((name, i) => [labels[name], state[i], units[name]]).filter((_, i) => shown[i]);
-  rows.push(["penetration", equilibrium.penetration, "m"], ["$F_N$", equilibrium.normal_force, "N"],
-    ["$F_T$", equilibrium.friction_force, "N"]);
+  for (const [name, [label, unit]] of Object.entries(structure.at_contact)) rows.push([label, equilibrium[name], unit]);
   return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) =>
     `${label} = ${shortNumber(value)} ${unit}`.trim());
 }

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.presentation import CLOCK, Drawable, in_units_of, shorten, unit_of_state
+from frictionlab.presentation import CLOCK, Drawable, force_symbol, output_unit, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
@@ -213,7 +213,8 @@ class Equilibrium(Drawable):
     penetration : float
         Penetration of the contact, m.
     normal_force, friction_force : float
-        F_N and F_T, N.  Like the penetration, NaN where the mode of an automaton has no such output.
+        F_N and F_T, N; moments in N m where the bodies turn.  Like the penetration, NaN where the mode of an
+        automaton has no such output.
     residual : float
         Largest force or moment left over in the static equations, relative to the largest in them.
     model : Model or HybridAutomaton
@@ -246,10 +247,7 @@ class Equilibrium(Drawable):
         units |= {name: unit_of_state(self.model, name) for name, _ in turning}
         numbers = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
         places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in numbers)
-        forces, unit = {"F_N": self.normal_force, "F_T": self.friction_force}, in_units_of(self.model, "N")
-        acting = "".join(
-            f", {name} {force:.4g} {unit}" for name, force in forces.items() if np.isfinite(force)
-        )
+        acting = "".join(f", {name} {force:.4g} {unit}" for name, force, unit in contact_forces(self))
         return f"Equilibrium({places}{acting})"
 
     @property
@@ -258,6 +256,16 @@ class Equilibrium(Drawable):
         if len(self.state) <= 2 * len(self.names):
             return ()
         return automaton_of(self.model).state_names[2 * len(self.names) :]
+
+
+def contact_forces(point: Equilibrium) -> list[tuple[str, float, str]]:
+    """Symbol, value and unit of the contact forces, or moments, that an equilibrium has."""
+    sizes = {"normal_force": point.normal_force, "friction_force": point.friction_force}
+    return [
+        (force_symbol(name, point.model), size, output_unit(name, point.model))
+        for name, size in sizes.items()
+        if np.isfinite(size)
+    ]
 
 
 class Equilibria(tuple[Equilibrium, ...]):

@@ -48,6 +48,18 @@ def test_forces_are_those_of_the_run(run):
     assert normal.axes.get_ylabel() == "contact force (N)"
 
 
+def test_a_contact_that_turns_without_a_lever_has_moments():
+    model = fl.DrillString(Omega=25.0)
+    lines = plotting.plot_contact_forces(fl.simulate(model, 5.0, progress=False))
+    assert [line.get_label() for line in lines] == ["$M_N$ (N m)", "$M_T$ (N m)"]
+    assert lines[0].axes.get_ylabel() == "contact moment (N m)"
+    # N = T, and the motor's torque at the speed of the bit balances friction
+    point = fl.equilibrium(model)
+    assert repr(point).endswith(f"M_N {model.T:.4g} N m, M_T {-model.c_m * (25.0 - point.state[2]):.4g} N m)")
+    assert fl.simulate(fl.RockingBlock(), 0.1).to_dataframe().attrs["units"]["distance"] == "rad"
+    assert fl.FroudePendulum().rotational_outputs == ()  # its shaft has a radius
+
+
 def test_phase_plane_holds_every_sample_in_the_colour_of_its_mode(run):
     lines = plotting.plot_phase_plane(run, window=0.5)
     t = np.linspace(1.5, 2.0, 12001)
