@@ -111,7 +111,8 @@ def ensemble(
     first = automaton_of(models[0])
     modes = problem_for_batch(first, problems[0].x0, 0.0, solver).program.modes
     units = tuple(unit_of_state(models[0], name) for name in first.state_names)
-    result = replace(ends, names=first.state_names, mode_names=modes, units=units)
+    names = {"names": first.state_names, "mode_names": modes, "cyclic": first.cyclic}
+    result = replace(ends, units=units, **names)
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
     return result

@@ -5,7 +5,8 @@ The panels of explorers and pages follow the same rule, in pages/scripts/turns.j
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.ticker import FuncFormatter, MultipleLocator
@@ -13,14 +14,20 @@ from numpy.typing import NDArray
 
 from frictionlab.presentation import state_unit
 
-if TYPE_CHECKING:
-    from frictionlab.automaton import HybridAutomaton
-
 Array = NDArray[np.float64]
 TURN = 2 * np.pi
 
 
-def turning_angles(automaton: HybridAutomaton) -> list[str]:
+class Cyclic(Protocol):
+    """What has cyclic coordinates: an automaton, or a result of its runs."""
+
+    @property
+    def cyclic(self) -> Sequence[str]:
+        """Their names."""
+        ...
+
+
+def turning_angles(automaton: Cyclic) -> list[str]:
     """The coordinates that are drawn modulo a turn: cyclic ones that are angles by their names.
 
     The motion of any other angle, as on a torsion spring, is not the same a turn further on.

@@ -56,6 +56,11 @@ class LabelledStates(Drawable):
         decided = max(1, int((self.labels != UNDECIDED).sum()))
         return {a.name: float((self.labels == i).sum()) / decided for i, a in enumerate(self.attractors)}
 
+    @property
+    def cyclic(self) -> tuple[str, ...]:
+        """Names of the coordinates that may turn for ever."""
+        return tuple(self.specification["cyclic"])
+
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
         with name_written_file(path):

@@ -124,6 +124,7 @@ def _basin_arguments(
         "model": data_of(model),
         "states": list(automaton.state_names),
         "coordinates": automaton.coordinates,
+        "cyclic": list(automaton.cyclic),
     }
     return data | about | options.specification("transient", "window", "rtol", "section", "tolerance")
 

@@ -44,7 +44,8 @@ class BatchResult(Drawable):
     status : tuple of Status
     names, units : tuple of str
         Names of the states, and their units, "" where they are not known.
-    mode_names : tuple of str
+    mode_names, cyclic : tuple of str
+        Names of the modes, and of the coordinates that may turn for ever.
     """
 
     drawn_by = "plot_ends"
@@ -58,6 +59,7 @@ class BatchResult(Drawable):
     names: tuple[str, ...] = ()
     mode_names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
+    cyclic: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         ends = tally(status.name.lower().replace("_", " ") for status in self.status)

@@ -39,8 +39,8 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title
 from frictionlab.plotting.labels import state_label, with_unit
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
-from frictionlab.plotting.time_histories import check_run_with_coordinates
-from frictionlab.plotting.turns import turning_angles, within_turn
+from frictionlab.plotting.time_histories import Array, check_run_with_coordinates
+from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles, within_turn
 from frictionlab.presentation import SI, in_units, state_unit
 from frictionlab.validation import check_choice
 
@@ -157,10 +157,12 @@ def plot_ends(ends: Any, ax: Axes | None = None, *, name: str | None = None, **l
     check_choice("name", coordinate, coordinates)
     rate_name = f"{coordinate}'"
     x, rate = (ends.states[:, ends.names.index(each)] for each in (coordinate, rate_name))
-    ax = axes_or_new(ax)
-    lines = ax.plot(x, rate, ".", color=legible(BLUE, ax))
+    ax, turns = axes_or_new(ax), coordinate in turning_angles(ends)
+    lines = ax.plot(within_turn(x) if turns else x, rate, ".", color=legible(BLUE, ax))
     units = dict(zip(ends.names, ends.units))
     ax.set(xlabel=with_unit(coordinate, units[coordinate]), ylabel=with_unit(rate_name, units[rate_name]))
+    if turns:
+        tick_turns(ax.xaxis)
     set_title(ax, f"Ends of {len(x)} runs")
     return restyle(lines, line)
 
@@ -319,10 +321,22 @@ def _colours(basins: LabelledStates, ax: Axes) -> list[str]:
 def _attractor(basins: Basins, attractor: Any, ax: Axes) -> list[Line2D]:
     columns = [basins.names.index(name) for name in (basins.x, basins.y)]
     x, y = attractor.path[:, columns].T
-    style = "o" if len(x) == 1 else "-" if attractor.period > 0 else ","
+    turning = turning_angles(basins)
+    if basins.x in turning:
+        x, y = _cut(x, y, basins.x_values)
+    if basins.y in turning:
+        y, x = _cut(y, x, basins.y_values)
+    style = "o" if len(attractor.path) == 1 else "-" if attractor.period > 0 else ","
     lines = ax.plot(x, y, style, label=attractor.name, **pen(BLACK, 1.4, ax))
     add_halo(lines[0], ax)
     return lines
+
+
+def _cut(angle: Array, other: Array, values: Array) -> tuple[Array, Array]:
+    """An angle within the turn about the middle of its initial values, cut with what is drawn over it."""
+    middle = float(values.min() + values.max()) / 2
+    shown, other = cut_at_turns(angle - middle, other)
+    return shown + middle, other
 
 
 def _initial_state_label(basins: Basins, name: str) -> str:

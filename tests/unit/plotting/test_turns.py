@@ -127,6 +127,25 @@ def test_a_steady_rotation_is_marked_within_a_turn():
     assert low < rate == final["phi1'"] < high
 
 
+def test_ends_and_attractors_of_what_turns_are_drawn_within_a_turn():
+    slow, steady = (fl.DrillString(Omega=speed) for speed in (6.0, 25.0))
+    ends = fl.ensemble(
+        [slow] * 3, 60.0, x0=[[0.0, twist, 6.0, 6.0] for twist in (0.0, 1.0, 9.0)], progress=False
+    )
+    (points,) = ends.plot().get_lines()
+    assert np.abs(ends.states[:, 0]).max() > 100.0
+    assert np.abs(points.get_xdata()).max() <= np.pi
+    assert np.allclose(np.exp(1j * points.get_xdata()), np.exp(1j * ends.states[:, 0]))
+    angles = np.linspace(2.0, 8.0, 3)  # a turn about 5
+    for model in (slow, steady):
+        basins = fl.basins(model, ("phi1", angles), ("phi1'", [6.0, 25.0]), progress=False)
+        for line in plotting.plot_basins(basins).attractors:
+            x, path = line.get_xdata(), basins.attractors[0].path[:, 0]
+            assert np.nanmax(np.abs(x - 5.0)) <= np.pi
+            shown = np.exp(1j * x[~np.isnan(x)])
+            assert np.abs(shown[:, None] - np.exp(1j * path)).min(axis=0).max() < 1e-9
+
+
 def test_angles_are_dashed_beside_lengths_alone():
     for model, dashed in ((fl.FroudePendulum(), {False}), (fl.Woodpecker(), {False, True})):
         run = fl.simulate(model, 1.0, progress=False)
