@@ -12,14 +12,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from frictionlab.analysis.motion_scales import Array, state_groups, state_ranges
+from frictionlab.analysis.motion_scales import Array, state_groups
 from frictionlab.analysis.options import SteadyStateOptions
-from frictionlab.analysis.steady_state.classification import (
-    EVEN_SAMPLES,
-    MIN_DECAY_FACTOR,
-    MotionKind,
-    classify_run,
-)
+from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, is_small_and_decays
 from frictionlab.analysis.steady_state.poincare_sections import sections_to_record
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import end_of, solve_from_end
@@ -77,7 +72,11 @@ def classify_attractor(
     section, tolerance = options.section, options.tolerance
     run = _run(automaton, options.window, start, options, sections_to_record(automaton, section))
     verdict = classify_run(run, section, tolerance)
-    kind = MotionKind.EQUILIBRIUM if _decays(run, verdict.kind, spread, options.rtol) else verdict.kind
+    kind = verdict.kind
+    if kind == MotionKind.NOT_SETTLED and is_small_and_decays(
+        run, spread[: automaton.coordinates or None].max()
+    ):
+        kind = MotionKind.EQUILIBRIUM
     period = None if np.isnan(verdict.period) else verdict.period
     end, mode = end_of(run)
     drifting: list[int] = []
@@ -87,18 +86,6 @@ def classify_attractor(
     modes = [run.mode_names[i] for i in np.unique(run.raw.step_modes)]
     attractor = {"kind": kind, "period": period, "state": end.tolist(), "mode": mode, "modes": modes}
     return attractor | ({"drifting": drifting} if drifting else {})
-
-
-def _decays(run: Trajectory, kind: str, spread: Array, rtol: float) -> bool:
-    """Whether a motion without events, already small beside its earlier range, shrinks all the time.
-
-    It is compared with its earlier range, since a motion that decays to zero is never small beside its own.
-    """
-    if kind != MotionKind.NOT_SETTLED or len(run.events):
-        return False
-    x = run(np.linspace(0.0, run.raw.t, EVEN_SAMPLES))[:, spread > 0] / spread[spread > 0]
-    first, *_, last = (float(state_ranges(part).max(initial=0.0)) for part in np.array_split(x, 4))
-    return last < min(rtol, first / MIN_DECAY_FACTOR)
 
 
 def _state_on_attractor(

@@ -343,7 +343,7 @@ def kind_of_motion(of: Comparison, crossings: Array, returns: Recurrence, tolera
         return MotionKind.EQUILIBRIUM if resting else MotionKind.NOT_SETTLED
     if is_periodic(returns, tolerance):
         return MotionKind.PERIODIC
-    if of.drift is None and _decays_slowly(run):
+    if of.drift is None and is_small_and_decays(run, largest_coordinate(run)):
         return MotionKind.EQUILIBRIUM
     return (
         MotionKind.NOT_SETTLED
@@ -367,16 +367,13 @@ def _at_rest(of: Comparison) -> bool | None:
 
 
 def _decays_to_zero(of: Comparison) -> bool:
-    """Whether a motion without events about zero has shrunk to a thousandth of what it was, and decays
-    evenly.
+    """Whether a motion about zero decays, and is small beside what it was before the run.
 
     Where the equilibrium is at zero, as that of a structure without loads, coordinates are no measure.
     """
-    run, x = of.run, _even_samples(of.run)
-    places = x[:, : run.automaton.coordinates or None]
+    places = _even_samples(of.run)[:, : of.run.automaton.coordinates or None]
     about_zero = np.abs(places.mean(axis=0)).max() < ABOUT_ZERO * state_ranges(places).max()
-    small = np.abs(places).max() < REST_AMPLITUDE_RTOL * of.reach
-    return bool(not len(run.events) and about_zero and small and all_parts_decay(x, state_ranges(x)))
+    return bool(about_zero and is_small_and_decays(of.run, of.reach))
 
 
 def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
@@ -392,15 +389,20 @@ def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
     return last < REST_AMPLITUDE_RTOL * size if last < first / MIN_DECAY_FACTOR else None
 
 
-def _decays_slowly(run: Trajectory) -> bool:
-    """Whether a motion without events is nearly at rest, but decays too slowly to shrink much within the
-    window."""
+def is_small_and_decays(run: Trajectory, size: float) -> bool:
+    """Whether a motion without events decays evenly, and in the end moves no coordinate by more than a
+    thousandth of `size`."""
     if len(run.events):
         return False
     x = _even_samples(run)
-    coordinates = x[:, : run.automaton.coordinates or None]
-    small = state_ranges(coordinates).max() < REST_AMPLITUDE_RTOL * np.abs(coordinates).max()
+    last = np.array_split(x[:, : run.automaton.coordinates or None], 4)[-1]
+    small = state_ranges(last).max() < REST_AMPLITUDE_RTOL * size
     return bool(small and all_parts_decay(x, state_ranges(x)))
+
+
+def largest_coordinate(run: Trajectory) -> float:
+    """The largest coordinate in a run; the largest state, where there are no coordinates."""
+    return float(np.abs(run.raw.step_states[:, : run.automaton.coordinates or None]).max(initial=0.0))
 
 
 def _has_trend(of: Comparison, crossings: Array) -> bool:

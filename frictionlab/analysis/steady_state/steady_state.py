@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Spectrum, amplitude_spectrum
 from frictionlab.analysis.options import SteadyStateKeywords, SteadyStateOptions, settings_of
-from frictionlab.analysis.steady_state.classification import MotionKind, classify_run, onsets_per_period
+from frictionlab.analysis.steady_state.classification import (
+    MotionKind,
+    classify_run,
+    largest_coordinate,
+    onsets_per_period,
+)
 from frictionlab.analysis.steady_state.drift import mean_rates
 from frictionlab.analysis.steady_state.poincare_sections import Section, section_function, sections_to_record
 from frictionlab.automaton import HybridAutomaton
@@ -285,21 +290,16 @@ def find_steady_state(
         run = _run_transient(model, start, options, progress)
         if not run.status.ok:
             return steady_state_of_window(model, run, options.section, options.tolerance, passed=0.0)
-        start, passed, reach = end_of(run), options.transient, _reach(run)
+        start, passed, reach = end_of(run), options.transient, largest_coordinate(run)
     while True:
         run = _run_window(model, start, options, progress)
         steady = steady_state_of_window(
             model, run, options.section, options.tolerance, passed=passed, reach=reach
         )
-        passed, reach = passed + options.window, max(reach, _reach(run))
+        passed, reach = passed + options.window, max(reach, largest_coordinate(run))
         if steady.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
             return steady
         start = end_of(run)
-
-
-def _reach(run: Trajectory) -> float:
-    """The largest coordinate in a run."""
-    return float(np.abs(run.raw.step_states[:, : run.automaton.coordinates or None]).max(initial=0.0))
 
 
 def _run_transient(
