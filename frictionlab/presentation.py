@@ -40,7 +40,7 @@ FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_
 REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
 TIME = "t"  # the state of models that depend on time otherwise, s
-CLOCK = "phase"  # the state that stands for time in models with a periodic force, rad
+PHASE = "phase"  # the state that stands for time in models with a periodic force, rad
 
 
 class FrozenMapping(Mapping[str, Value], Generic[Value]):
@@ -89,7 +89,7 @@ def state_unit(name: str) -> str:
     """SI unit of a coordinate or of its rate."""
     if name == TIME:
         return "s"
-    length = "rad" if is_angle(name) or name == CLOCK else "m"
+    length = "rad" if is_angle(name) or name == PHASE else "m"
     return f"{length}/s" if name.endswith("'") else length
 
 
@@ -99,7 +99,7 @@ def unit_of_state(source: Any, name: str) -> str:
     "" of further states, such as a current, and where `source` is an automaton or None: nothing tells theirs.
     """
     coordinates = getattr(source, "coordinates", 0)
-    if isinstance(coordinates, int) or name.removesuffix("'") not in (*coordinates, TIME, CLOCK):
+    if isinstance(coordinates, int) or name.removesuffix("'") not in (*coordinates, TIME, PHASE):
         return ""
     return in_units_of(source, state_unit(name))
 

@@ -27,12 +27,12 @@ from frictionlab.components.component import Component, Parameter, parameters_of
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.mechanical.contact_regimes import PHASE
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, values_of_law
 from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
+from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import formulas_of
 from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.packing import program_of

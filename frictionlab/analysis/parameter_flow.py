@@ -270,7 +270,7 @@ def _varied_run(run: Trajectory, names: tuple[str, ...], integrands: tuple[Any, 
 
     def with_exponents(vary: bool) -> Trajectory:
         wider = _with_rates(modes, automaton.states, integrands, free, vary)
-        of = HybridAutomaton(states, wider, numbers, automaton.coordinates, automaton.cyclic)
+        of = replace(automaton.derived(), states=states, modes=wider, parameters=numbers)
         problem = Problem(*program_of(of), np.append(run.problem.x0, start), run.problem.t_end)
         return Trajectory(of, problem, raw, run.samples, description=run.description)
 

@@ -33,6 +33,7 @@ from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.contact_regimes import APART, CHATTER_MODE
 from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.mechanics import Stop, mechanics_at
+from frictionlab.presentation import PHASE, TIME
 
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}
 SLIPPING = "slip+", "slip-"
@@ -606,7 +607,7 @@ class _StatementCheck:
             2 * n : 2 * n + len(self.stated.statement.others)
         ]  # without the states of friction laws
         values = dict(zip(self.run.names, start))
-        clocks = (values.get(name, 0.0) for name in ("phase", "t"))
+        clocks = (values.get(name, 0.0) for name in (PHASE, TIME))
         phase, time = clocks
         about = mechanics_at(model, start[:n], start[n : 2 * n], phase, others[len(others) - further :], time)
         laws = [c.law if isinstance(c, Stop) else c.impact for c in about.contacts]

@@ -22,6 +22,7 @@ from frictionlab.models.mechanical.equations_of_motion import time_of, with_damp
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Stop, mechanics_at
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import parameter_symbols, structure_values, symbol
+from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import function_along_run
 
 Array = Any
@@ -96,7 +97,7 @@ def _statement_of(key: StructureKey) -> Statement:
     copy = symbolic_copy(key)
     names = tuple(copy.coordinates)
     q, v = ([symbol(name + prime) for name in names] for prime in ("", "'"))
-    phase, further = symbol("phase"), [*map(symbol, copy.states)]
+    phase, further = symbol(PHASE), [*map(symbol, copy.states)]
     time = time_of(copy)
     about = mechanics_at(copy, q, v, phase, further, *time)
     time = [one for one in time if about.depends_on(one)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -238,9 +238,7 @@ class HybridAutomaton:
     def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
         symbols = {symbol.name: symbol for symbol in self.parameters}
         numbers = {symbols[name]: value for name, value in changes.items()}
-        kind = type(self) if isinstance(self, WholeAutomaton) else HybridAutomaton
-        parameters = {**self.parameters, **numbers}
-        return kind(self.states, self.modes, parameters, self.coordinates, self.cyclic, self.period)
+        return replace(self, parameters={**self.parameters, **numbers})
 
     def __repr__(self) -> str:  # without the equations, which may be pages long
         return f"HybridAutomaton(states {', '.join(self.state_names)}; modes {self._modes_in_words()})"

@@ -21,6 +21,7 @@ from typing import Any
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import ModesOnDemand
 from frictionlab.lazy_names import sympy as sp
+from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 CHATTER = "chatter"  # the parameter of an automaton that the solver sets to the limit, s
@@ -76,7 +77,7 @@ def rate_of_change(mode: Mode, states: tuple[Any, ...]) -> Any:
     pairs = [
         abs(entry * jacobian[j, i]) for (i, j), entry in jacobian.items() if i < j and (j, i) in jacobian
     ]
-    phases = [abs(flow[i].subs(at_zero)) for i, state in enumerate(states) if state.name == "phase"]
+    phases = [abs(flow[i].subs(at_zero)) for i, state in enumerate(states) if state.name == PHASE]
     return sp.Add(*diagonal, *phases) + sp.sqrt(sp.Add(*pairs))
 
 

@@ -57,8 +57,7 @@ class CachedAutomaton(HybridAutomaton):
         vars(self).update(outline, values=MappingProxyType(dict(values)), derivations=derivations)
 
     def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
-        parameters = dict(self.parameters)
-        return HybridAutomaton, (self.states, self.modes, parameters, self.coordinates, self.cyclic)
+        return replace, (self.derived(),)
 
     @cached_property
     def _derived(self) -> HybridAutomaton:
@@ -161,6 +160,7 @@ def _outline(
         "rotational_outputs": tuple(about["rotational"]),
         "coordinates": about["coordinates"],
         "cyclic": tuple(about["cyclic"]),
+        "period": about["period"],
         "on_demand": regimes is not None,
     }
     return outline, about["parameters"]
@@ -182,6 +182,7 @@ def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
         "parameters": dict(derived.values),
         "coordinates": derived.coordinates,
         "cyclic": derived.cyclic,
+        "period": derived.period,
     }
 
 

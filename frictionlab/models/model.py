@@ -25,7 +25,7 @@ from frictionlab.components.component import (
 )
 from frictionlab.letters import symbol_of
 from frictionlab.models.mechanical.mechanics import SlidingStatics
-from frictionlab.presentation import CLOCK, TIME
+from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
@@ -216,12 +216,12 @@ class Model(Component):
     def check(self) -> None:
         """Raise ValueError if two of the names that become symbols are one."""
         for name in self.coordinates:
-            if name in (CLOCK, TIME) or self.coordinates.count(name) > 1:
+            if name in (PHASE, TIME) or self.coordinates.count(name) > 1:
                 raise ValueError(
-                    f"coordinates must have different names, and none of 'phase' and 't', got {name!r}: "
-                    "rename it"
+                    f"coordinates must have different names, and none of {PHASE!r} and {TIME!r}, "
+                    f"got {name!r}: rename it"
                 )
-        for name in (*self.coordinates, "phase", "chatter"):  # the last is the solver's
+        for name in (*self.coordinates, PHASE, "chatter"):  # the last is the solver's
             if name in self.parameters:
                 like = "like the solver's limit" if name == "chatter" else "like the coordinate"
                 raise ValueError(f"a parameter must not be named {like} {name!r}: rename it")

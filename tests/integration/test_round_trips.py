@@ -4,6 +4,7 @@ import copy
 import multiprocessing
 import pickle
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from enum import Enum
 from functools import cache
 
@@ -54,6 +55,7 @@ MORE = {
     "status": lambda: result("run").status,
     "equations": lambda: MODEL.equations("stick"),
     "automaton": lambda: MODEL.automaton().derived(),  # that of the cache is copied as this one
+    "automaton with a period": lambda: replace(MODEL.automaton().derived(), period=2.0).replace(v=0.5),
     "method": lambda: fl.Taylor(tol=1e-12),
 }
 BUILDERS = {name: make for name, make in results.BUILDERS.items() if "automaton" not in name} | MORE

@@ -15,13 +15,13 @@ from frictionlab.analysis.quantities.quantities import ModeFrequency
 from frictionlab.hybrid.solve import end_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
+from frictionlab.presentation import PHASE
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights, of_kind
 
 Array = NDArray[np.float64]
 DIFFERENCE_SHARE = 1e-6  # of a state or parameter: step of finite differences, where no derivative exists
 END_MARGIN = 1e-6  # share by which runs are longer than the last measured time, so that it lies inside
-PHASE = "phase"
 
 
 class Misfit(NamedTuple):

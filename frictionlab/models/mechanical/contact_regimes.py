@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
 
 
-PHASE, TIME = "phase", "t"
 # The regimes tried first after an event, in this order, where the contact has them.
 AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
 AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")

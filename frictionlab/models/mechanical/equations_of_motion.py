@@ -19,11 +19,10 @@ from frictionlab.components.component import StructureKey
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import expand_products, gradient, symbol
+from frictionlab.presentation import PHASE, TIME
 
 from .common_directions import RUBBING, CommonDirection, common_directions
 from .contact_regimes import (
-    PHASE,
-    TIME,
     ContactRegime,
     impact_resets,
     regimes_of_contact,

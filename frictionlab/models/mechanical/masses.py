@@ -18,6 +18,7 @@ from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
+from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .massless_motions import SEED, motion_without_energy
@@ -53,7 +54,7 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
         motions = [_without_positive_energy(masses(place, phase)) for place in places]
         if all(motions):
             at = {} if start is None else dict(zip(model.coordinates, places[0], strict=True))
-            at |= {"phase": phase} if about["in time"] else {}
+            at |= {PHASE: phase} if about["in time"] else {}
             raise ValueError(_words(model, about, motions[0], masses(places[0], phase), at))
 
 
@@ -122,7 +123,7 @@ def _about_masses(key: StructureKey) -> dict[str, Any]:
         "places": [[i, j] for i, j in entries if i <= j],
         "parameters": [name for name in key.parameters if symbol(name) in there],
         "in place": not there.isdisjoint(system.q),
-        "in time": symbol("phase") in there,
+        "in time": symbol(PHASE) in there,
         "timed": bool(system.time),
     }
 
@@ -131,7 +132,7 @@ def _mass_formulas(key: StructureKey, about: Mapping[str, Any]) -> Formulas:
     from .equations_of_motion import system_of
 
     system = system_of(key)
-    inputs = [*system.q, symbol("phase"), *system.time, *map(symbol, about["parameters"])]
+    inputs = [*system.q, symbol(PHASE), *system.time, *map(symbol, about["parameters"])]
     return formulas_of(inputs, [system.mass[i, j] for i, j in about["places"]])
 
 

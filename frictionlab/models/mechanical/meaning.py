@@ -16,9 +16,9 @@ import sympy
 
 from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
 from frictionlab.models.symbols import expand_products, gradient, symbol
+from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
-from .contact_regimes import PHASE, TIME
 from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
 from .friction_in_plane import check_directions, check_plane
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy

@@ -16,7 +16,7 @@ from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.models.composition import Nonlinearity, nonlinearities_of
 from frictionlab.models.model import Model, model
-from frictionlab.presentation import CLOCK, TIME
+from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, check_names_among
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
@@ -107,7 +107,7 @@ class MechanicalModel(Model):
         super().check()
         check_names_among("cyclic", self.cyclic, self.coordinates)
         for name in self.states:
-            taken = {*self.coordinates, *(f"{q}'" for q in self.coordinates), *self.parameters, CLOCK, TIME}
+            taken = {*self.coordinates, *(f"{q}'" for q in self.coordinates), *self.parameters, PHASE, TIME}
             if not isinstance(name, str) or name in taken or self.states.count(name) > 1:
                 raise ValueError(
                     f"states of {type(self).__name__} must be names that no coordinate and no parameter has, "

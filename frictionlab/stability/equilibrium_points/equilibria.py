@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
-from frictionlab.presentation import CLOCK, Drawable, force_symbol, output_unit, shorten, unit_of_state
+from frictionlab.presentation import PHASE, Drawable, force_symbol, output_unit, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
 from frictionlab.stability.equilibrium_points.sliding import (
@@ -154,7 +154,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     left = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
     if automaton.on_demand and has_regime(automaton.names, "stick"):
         left = ["stick of any contact"]
-    forced = CLOCK in automaton.state_names and sliding
+    forced = PHASE in automaton.state_names and sliding
     still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
     left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
     return ValueError(

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.lazy_names import sympy
-from frictionlab.presentation import CLOCK, TIME
+from frictionlab.presentation import PHASE, TIME
 
 
 class SteadyRates(NamedTuple):
@@ -87,7 +87,7 @@ def static_rates(automaton: HybridAutomaton, mode: Mode, idle: Sequence[int] = (
 def clocks_of(automaton: HybridAutomaton) -> list[int]:
     """The places of the phase and the time."""
     first, names = 2 * automaton.coordinates, automaton.state_names
-    return [place for place in range(first, len(names)) if names[place] in (CLOCK, TIME)]
+    return [place for place in range(first, len(names)) if names[place] in (PHASE, TIME)]
 
 
 def is_free(automaton: HybridAutomaton, mode: Mode) -> bool:
