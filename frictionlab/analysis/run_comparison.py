@@ -57,13 +57,14 @@ class ModeStays(NamedTuple):
     closed: Array
 
 
-def mode_stays(run: Trajectory, together: float, other: Trajectory | None = None) -> ModeStays:
+def mode_stays(run: Trajectory, together: float, size: Array, other: Trajectory | None = None) -> ModeStays:
     """A run's events, where those within `together` seconds of the one before count as one.
 
-    Modes that are one motion in the run have one name, also those of an `other` run.
+    Modes that are one motion in the run have one name, also those of an `other` run.  `size` is that of the
+    motion in each state.
     """
     events, modes = run.events, _modes_by_motion(run, run if other is None else other)
-    jumps = (np.abs(events.state - events.before) / motion_size(run)).max(axis=1, initial=0.0)
+    jumps = (np.abs(events.state - events.before) / size).max(axis=1, initial=0.0)
     counts = (jumps > LEAST_JUMP) | (modes[:-1] != modes[1:]) | events.closed
     t, target, closed = events.t[counts], modes[1:][counts], events.closed[counts]
     if not len(t):
@@ -118,7 +119,7 @@ def accumulation_time(run: Trajectory) -> float:
 
     It is midway between the last separate event and the first of those close together.
     """
-    stays = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t))
+    stays = mode_stays(run, ACCUMULATION_SHARE * longest_stay(run, run.raw.t), motion_size(run))
     closed = np.flatnonzero(stays.closed)
     if not len(closed):
         return np.inf
@@ -139,7 +140,7 @@ def compare_runs(
         return RunComparison(0.0, 0.0, np.inf)
     longest = longest_stay(other, end)
     together = SIMULTANEOUS_SHARE * longest
-    one, two = mode_stays(run, together, other), mode_stays(other, together, run)
+    one, two = mode_stays(run, together, size, other), mode_stays(other, together, size, run)
     differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
     end = min(end, differs_at)
     t = _comparison_times(two, end) if is_of_series(other) else other.raw.step_times[:, 0]

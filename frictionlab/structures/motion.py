@@ -275,13 +275,12 @@ def _per_area(law: Any, area: float) -> Any:
     return law.force if area == 1.0 else lambda depth: area * law.force(depth)
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionOnArea:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionOnArea(FrictionLaw):
     """A friction law of pressures, as one of forces on an area."""
 
-    law: FrictionLaw
-    area: float
-    states = ()
+    law: Any
+    area: Any
 
     def kinetic(self, normal_force: Any, speed: Any) -> Any:
         """F_T in slip."""

@@ -115,4 +115,4 @@ def test_modes_whose_rates_are_not_finite_keep_their_names(monkeypatch):
     back = Mode("b", (sp.S.NegativeOne, sp.S.Zero), (), (V,))
     run = fl.solve(automaton(go, back, coordinates=0), 4.0, x0=[0.0, 0.0], mode="a", progress=False)
     monkeypatch.setattr(Tape, "values", lambda tape, states, some: np.full((len(states), len(some)), np.nan))
-    assert mode_stays(run, 0.0).mode.tolist() == ["b"]
+    assert mode_stays(run, 0.0, judged_size(run)).mode.tolist() == ["b"]

@@ -174,6 +174,18 @@ def test_a_run_that_ends_early_says_so():
     assert "There the run ended: step cap" in str(found)
 
 
+def test_an_impact_counts_where_series_of_the_independent_method_diverge():
+    """The force is steep at the start, within a step of DOP853."""
+    t = sp.Symbol("t", real=True)
+    flow = V, -1 - sp.sqrt(t + sp.Float(1e-6)) / 10, sp.S.One
+    bounce = fl.Event("gap", X, ("fly",), fl.Reset({V: -V / 2}, {X: 1}))
+    ball = automaton(fl.Mode("fly", flow, (bounce,)), states=(X, V, t))
+    found = fl.verify(ball, 2.5, x0=[1.0, 0.0, 0.0], progress=False)
+    assert found.ok
+    assert found.events_agree
+    assert len(found.run.events) == 1
+
+
 def test_two_missing_events_are_noticed_though_all_others_look_alike():
     """Slip, stick, slip, stick by turns: without a pair in the middle the modes are still those."""
     t = np.arange(1.0, 9.0)

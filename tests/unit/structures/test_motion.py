@@ -87,6 +87,21 @@ def test_pads_on_one_body_share_its_friction():
     np.testing.assert_allclose(2 * other.friction_force_1, other.friction_force_2, atol=1e-12)
 
 
+def test_pressures_on_an_area_are_forces():
+    """Of twice the area: forces are twice those at half the normal force, also where the contact opens."""
+    runs = []
+    for area in (1.0, 2.0):
+        friction = fl.PressureDependent(mu_k=0.3, mu_s=0.5, v_s=0.2, n=0.3, F_ref=2.0 / area)
+        contact = fl.LinearContact(k2=6.0 / area)
+        pads = fl.SlidingContacts([[1.0, 0.2]], [[0.1, 1.0]], contact, friction, v=0.3, area=area)
+        structure = fl.Structure(np.eye(2), [[3.0, -1.0], [-1.0, 2.0]], contacts=pads, load=[0.0, 1.0])
+        runs.append(fl.simulate(structure, 10.0, x0=[0.2, 0.1, 0.0, 1.0], progress=False))
+    one, two = runs
+    assert {"separation", "slip+", "stick"} <= {*one.events.target}
+    np.testing.assert_allclose(two.events.t, one.events.t, rtol=1e-9)
+    np.testing.assert_allclose(two.final_state, one.final_state, atol=1e-9)
+
+
 def chain(contacts: int = 2, n: int = 4) -> fl.Structure:
     """Masses in a chain, coupled in both directions, pressed on a belt."""
     rng = np.random.default_rng(7)
