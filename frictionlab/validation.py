@@ -101,7 +101,10 @@ def check_number(
 
 def check_t_end(value: Any, cure: str = "give the length of the run in seconds") -> Any:
     """The end of a run, s; where a span of times is given, as scipy takes it, the message names its end."""
-    if type(value) is not float and is_sequence(value) and len(value):
+    if type(value) is float:
+        if 0.0 < value < math.inf:  # the quick case
+            return value
+    elif is_sequence(value) and len(value):
         last = plain_number(value[-1])
         cure = f"a run begins at 0, write t_end={last:g}" if _is_number(last) else cure
     return check_number("t_end", value, above=0.0, cure=cure)

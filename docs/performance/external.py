@@ -174,9 +174,8 @@ class ExternalMethod(Method):
         self.count[0] = 0
         return super()._begin(problem, order)
 
-    def _status(self, status: Status, pieces: RecordList) -> Status:
-        capped = status is Status.RUNNING and self.steps >= self.max_steps
-        return Status.STEP_CAP if capped else super()._status(status, pieces)
+    def _status(self, pieces: RecordList) -> Status:
+        return Status.STEP_CAP if self.steps >= self.max_steps else super()._status(pieces)
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.solve import RunOptions, method_of, run_automaton, with_warning
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.models.model import ModelOrAutomaton, automaton_of, require_model_or_automaton
+from frictionlab.models.model import ModelOrAutomaton, require_model_or_automaton
 from frictionlab.validation import explains_keywords
 
 
@@ -79,8 +80,7 @@ def simulate(
     ['stick']
     """
     known = require_model_or_automaton(model, "write simulate(model, t_end)")
-    automaton, solver = automaton_of(known), method_of(method)
-    source = None if known is automaton else known
-    options = RunOptions(None, t_eval, sections, quadratures, progress, source)
+    automaton, source = (known, None) if isinstance(known, HybridAutomaton) else (known.automaton(), known)
+    solver, options = method_of(method), RunOptions(None, t_eval, sections, quadratures, progress, source)
     start = initial_state_of(known, x0, automaton)
     return with_warning(run_automaton(automaton, t_end, start, solver, options))

@@ -24,7 +24,8 @@ GAPS = "with gaps"  # stands for the type of an array that is not contiguous
 FLOAT, INTEGER = "<f80", "<i80"  # the type and the number of axes
 AXES = "0123456789"
 ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)
-DOUBLE, WORD_SIZE = struct.Struct("d"), 8
+DOUBLE = struct.Struct("d")
+RESULTS = {"i8": "q", "f8": "d", "b1": "?7x"}  # words of results, as `struct` reads them
 DATA_OFFSET = 16  # bytes of an array's object before the address of its data (numpy's PyArrayObject)
 T = TypeVar("T", bound=tuple)
 
@@ -97,8 +98,8 @@ class CompiledKernel:
         self._call = ENTRY(address)
         self._arguments = table.arguments
         self._kinds = "".join(f"<{kind}{axes}" for _, kind, axes in table.arguments)
-        self._results = tuple(kind for _, kind, _ in table.results)
-        self._room = array("q", bytes(WORD_SIZE * len(self._results)))  # for the results, at the beginning
+        self._results = struct.Struct("=" + "".join(RESULTS[kind] for _, kind, _ in table.results))
+        self._room = array("q", bytes(self._results.size))  # for the results, at the beginning
         self._returns = _named_tuple(kernel, table.returns)
 
     @property
@@ -121,7 +122,7 @@ class CompiledKernel:
         """What the code returns for the arguments in a table."""
         if status := self._call(table.buffer_info()[0]):
             raise RuntimeError(f"the kernel {self._name} ended with status {status}")
-        results = [word if kind == "i8" else _number(kind, word) for kind, word in zip(self._results, table)]
+        results = self._results.unpack_from(table)
         if self._returns is not None:
             return self._returns(*results)
         return results[0] if results else None
@@ -194,12 +195,6 @@ def _partial(function: Callable, arguments: tuple[Any, ...], place: int) -> Call
 def _suits(leaf: np.ndarray, kind: str) -> bool:
     """Whether an array's elements are of a type, or both are integers, signed or not, of any size."""
     return leaf.dtype.str[1:] == kind or {leaf.dtype.kind, kind[0]} <= {"i", "u"}
-
-
-def _number(kind: str, word: int) -> Any:
-    if kind == "f8":
-        return DOUBLE.unpack(struct.pack("q", word))[0]
-    return bool(word) if kind == "b1" else word
 
 
 def _named_tuple(kernel: Callable, name: str) -> Any:

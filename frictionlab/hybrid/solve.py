@@ -7,10 +7,9 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from math import isfinite
-from typing import Any, TypedDict, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,12 +35,12 @@ from frictionlab.tape.program import Numbers, Program, Section
 from frictionlab.validation import (
     abbreviate,
     check_flag,
-    check_keywords,
     check_mapping,
     check_number,
     check_t_end,
     did_you_mean,
     did_you_mean_or_known,
+    explains_keywords,
     float_array,
 )
 
@@ -79,18 +78,8 @@ def _method_named(name: str) -> Method | None:
     return NAMED_METHODS[name]() if name in NAMED_METHODS else None
 
 
-class RunKeywords(TypedDict, total=False):
-    """Further keywords of :func:`solve`, for editors and type checkers: fields of `RunOptions`."""
-
-    sections: Mapping[str, Any] | None
-    quadratures: Mapping[str, Any] | None
-    progress: bool
-    source: Any
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """Options of a run: the mode it starts in, what it records, whether it shows its progress, its model.
+class RunOptions(NamedTuple):
+    """Options of a run: the mode it starts in, what it recording, whether it shows its progress, its model.
 
     The fields are arguments of :func:`solve`.
     """
@@ -102,11 +91,13 @@ class RunOptions:
     progress: bool = True
     source: Any = None
 
-    def __post_init__(self) -> None:
-        check_flag("progress", self.progress)
+    def check(self) -> None:
+        """Raise unless the options are of the right kind."""
+        if type(self.progress) is not bool:
+            check_flag("progress", self.progress)
         source = self.source
-        known = isinstance(source, HybridAutomaton) or hasattr(source, "automaton")
-        if source is not None and (not known or isinstance(source, type)):
+        known = source is None or isinstance(source, HybridAutomaton) or hasattr(source, "automaton")
+        if not known or isinstance(source, type):
             raise TypeError(
                 f"source must be the model of the automaton, got {abbreviate(source)}: leave it out, or "
                 "give the model itself"
@@ -117,6 +108,7 @@ class RunOptions:
             check_mapping("quadratures", self.quadratures, 'give each a name, such as {"work": expression}')
 
 
+@explains_keywords
 def solve(
     automaton: HybridAutomaton,
     t_end: float,
@@ -125,7 +117,10 @@ def solve(
     mode: str | None = None,
     method: str | Method = "taylor",
     t_eval: Any = None,
-    **keywords: Unpack[RunKeywords],
+    sections: Mapping[str, Any] | None = None,
+    quadratures: Mapping[str, Any] | None = None,
+    progress: bool = True,
+    source: Any = None,
 ) -> Trajectory:
     """Run an automaton from 0 to `t_end`.
 
@@ -173,8 +168,7 @@ def solve(
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` then returns the run as far as it went.
     """
-    check_keywords("solve", keywords, RunKeywords.__annotations__)
-    options = RunOptions(mode, t_eval, **keywords)
+    options = RunOptions(mode, t_eval, sections, quadratures, progress, source)
     check_automaton(automaton)
     start = state_from_x0(automaton, x0)
     return with_warning(run_automaton(automaton, t_end, start, method_of(method), options))
@@ -202,7 +196,7 @@ def solve_from_end(
 def with_warning(run: Trajectory) -> Trajectory:
     """The run itself; warns where its steps are less exact than the tolerance asks for."""
     if run.warning is not None:
-        warnings.warn(f"do not trust this run: {run.warning}", RuntimeWarning, stacklevel=3)
+        warnings.warn(f"do not trust this run: {run.warning}", RuntimeWarning, stacklevel=4)
     return run
 
 
@@ -210,45 +204,51 @@ def run_automaton(
     automaton: HybridAutomaton, t_end: Any, state: np.ndarray, method: Method, options: RunOptions
 ) -> Trajectory:
     """Run an automaton by a method, as :func:`solve` says, from a checked state and without a warning."""
-    t_end = check_t_end(t_end)
+    options.check()
+    t_end = float(check_t_end(t_end))
     times = None if options.t_eval is None else _times(options.t_eval, t_end)
-    asked = _records(automaton, options) if options.sections or options.quadratures else ({}, {})
-    if any(asked) and not method.records_sections:
+    recording = _records(automaton, options) if options.sections or options.quadratures else None
+    if recording is not None and not method.records_sections:
         raise ValueError(
             f"sections and quadratures need method='taylor', got {abbreviate(method)}: change the method"
         )
     chatter = method.chatter_limit(automaton)
     automaton = with_chatter_limit(automaton, chatter)
-    more = any(asked) or automaton.on_demand  # the program of the run is not that of the result
     # Such a run numbers modes as they are derived, a kept program in the automaton's order.
-    if any(asked) and automaton.on_demand:
+    if recording is not None and automaton.on_demand:
         automaton = automaton.derived()
     if options.mode is not None:
         check_mode_name(options.mode, automaton.names)
-    start = np.concatenate([state, np.zeros(len(asked[1]))]) if asked[1] else state
-    problem = problem_of(automaton, start, float(t_end), options.mode, asked, chatter)
+    start = state if recording is None else np.concatenate([state, np.zeros(len(recording.quadratures))])
+    problem = problem_of(automaton, start, t_end, options.mode, recording, chatter)
     order, begin = method.order_of(problem.program), time.perf_counter()
-    with Progress(t_end, options.progress, needs_compilation(method.entry)) as bar:
+    compiles = options.progress and needs_compilation(method.entry)
+    with Progress(t_end, options.progress, compiles) as bar:
         raw = method.integrate(problem, order, bar)
     wall_time = time.perf_counter() - begin
     counts = len(raw.step_modes), len(raw.event_times)
     LOGGER.debug("run to %g s: %d steps, %d events, %.3g s, %r", raw.t, *counts, wall_time, raw.status)
-    if more:  # without the integrals, with all modes that the run has derived
-        own = problem_of(automaton, start, float(t_end), options.mode, asked).program
-        problem = problem_of(automaton, state, float(t_end), options.mode)
+    if recording is not None or automaton.on_demand:  # the result has no integrals, and all modes derived
+        own = problem_of(automaton, start, t_end, options.mode, recording).program
+        problem = problem_of(automaton, state, t_end, options.mode)
         raw = raw.renumbered(own, problem.program)
     if problem.program.has_powers:
         raw = cut_where_undefined(problem, raw)
     ended_at_start = raw.status is Status.NOT_FINITE and not len(raw.step_modes)
     if ended_at_start and (words := undefined_start(automaton, problem, raw.mode)):
         raise ValueError(f"x0 {words}")
+    sections, quadratures = (), None
+    if recording is not None:
+        integrals = raw.state[len(state) :].tolist()
+        sections, quadratures = tuple(recording.sections), dict(zip(recording.quadratures, integrals))
+        raw = raw.cut(len(state))
     run = Trajectory(
         automaton,
         problem,
-        raw.cut(len(state)) if asked[1] else raw,
-        Sampling(order, method.parts, times, tuple(asked[0])),
-        quadratures=dict(zip(asked[1], raw.state[len(state) :].tolist(), strict=True)),
-        description={"method": method.describe(), "t_end": float(t_end)},
+        raw,
+        Sampling(order, method.parts, times, sections),
+        quadratures=quadratures,
+        description={"method": method.describe(), "t_end": t_end},
         source=options.source,
         wall_time=wall_time,
     )
@@ -312,8 +312,14 @@ def _times(t_eval: Any, t_end: float) -> np.ndarray:
     return times
 
 
-def _records(automaton: HybridAutomaton, options: RunOptions) -> tuple[dict[str, Section], dict[str, Any]]:
-    """The sections and the quadratures, as expressions of the automaton."""
+class Recording(NamedTuple):
+    """What is recorded of a run besides its steps and events, as expressions of the automaton."""
+
+    sections: dict[str, Section]
+    quadratures: dict[str, Any]
+
+
+def _records(automaton: HybridAutomaton, options: RunOptions) -> Recording:
     sections, quadratures = options.sections or {}, options.quadratures or {}
 
     def read(kind: str, name: str, function: Any) -> Any:
@@ -322,7 +328,7 @@ def _records(automaton: HybridAutomaton, options: RunOptions) -> tuple[dict[str,
         return expression
 
     asked = {name: _section(name, each) for name, each in sections.items()}
-    return (
+    return Recording(
         {name: each._replace(function=read("section", name, each.function)) for name, each in asked.items()},
         {name: read("quadrature", name, function) for name, function in quadratures.items()},
     )
@@ -355,15 +361,15 @@ def problem_of(
     x0: np.ndarray,
     t_end: float,
     mode: str | None = None,
-    asked: tuple[Mapping[str, Section], Mapping[str, Any]] = ({}, {}),
+    recording: Recording | None = None,
     chatter: float = 0.0,
 ) -> Problem:
-    """The automaton as a program that runs from `x0`, with the sections and quadratures `asked` for.
+    """The automaton as a program that runs from `x0`, with sections and quadratures to record.
 
     Modes on demand are derived when the run comes to them.
     """
     if not automaton.on_demand:
-        program, numbers = program_of(automaton, *asked) if any(asked) else _program_of(automaton)
+        program, numbers = _program_of(automaton) if recording is None else program_of(automaton, *recording)
         number = None if mode is None else program.modes.index(mode)
         return Problem(program, numbers, x0, t_end, number, chatter=chatter)
 
@@ -371,7 +377,7 @@ def problem_of(
         modes: Any = automaton.modes
         for combination in combinations:
             modes.mode(combination)
-        return program_of(automaton, *asked, complete=False, combinations=combinations)
+        return program_of(automaton, *(recording or ()), complete=False, combinations=combinations)
 
     program, numbers = derive([] if mode is None else [_combination_of(automaton, mode)])
     number = None if mode is None else program.modes.index(mode)

@@ -49,7 +49,7 @@ from frictionlab.validation import (
     float_array,
 )
 
-PICKLED = "automaton", "source", "raw", "status", "samples", "quadratures", "description", "_wall_time"
+PICKLED = "automaton", "source", "raw", "status", "samples", "_quadratures", "_description", "_wall_time"
 
 
 def check_run(run: Any, name: str = "run") -> None:
@@ -123,8 +123,7 @@ class Trajectory(Drawable):
         self.automaton, self.source = automaton, source
         self.problem = problem
         self.raw, self.status, self.samples = raw, raw.status, samples
-        self.quadratures = FrozenMapping(quadratures or {})
-        self.description = FrozenMapping(description or {})
+        self._quadratures, self._description = quadratures or {}, description or {}
         self._wall_time = wall_time
 
     @cached_property
@@ -138,6 +137,14 @@ class Trajectory(Drawable):
         start = self.problem.x0, self.problem.t_end, self.problem.mode
         names = self.mode_names if self.automaton.on_demand else None
         return {name: vars(self)[name] for name in PICKLED} | {"_modes": names, "_start": start}
+
+    @property
+    def quadratures(self) -> Mapping[str, float]:
+        return FrozenMapping(self._quadratures)
+
+    @property
+    def description(self) -> Mapping[str, Any]:
+        return FrozenMapping(self._description)
 
     @property
     def mode_names(self) -> tuple[str, ...]:
@@ -369,24 +376,31 @@ class Trajectory(Drawable):
         measured as a share of the motion's size, in some steps of each mode whose equations are no
         polynomials of a low degree.
         """
-        code = self.problem.program.code
-        if self.raw.status is Status.NOT_FINITE and code.powers[self.raw.mode]:
-            words = negative_base(self.automaton, self.problem, self.raw.state, self.raw.mode)
-            if words:
-                return f"it ended at {self.raw.t:g} s with {words}"
-        ended = self.raw.status in (Status.NO_ADMISSIBLE_MODE, Status.NOT_FINITE, Status.STALLED)
-        if ended and (words := jammed_contact(self.automaton, self.problem, self.raw.state)):
+        if self.status is not Status.FINISHED and (words := self._words_for_its_end()):
             return f"it ended at {self.raw.t:g} s with {words}"
+        code, order = self.problem.program.code, self.samples.order
+        exact = self.problem.program.highest_degree < order
+        if exact and not code.limits.size:
+            return None
         visited = np.bincount(self.raw.step_modes, minlength=len(code.degrees)) > 0
         if visited[code.limits].any():
             words = chatter_warning(self.raw, self.automaton.values.get(CHATTER, 0.0))
             if words:
                 return words
-        order = self.samples.order
+        if exact:
+            return None
         modes = np.flatnonzero(visited & (code.degrees >= order))
         if not len(modes) or (tol := self._tolerance) is None:
             return None
         return defect_warning(self.problem, self.raw, order, tol, sampled_steps(self.raw, modes))
+
+    def _words_for_its_end(self) -> str:
+        raw, about = self.raw, (self.automaton, self.problem, self.raw.state)
+        words = ""
+        if raw.status is Status.NOT_FINITE and self.problem.program.code.powers[raw.mode]:
+            words = negative_base(*about, raw.mode)
+        jams = raw.status in (Status.NO_ADMISSIBLE_MODE, Status.NOT_FINITE, Status.STALLED)
+        return words or (jammed_contact(*about) if jams else "")
 
     @property
     def _tolerance(self) -> float | None:

@@ -498,7 +498,7 @@ def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
 
 def require_model_or_automaton(model: object, cure: str = MAKE_ONE) -> ModelOrAutomaton:
     """Return the model or automaton; raise TypeError for anything else."""
-    if isinstance(model, (HybridAutomaton, MovingSystem)):
+    if isinstance(model, (HybridAutomaton, MovingSystem, Model)):
         return model
     return require_model(model, "a model such as SliderOnBelt, a Structure or a HybridAutomaton", cure)
 

@@ -149,6 +149,11 @@ class Program:
         return bool(self.code.powers.any())
 
     @cached_property
+    def highest_degree(self) -> int:
+        """Highest degree of the polynomials of any mode, or NOT_POLYNOMIAL."""
+        return int(self.code.degrees.max())
+
+    @cached_property
     def steps_follow_states(self) -> bool:
         """Whether steps follow from the states alone.
 

@@ -26,7 +26,6 @@ from scipy.stats import uniform
 
 import frictionlab as fl
 from frictionlab.analysis import options
-from frictionlab.hybrid.solve import RunKeywords
 
 MOST_CHARACTERS = 2000  # of a message
 QUIET = {"progress": False}
@@ -92,7 +91,6 @@ def _keywords_of(annotation: Any) -> list[str]:
         "Unpack[ExecutionKeywords]": options.ExecutionKeywords,
         "Unpack[SteadyStateKeywords]": options.SteadyStateKeywords,
         "Unpack[StudyKeywords]": options.StudyKeywords,
-        "Unpack[RunKeywords]": RunKeywords,
     }
     return list(typing.get_type_hints(bundles[annotation])) if annotation in bundles else []
 

@@ -105,14 +105,9 @@ class ActiveRun(NamedTuple):
     queue: CombinationQueue | None
     event: GuardZero | None = None
 
-    @property
-    def interpreted_system(self) -> System:
-        """The system with all modes interpreted."""
-        return System(self.native.interpreted, self.system.numbers, self.system.magnitudes)
-
     def without_native_code(self) -> ActiveRun:
         """The same run with all modes interpreted."""
-        return self._replace(system=self.interpreted_system)
+        return self._replace(system=self.system._replace(code=self.native.interpreted))
 
     def for_problem(self, problem: Problem) -> ActiveRun:
         """A run of another problem of this program, with the arrays of this one, which is over.
@@ -125,7 +120,7 @@ class ActiveRun(NamedTuple):
         scratch.ended[0], scratch.ended[1] = NO_MODE, 0
         numbers, queue = problem.numbers, self.queue and new_queue(problem.program.demand)
         system = self.system if self.system.numbers is numbers else self.native.system(numbers)
-        return self._replace(problem=problem, system=system, queue=queue)
+        return ActiveRun(problem, self.native, system, self.order, self.cursor, scratch, self.record, queue)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -180,12 +175,11 @@ def initial_mode(run: ActiveRun) -> Selection:
     ValueError
         Where the mode that was asked for cannot be entered there.
     """
-    problem, scratch, order = run.problem, run.scratch, run.order
+    problem, system, scratch, order = run.problem, run.system, run.scratch, run.order
     program = problem.program
     if run.queue is None and not program.code.function_slots.size:  # no mode has a condition
         run.cursor.counts[run_state.JETS_READY] = 0
         return Selection(int(program.initial[0]) if problem.mode is None else problem.mode, NO_MODE)
-    system = run.interpreted_system
     candidates = program.initial if problem.mode is None else np.array([problem.mode], dtype=np.int64)
     for rounding in _roundings_at_start(problem):
         if problem.mode is None and run.queue is not None:
@@ -231,18 +225,21 @@ class RecordList:
         """Keep a copy of the filled part of a record; without memory for one (False) the part itself."""
         lengths = (steps, steps, steps, events, events, events, points, points, points)
         try:
-            parts = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
+            arrays = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
             copied = True
         except MemoryError:
-            parts, copied = [array[:n] for array, n in zip(record, lengths)], False
-        self._parts.append(parts)
-        self._bytes += sum(part.nbytes for part in parts)
+            arrays, copied = [array[:n] for array, n in zip(record, lengths)], False
+        self._parts.append(arrays)
         self.steps += steps
         self.events += events
         return copied
 
     def fills_memory(self) -> bool:
-        """Whether memory would soon run out.  To work with the run takes as much memory again as it holds."""
+        """Whether memory would soon run out after the record added last.
+
+        To work with the run takes as much memory again as it holds.
+        """
+        self._bytes += sum(array.nbytes for array in self._parts[-1])
         if self._bytes < self._next_look:
             return False
         growth = min(self._bytes, BYTES_BETWEEN_LOOKS)
@@ -315,32 +312,35 @@ class Method(ABC):
         truncation = run_state.Truncation(self.degree, 0.0)
         return run.without_native_code().handle_event(truncation, event, record)
 
+    @np.errstate(all="ignore")
     def integrate(self, problem: Problem, order: int, progress: Progress) -> RunData:
         """Run the problem to its end, or as far as it goes, with series of an order."""
-        with np.errstate(all="ignore"):
-            run, pieces = self._begin(problem, order), RecordList()
-            counts, times = run.cursor.counts, run.cursor.times
-            status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
-            while status is Status.RUNNING:
-                counts[_COUNTED] = 0
-                record = self._record(run, pieces)
-                end = int(self._advance_or_enter(run, record))
-                run = run if run.event is None else run._replace(event=None)
-                counted = counts[_COUNTED].tolist()
+        run, pieces = self._begin(problem, order), RecordList()
+        counts, times = run.cursor.counts, run.cursor.times
+        status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
+        while status is Status.RUNNING:
+            counts[_COUNTED] = 0
+            record = self._record(run, pieces)
+            end = self._advance_or_enter(run, record)
+            run = run if run.event is None else run._replace(event=None)
+            counted = counts[_COUNTED].tolist()
+            if 0 in run.native.code.native.tolist():  # a mode has no machine code yet
                 run.native.used(record.step_modes[: counted[0]])
-                status = STATUS_OF_CODE.get(end, Status.RUNNING)
-                if not pieces.add(record, *counted):
-                    status = Status.MEMORY_CAP if status is Status.RUNNING else status
-                    break
-                status = self._status(status, pieces)
-                if progress.update(times[run_state.NOW]) and status is Status.RUNNING:
-                    status = Status.INTERRUPTED
-                elif end == run_state.MODE_NOT_DERIVED:
-                    run = self._with_missing_mode(run, run.event_left())
-            else:
-                SPARE_RUNS.give((run.problem.program, run.order), run)
-            state, mode = run.cursor.state.copy(), int(counts[run_state.MODE])
-            return pieces.raw(run.problem.program.code, float(times[run_state.NOW]), state, mode, status)
+            status = STATUS_OF_CODE.get(end, Status.RUNNING)
+            if not pieces.add(record, *counted):
+                status = Status.MEMORY_CAP if status is Status.RUNNING else status
+                break
+            if status is not Status.RUNNING:
+                continue
+            status = self._status(pieces)
+            if status is Status.RUNNING and progress.update(times[run_state.NOW]):
+                status = Status.INTERRUPTED
+            elif end == run_state.MODE_NOT_DERIVED:
+                run = self._with_missing_mode(run, run.event_left())
+        else:
+            SPARE_RUNS.give((run.problem.program, run.order), run)
+        state, mode = run.cursor.state.copy(), int(counts[run_state.MODE])
+        return pieces.raw(run.problem.program.code, float(times[run_state.NOW]), state, mode, status)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
@@ -378,11 +378,10 @@ class Method(ABC):
         lengths = (steps, steps, steps, events, events, events, None, None, None)
         return run_state.Record(*(array[:n] for array, n in zip(record, lengths)))
 
-    def _status(self, status: Status, pieces: RecordList) -> Status:
-        if status is not Status.RUNNING:
-            return status
+    def _status(self, pieces: RecordList) -> Status:
+        """Whether a run that has not come to its end goes on."""
         if pieces.steps >= self.max_steps:
             return Status.STEP_CAP
         if pieces.events >= self.max_events:
             return Status.EVENT_CAP
-        return Status.MEMORY_CAP if pieces.fills_memory() else status
+        return Status.MEMORY_CAP if pieces.fills_memory() else Status.RUNNING

@@ -249,6 +249,14 @@ def order_of_free_motion(tol: float) -> int:
     return max(order_of_tolerance(tol), math.ceil(14 - Decimal("0.4") * Decimal(tol).ln()))
 
 
+@lru_cache(maxsize=64)
+def order_for_program(program: Program, tol: float) -> int:
+    """The order that suits runs of a program; higher where nothing but the series makes a step short."""
+    if not program.steps_follow_states:
+        return order_of_tolerance(tol)
+    return max(order_of_tolerance(tol), AFFINE_ORDER) if is_affine(program) else order_of_free_motion(tol)
+
+
 @explains_fields
 @dataclass(frozen=True)
 class Taylor(Method):
@@ -310,9 +318,7 @@ class Taylor(Method):
         return self.order or order_of_tolerance(self.tol)
 
     def order_of(self, program: Program) -> int:
-        if self.order is not None or not program.steps_follow_states:
-            return self.degree
-        return max(self.degree, AFFINE_ORDER) if is_affine(program) else order_of_free_motion(self.tol)
+        return self.order or order_for_program(program, self.tol)
 
     def chatter_limit(self, automaton: HybridAutomaton) -> float:
         return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter

@@ -118,6 +118,7 @@ def test_a_limit_of_chatter_that_is_long_for_the_motion_is_told():
     assert fl.simulate(model, 0.5, progress=False).warning is None
     fast = in_unit(model, 2.0**20)
     assert fl.simulate(fast, 0.5 * 2.0**-20, progress=False).warning is None
-    with pytest.warns(RuntimeWarning, match="limit of chatter, which is not short"):
+    with pytest.warns(RuntimeWarning, match="limit of chatter, which is not short") as told:
         run = fl.simulate(fast, 0.5 * 2.0**-20, method=fl.Taylor(chatter=1e-7), progress=False)
+    assert told[0].filename == __file__
     assert "such as chatter=" in run.warning
