@@ -496,6 +496,19 @@ def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
         raise unknown_parameter(kind.__name__, name, known, hint)
 
 
+def check_varied(model: ModelOrAutomaton, name: Any) -> None:
+    """Raise ValueError for a parameter on which M of a structure depends, which is a number in its automaton.
+
+    TypeError for what is no parameter.
+    """
+    check_parameter_name(model, name)
+    if name not in automaton_of(model).values:
+        raise ValueError(
+            f"{name} must not be one on which M of the structure depends, as motions have no derivatives "
+            "by it: take fl.sweep or fl.bifurcation, which need none"
+        )
+
+
 def require_model_or_automaton(model: object, cure: str = MAKE_ONE) -> ModelOrAutomaton:
     """Return the model or automaton; raise TypeError for anything else."""
     if isinstance(model, (HybridAutomaton, MovingSystem, Model)):

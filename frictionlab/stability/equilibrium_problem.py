@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name
+from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name, check_varied
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices, unstable_pairs
@@ -64,6 +64,9 @@ class EquilibriumProblem:
 
     def at(self, changes: Mapping[str, Any]) -> tuple[tuple[Any, ...], int]:
         """The values with some changed to arrays (N,), and N."""
+        for name in changes:
+            if name not in self.parameter_names:
+                check_varied(self.model, name)
         arrays = {name: np.asarray(values, dtype=float).ravel() for name, values in changes.items()}
         count = max((len(a) for a in arrays.values()), default=1)
         pairs = zip(self.parameter_names, self.values, strict=True)

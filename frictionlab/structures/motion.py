@@ -57,7 +57,11 @@ def automaton_of_structure(structure: Structure) -> HybridAutomaton:
     _check_motion(structure)
     of = _Identity(_identity_of(structure), structure)
     states, modes = _modes_of(of)
-    parameters = {symbol(name): value for name, value in structure.parameters.items()}
+    # those on which M depends are numbers in the modes, as M^-1 is
+    named = {
+        name: value for name, value in structure.parameters.items() if name not in structure.M.parameters
+    }
+    parameters = {symbol(name): value for name, value in named.items()}
     return HybridAutomaton(states, modes, parameters, structure.size)
 
 
@@ -72,6 +76,11 @@ def _check_motion(structure: Structure) -> None:
         raise ValueError(
             f"M must give each freedom a mass to move, got none for {listed}: eliminate or reduce them"
         )
+    for name in structure.M.parameters:
+        if any(name in one.parameters for one in structure.contacts):
+            raise ValueError(
+                f"M must not depend on a parameter of contacts to move, got {name}: rename one of the two"
+            )
     if any(matrix.dtype.kind == "c" for matrix in structure.K.matrices):
         raise ValueError(
             "K must be real to move, got hysteretic damping, which is one of vibrations at one frequency: "
@@ -208,7 +217,7 @@ def _free_motion(structure: Structure, inverse: Array) -> MatrixProduct:
     coefficients: dict[Hashable, list[Any]] = {}
     matrices: dict[Hashable, Any] = {}
     for place, terms in enumerate((stiffness, damping)):
-        for coefficient, matrix in (each for one in terms for each in _coefficients(one)):
+        for coefficient, matrix in (each for one in terms for each in _coefficients(one, structure)):
             key = _bytes(matrix)
             matrices[key] = matrix
             coefficients.setdefault(key, [sympy.S.Zero, sympy.S.Zero])[place] += coefficient
@@ -218,7 +227,7 @@ def _free_motion(structure: Structure, inverse: Array) -> MatrixProduct:
         moving: list[int] = np.flatnonzero(block.any(axis=0)).tolist()
         blocks.append(block[:, moving])
         factors += [of_q * q[j] + of_v * v[j] for j in moving]
-    for coefficient, column in () if structure.load is None else _coefficients(structure.load):
+    for coefficient, column in () if structure.load is None else _coefficients(structure.load, structure):
         blocks.append(product(inverse, column.toarray()))
         factors.append(coefficient)
     return MatrixProduct(np.hstack(blocks), tuple(factors))
@@ -231,10 +240,11 @@ def _without_rounding(one: Array, other: Array) -> Array:
     return np.where(np.abs(entries) > errors, entries, 0.0)
 
 
-def _coefficients(one: Any) -> Iterator[tuple[Any, Any]]:
+def _coefficients(one: Any, structure: Structure) -> Iterator[tuple[Any, Any]]:
     symbols = {name: symbol(name) for name in one.parameters}
+    fixed = {symbol(name): structure.parameters[name] for name in structure.M.parameters}
     for text, matrix in zip(one.coefficients, one.matrices, strict=True):
-        yield parse_expression(text, symbols), matrix
+        yield parse_expression(text, symbols).subs(fixed), matrix
 
 
 def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyContact]:

@@ -41,7 +41,7 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.models.model import (
     ModelOrAutomaton,
     automaton_of,
-    check_parameter_name,
+    check_varied,
     require_model_or_automaton,
     values_of,
 )
@@ -297,7 +297,7 @@ def _check(
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
     for name in names:
-        check_parameter_name(model, name)
+        check_varied(model, name)
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = automaton_of(model).state_names
     check_data(records, automaton_of(model))

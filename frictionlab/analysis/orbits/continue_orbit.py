@@ -32,7 +32,7 @@ from frictionlab.analysis.orbits.pseudo_arclength import (
 from frictionlab.hybrid.solve import solve
 from frictionlab.interruption import interruption, progress_bar
 from frictionlab.models.composition import parameter_unit
-from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_parameter_name
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_varied
 from frictionlab.presentation import Drawable, dataframe, shorten
 from frictionlab.validation import abbreviate, check_flag, check_limits, check_number
 
@@ -235,7 +235,7 @@ def _check(orbit: Any, parameter: str, bounds: Any, step: float, max_points: int
         raise TypeError(
             f"orbit must be a PeriodicOrbit, got {abbreviate(orbit)}: find one with fl.periodic_orbit"
         )
-    check_parameter_name(orbit.model, parameter)
+    check_varied(orbit.model, parameter)
     value = automaton_of(orbit.model).values[parameter]
     low, high = check_limits("bounds", bounds, "give (low, high)")
     check_number("bounds[0]", low, most=value, cure=f"the orbit is at {parameter} = {value:g}")

@@ -14,6 +14,7 @@ from frictionlab.analysis.quantities.quantities import Gradient, Quantity
 from frictionlab.models.model import (
     ModelOrAutomaton,
     check_parameter_name,
+    check_varied,
     require_model_or_automaton,
     values_of,
 )
@@ -216,6 +217,8 @@ class _ScaledProblem:
 
     def __init__(self, model: ModelOrAutomaton, bounds: Mapping[str, Any], limits: Sequence[Limit]) -> None:
         self.model, self.names, self.limits = model, tuple(bounds), tuple(limits)
+        for name in self.names:
+            check_varied(model, name)
         self.low, self.high = np.array([*bounds.values()], dtype=float).T
         here = np.array([values_of(model)[name] for name in self.names], dtype=float)
         self.first = np.clip((here - self.low) / (self.high - self.low), 0.0, 1.0)

@@ -497,6 +497,19 @@ def test_values_of_parameters_derive_nothing():
     np.testing.assert_array_equal(again.friction_force_2, run.friction_force_2)
 
 
+def test_what_the_mass_depends_on_has_no_derivatives():
+    """q'' = -q - q' m/10 on a mass m: by m the growth rate has none in the automaton, which holds M^-1."""
+    body = fl.Structure([("m", [[1.0]])], [[1.0]], [("m", [[0.1]])], parameters={"m": 2.0})
+    exact = fl.solve(fl.Structure([[2.0]], [[1.0]], [[0.2]]).automaton(), 1.0, x0=[1.0, 0.0], progress=False)
+    run = fl.simulate(body, 1.0, x0=[1.0, 0.0], progress=False)
+    np.testing.assert_allclose(run.final_state, exact.final_state, rtol=1e-12)
+    assert "m" not in fl.sensitivity(body, fl.GrowthRate()).parameters
+    with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
+        fl.GrowthRate().values(body, {"m": np.array([1.0, 3.0])})
+    with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
+        fl.optimum(body, fl.GrowthRate(), {"m": (1.0, 3.0)})
+
+
 def test_steady_states_over_a_parameter_are_those_of_the_model(tmp_path):
     structure = two_blocks()
     given = {"x0": [0.1, 0.3, 0.0, 0.1], "transient": 30.0, "window": 20.0, "progress": False}
