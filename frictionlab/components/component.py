@@ -137,7 +137,7 @@ def parameters_of(component: type) -> Mapping[str, Parameter]:
     A plain ``float`` field counts as a parameter without unit; every other field is *structure*.
     """
     _refuse_undecorated(component)
-    metadata = {f.name: _parameter_of_field(f) for f in dataclasses.fields(component)}
+    metadata = {f.name: parameter_of_field(f) for f in dataclasses.fields(component)}
     return MappingProxyType({name: about for name, about in metadata.items() if about is not None})
 
 
@@ -148,7 +148,8 @@ def structure_of(component: type) -> tuple[str, ...]:
     return tuple(name for name in names if name not in parameters_of(component))
 
 
-def _parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
+def parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
+    """What is known of a field that is a parameter; None for any other."""
     about = field.metadata.get(METADATA_KEY)
     if about is not None:
         return about if about.symbol else dataclasses.replace(about, symbol=symbol_of(field.name))
@@ -244,7 +245,14 @@ class Component:
 
     The methods use nothing but arithmetic, so that they take floats, arrays and sympy symbols alike.
     Two components are equal when they have the same class and the same values.
+
+    A subclass may set the default of an inherited field anew, as ``mu_k = 0.1`` or ``mu_k: float = 0.1``.
+    A parameter keeps its unit, symbol, meaning, bounds and range.
     """
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        _keep_metadata(cls)
 
     def __new__(cls, *values: Any, **named: Any) -> Self:
         """Refuse an unknown argument and suggest the name that was meant; Python's own error does not."""
@@ -279,6 +287,35 @@ class Component:
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))
         return f"{type(self).__name__}({', '.join(values)})"
+
+
+def _keep_metadata(cls: type) -> None:
+    """Make what a class sets anew of inherited fields their defaults, and those of parameters parameters.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the default of a parameter is no number, or out of its bounds.
+    """
+    if "__dataclass_fields__" in vars(cls):  # dataclass(slots=True) makes the class a second time
+        return
+    own, roles = get_annotations(cls), getattr(cls, "roles", {})
+    for name, inherited in inherited_fields(cls).items():
+        value, about = vars(cls).get(name, inherited.default), parameter_of_field(inherited)
+        if name not in own and name in vars(cls):
+            cls.__annotations__ = own = own | {name: float if about else roles.get(name, Any)}
+        if name in own and about and not isinstance(value, dataclasses.Field | type(dataclasses.MISSING)):
+            about = dataclasses.replace(about, default=check_value(name, value, about))
+            setattr(cls, name, dataclasses.field(default=about.default, metadata={METADATA_KEY: about}))
+
+
+def inherited_fields(cls: type) -> dict[str, dataclasses.Field[Any]]:
+    """The fields of all bases of a class by name, in the order of the nearest."""
+    bases = (base for base in cls.__mro__[1:] if "__dataclass_fields__" in vars(base))
+    fields: dict[str, dataclasses.Field[Any]] = {}
+    for each in (each for base in bases for each in dataclasses.fields(base)):
+        fields.setdefault(each.name, each)
+    return fields
 
 
 @cache

@@ -19,7 +19,9 @@ from frictionlab.components.component import (
     Component,
     Parameter,
     StructureKey,
+    inherited_fields,
     is_decorated,
+    parameter_of_field,
     parameters_of,
     value_repr,
 )
@@ -121,6 +123,10 @@ class Model(Component):
       :class:`~frictionlab.models.MechanicalModel`): energies and contacts, from which modes and equations
       follow, and `states`, the names of further states, if it has any; or :meth:`derive`: the automaton
       itself, whose states are the coordinates, their velocities (named with a prime), and further states.
+
+    A class that derives from a model has all of this, and states what is different.  A default set anew, as
+    ``m = 2.0``, keeps unit, symbol, meaning, bounds and range.  A new parameter stands behind the one that it
+    follows in the class.
 
     It may have `reference` (its source), `period` (the approximate period of an oscillation; pictures show a
     multiple of it), :meth:`release` (where a run from rest begins), `mechanism` (its picture),
@@ -415,13 +421,25 @@ def model(cls: type[M]) -> type[M]:
         raise TypeError(
             f"fl.model is written once above a class, got {cls.__name__}, which is a model: leave it"
         )
+    inherited = inherited_fields(cls)
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
+    _order_parameters(cls, inherited)
     where = sys._getframe(1)
     own = roles_of(cls, {**where.f_globals, **where.f_locals})
-    inherited: Mapping[str, type] = getattr(super(cls, cls), "roles", {})
-    cls.roles = MappingProxyType(own | {role: kind for role, kind in inherited.items() if role not in own})
+    known: Mapping[str, type] = getattr(super(cls, cls), "roles", {})
+    cls.roles = MappingProxyType(own | {role: kind for role, kind in known.items() if role not in own})
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
+
+
+def _order_parameters(cls: type, inherited: Mapping[str, Any]) -> None:
+    """Put each new parameter behind the one that it follows in the class; at the end if it follows none."""
+    fields, order, last = cls.__dataclass_fields__, list(inherited), ""
+    for name in [name for name in vars(cls) if name in fields and parameter_of_field(fields[name])]:
+        if name not in inherited:
+            order.insert(order.index(last) + 1 if last else len(order), name)
+        last = name
+    cls.__dataclass_fields__ = {name: fields[name] for name in dict.fromkeys([*order, *fields])}
 
 
 def require_model(
