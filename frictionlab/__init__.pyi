@@ -138,6 +138,7 @@ from .models import SliderOnRigidBelt as SliderOnRigidBelt
 from .models import Stop as Stop
 from .models import TwoBlocks as TwoBlocks
 from .models import list_models as list_models
+from .models import numbered as numbered
 from .models import quadratic_form as quadratic_form
 from .models.composition import ParameterTable as ParameterTable
 from .models.equations import Equations as Equations

@@ -29,13 +29,12 @@ class Chain(MechanicalModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Masses of 1 kg, pressed on the belt by 1 N each."""
-        x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-        springs = sum(self.k * one**2 for one in x)
-        springs += sum(self.kc * (one - other) ** 2 for one, other in pairwise(x))
+        springs = sum(self.k * one**2 for one in q)
+        springs += sum(self.kc * (one - other) ** 2 for one, other in pairwise(q))
         return Mechanics(
-            kinetic=sum(one**2 for one in u) / 2,
+            kinetic=sum(one**2 for one in v) / 2,
             potential=springs / 2,
-            contacts=tuple(Friction(self.v - one, 1.0, self.friction) for one in u),
+            contacts=tuple(Friction(self.v - one, 1.0, self.friction) for one in v),
         )
 
 
@@ -66,12 +65,11 @@ class Rod(MechanicalModel):
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """The energies, from the matrices of a rod with unit mass and unit axial stiffness per length."""
         mass, stiffness = rod_matrices(self.elements, self.length / self.elements)
-        x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
         return Mechanics(
-            kinetic=self.rho * self.area * quadratic_form(mass, u) / 2,
-            potential=self.E * self.area * quadratic_form(stiffness, x) / 2,
-            dissipation=self.c * self.E * self.area * quadratic_form(stiffness, u) / 2,
-            contacts=(Friction(self.v - u[-1], self.N, self.friction),),
+            kinetic=self.rho * self.area * quadratic_form(mass, v) / 2,
+            potential=self.E * self.area * quadratic_form(stiffness, q) / 2,
+            dissipation=self.c * self.E * self.area * quadratic_form(stiffness, v) / 2,
+            contacts=(Friction(self.v - v[-1], self.N, self.friction),),
         )
 
 

@@ -36,7 +36,7 @@ from .library.catalogue import ModelTable, list_models
 from .library.dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
 from .library.impact_oscillators import BouncingBall, ImpactOscillator
 from .library.sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
-from .mechanical.mechanical_model import MechanicalModel
+from .mechanical.mechanical_model import MechanicalModel, numbered
 from .mechanical.mechanics import Contact, Friction, Mechanics, Stop, quadratic_form
 from .mechanism import Mechanism
 from .model import Model
@@ -60,5 +60,6 @@ __all__ = [
     "Stop",
     "TwoBlocks",
     "list_models",
+    "numbered",
     "quadratic_form",
 ]

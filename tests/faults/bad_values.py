@@ -273,6 +273,11 @@ def doors() -> dict[str, Door]:
         "partial_result": Door(fl.partial_result),
         "list_models": Door(fl.list_models),
         "model": Door(fl.model, {"cls": type("Mine", (fl.MechanicalModel,), {})}),
+        "numbered": Door(
+            lambda letters, **k: fl.numbered(letters, **k),
+            {"letters": "x", "count": "masses", "least": 1, "most": 9},
+            names=("letters", "count", "least", "most"),
+        ),
         "quadratic_form": Door(fl.quadratic_form, {"matrix": np.eye(2), "x": (1.0, 2.0)}),
         "read_matrix": Door(fl.read_matrix, {"path": scratch / "matrix.mtx"}),
         "read_freedoms": Door(fl.read_freedoms, {"path": scratch / "freedoms.mtx"}),

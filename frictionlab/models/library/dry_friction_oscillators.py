@@ -300,17 +300,13 @@ class TwoBlocks(MechanicalModel):
     N2: float = normal_force_parameter(1.0, "N_2", "normal force on the second block")
     v: float = speed_parameter(0.2)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
+    coordinates = ("x1", "x2")
 
     reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
 
     if TYPE_CHECKING:
 
         def __init__(self, **given: Unpack[TwoBlocksKeywords]) -> None: ...
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacements x1 and x2, from where the springs are slack."""
-        return ("x1", "x2")
 
     @property
     def period(self) -> float:

@@ -69,17 +69,13 @@ class BouncingBall(MechanicalModel):
         1.0, unit="m", symbol="h", meaning="height from which it is dropped", minimum=0.0, range=(0.0, 10.0)
     )
     impact: ImpactLaw = RestitutionImpact(e=0.5)
+    coordinates = ("y",)
 
     reference: ClassVar[str] = "B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016"
 
     if TYPE_CHECKING:
 
         def __init__(self, **given: Unpack[BouncingBallKeywords]) -> None: ...
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The height y above the ground."""
-        return ("y",)
 
     @property
     def period(self) -> float:

@@ -174,14 +174,13 @@ class SliderOnBelt(MechanicalModel):
         )
 
     def _contact(self, q: Any, v: Any) -> Friction:
-        at, rates = ([getattr(x, name) for name in self.coordinates] for x in (q, v))
-        tangent = self.geometry.tangent(*at)
+        tangent = self.geometry.tangent(*q)
         return Friction(
-            relative_velocity=self.v - sum(w * rate for w, rate in zip(tangent, rates, strict=True)),
+            relative_velocity=self.v - sum(w * rate for w, rate in zip(tangent, v, strict=True)),
             normal_force=self.contact.force,
             law=self.friction,
-            penetration=self.geometry.penetration(*at),
-            normal=self.geometry.normal(*at),
+            penetration=self.geometry.penetration(*q),
+            normal=self.geometry.normal(*q),
             impact=self.impact,
         )
 

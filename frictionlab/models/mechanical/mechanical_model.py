@@ -14,10 +14,16 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components import functions
 from frictionlab.components.contact import Interface, StickSlipSeparation
-from frictionlab.models.composition import Nonlinearity, nonlinearities_of
+from frictionlab.models.composition import Nonlinearity, nonlinearities_of, structural_fields
 from frictionlab.models.model import Model, model
 from frictionlab.presentation import PHASE, TIME
-from frictionlab.validation import abbreviate, check_names_among
+from frictionlab.validation import (
+    abbreviate,
+    check_choice,
+    check_names_among,
+    check_number,
+    check_text,
+)
 
 from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
 from .mechanics import Friction, Mechanics
@@ -98,6 +104,7 @@ class MechanicalModel(Model):
         def mechanics(self, q: Any, v: Any) -> Mechanics:
             """Energies, loads and contacts, at coordinates ``q.<name>`` and velocities ``v.<name>``.
 
+            Both are tuples, too, in the order of the coordinates: ``sum(u**2 for u in v)``.
             A model with further states has ``mechanics(self, q, v, s)``, in which they are ``s.<name>``.
             """
             raise NotImplementedError(f"{type(self).__name__} must define mechanics(q, v)")
@@ -147,13 +154,62 @@ class MechanicalModel(Model):
         return lagrange_equations(self, mode)
 
 
+def numbered(*letters: str, count: str, least: int = 1, most: int = 100) -> Any:
+    """Coordinates with numbers, such as x1, x2, ..., as many as a field of the model says.
+
+    Parameters
+    ----------
+    *letters : str
+        Names without their numbers; "u", "w" is for u1, u2, ..., w1, w2, ...
+    count : str
+        Name of the field, which is annotated as an int.
+    least, most : int
+        What the field may be, from 1 on.
+
+    Returns
+    -------
+    property
+        For `coordinates` of a class.
+
+    Raises
+    ------
+    ValueError
+        If a name is no text, or a limit no integer; of a model, if `count` is no such field, or its value is
+        none of these.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> @fl.model
+    ... class Chain(fl.MechanicalModel):
+    ...     k: float = 1.0
+    ...     masses: int = 3
+    ...     coordinates = fl.numbered("x", count="masses")
+    ...
+    ...     def mechanics(self, q, v):
+    ...         springs = sum((b - a) ** 2 for a, b in zip((0, *q), (*q, 0)))
+    ...         return fl.Mechanics(sum(u**2 for u in v) / 2, self.k * springs / 2)
+    >>> Chain(masses=2).coordinates
+    ('x1', 'x2')
+    """
+
+    cure = 'write coordinates = fl.numbered("x", count="masses")'
+    for name, given in (*(("letters", letter) for letter in letters), ("count", count)):
+        check_text(name, given, cure)
+    check_number("most", most, integer=True, least=check_number("least", least, integer=True, least=1))
+
+    def coordinates(model: Any) -> tuple[str, ...]:
+        check_choice("count", count, structural_fields(type(model)), f"write {count}: int = 3 in the class")
+        number = check_number(count, getattr(model, count), integer=True, least=least, most=most)
+        return tuple(f"{letter}{i + 1}" for letter in letters for i in range(number))
+
+    return property(coordinates)
+
+
 class SingleMass(MechanicalModel):
     """Base of the models of one mass on a spring."""
 
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """The displacement x, from where the spring is slack."""
-        return ("x",)
+    coordinates = ("x",)
 
 
 class PlanarSlider(MechanicalModel):
@@ -169,10 +225,7 @@ class PlanarSlider(MechanicalModel):
     v: Any
     friction: Any
 
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """x along the belt, y into it."""
-        return ("x", "y")
+    coordinates = ("x", "y")  # along the belt, and into it
 
     def springs(self, q: Any) -> Any:
         """Energy of the springs that hold the mass, J."""

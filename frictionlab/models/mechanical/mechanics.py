@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from frictionlab.automaton.mode import check_elements
@@ -315,8 +314,14 @@ class Mechanics:
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
 
 
-class _Named(SimpleNamespace):
-    """Coordinates, velocities or further states by their names."""
+class _Named(tuple[Any, ...]):
+    """Coordinates, velocities or further states: a tuple in their order, and each by its name."""
+
+    def __new__(cls, names: Iterable[str], values: Iterable[Any], **clocks: Any) -> _Named:
+        """With the phase and the time by name, which are none of the tuple."""
+        named = super().__new__(cls, values)
+        vars(named).update(clocks | dict(zip(names, named, strict=True)))
+        return named
 
     def __getattr__(self, name: str) -> Any:
         hint = did_you_mean_or_known(name, vars(self))
@@ -333,9 +338,8 @@ def mechanics_at(
 ) -> Mechanics:
     """What a model states at coordinates, velocities, phase, further states and time: symbols or numbers."""
     clock = {} if "t" in model.structure_key.parameters else {"t": time}  # a parameter may have the name
-    at = _Named(**{**clock, **dict(zip(model.coordinates, q, strict=True))}, phase=phase)
-    moving = _Named(**dict(zip(model.coordinates, v, strict=True)))
-    others = _Named(**dict(zip(model.states, further, strict=True)))
+    at = _Named(model.coordinates, q, phase=phase, **clock)
+    moving, others = _Named(model.coordinates, v), _Named(model.states, further)
     return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)
 
 

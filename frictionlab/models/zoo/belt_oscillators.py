@@ -10,16 +10,19 @@ from random import Random
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+import numpy as np
+
 from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, HyperbolicDecay
 from frictionlab.components.functions import cos, ramp
+from frictionlab.models.library.dry_friction_oscillators import MassOnBelt
 from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import (
     NO_EQUILIBRIUM,
     OF_WHAT_LASTS,
-    BeltOscillator,
     ZooModel,
     not_negative,
     of_either_sign,
@@ -31,7 +34,7 @@ HALT = "The belt comes to a halt: its speed depends on time, and no motion goes 
 
 
 @model
-class PoppStelter(BeltOscillator):
+class PoppStelter(ZooModel, MassOnBelt):
     """A mass on a belt with friction that falls as a hyperbola: m x'' + c x' + k x = F_T.
 
     The slope of the friction curve is a negative damper.  Steady sliding is stable where the belt is faster
@@ -66,24 +69,17 @@ class PoppStelter(BeltOscillator):
     True
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
-    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
+    c = 0.1
     k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
-    v: float = of_either_sign(0.5, 3.0, "m/s", "v", "speed of the belt")
-    friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
+    v = 0.5
+    friction = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
 
     about = "friction that falls as a hyperbola: steady sliding above a belt speed, stick-slip below it"
     reference = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
 
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact."""
-        rubbing = Friction(self.v - v.x, self.N, self.friction)
-        return Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2, contacts=(rubbing,))
-
 
 @model
-class ExcitedBeltOscillator(BeltOscillator):
+class ExcitedBeltOscillator(PoppStelter):
     """A mass on a belt whose spring hangs on a base that moves: m x'' + c x' + k (x - u cos(Omega t)) = F_T.
 
     As long as the mass slides without stick on a faster belt, Coulomb's friction is a constant force.  With
@@ -123,14 +119,10 @@ class ExcitedBeltOscillator(BeltOscillator):
     True
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
-    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
-    k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
-    v: float = of_either_sign(0.3, 3.0, "m/s", "v", "speed of the belt")
+    v = 0.3
     u: float = not_negative(0.5, 2.0, "m", "u", "amplitude of the base")
     Omega: float = positive(0.5, "rad/s", r"\Omega", "angular frequency of the base")
-    friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.8)
+    friction = Coulomb(mu_k=0.5, mu_s=0.8)
 
     about = "a base that moves beside a belt that runs: linear while it slides, stick-slip and chaos below"
     reference = "N. Hinrichs, M. Oestreich, K. Popp, J. Sound and Vibration 216 (1998) 435-459"
@@ -142,15 +134,13 @@ class ExcitedBeltOscillator(BeltOscillator):
         return 2 * pi / self.Omega
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact, one base."""
+        """The spring's end moves."""
         stretch = q.x - self.u * cos(q.phase)
-        rubbing = Friction(self.v - v.x, self.N, self.friction)
-        dampers, springs = self.c * v.x**2 / 2, self.k * stretch**2 / 2
-        return Mechanics(self.m * v.x**2 / 2, springs, dampers, contacts=(rubbing,), frequency=self.Omega)
+        return replace(super().mechanics(q, v), potential=self.k * stretch**2 / 2, frequency=self.Omega)
 
 
 @model
-class OscillatorChain(ZooModel):
+class OscillatorChain(PoppStelter):
     """A ring of equal masses on a belt, each with a spring of its own and one to either neighbour.
 
         m x_i'' + c x_i' + k x_i + k_c (2 x_i - x_(i-1) - x_(i+1)) = F_Ti
@@ -189,36 +179,19 @@ class OscillatorChain(ZooModel):
     [1.0, 1.0, 1.6, 1.6, 1.6, 1.6]
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
-    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
     k: float = positive(1.0, "N/m", "k", "stiffness of each mass's spring")
     k_c: float = not_negative(0.2, 2.0, "N/m", r"k_{\mathrm{c}}", "stiffness between neighbours")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
-    v: float = of_either_sign(0.9, 3.0, "m/s", "v", "speed of the belt")
-    friction: FrictionLaw = ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
+    v = 0.9
+    friction = ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
     masses: int = 3
+    coordinates = numbered("x", count="masses")
 
     about = "a ring of masses on a belt: one, some or all of them vibrate"
     reference = "A. Papangelo et al., J. Sound and Vibration 417 (2018) 56-64"
 
-    def check(self) -> None:
-        """`masses` is from 1 to 100."""
-        self.check_count("masses", least=1)
-        super().check()
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """x1, x2, ..."""
-        return tuple(f"x{i + 1}" for i in range(self.masses))
-
     def release(self) -> Mapping[str, float]:
         """The first mass aside, as from rest all would move as one."""
         return {"x1": 1.0}
-
-    @property
-    def period(self) -> float:
-        """That of a mass on its own spring, s."""
-        return natural_period(self.k, self.m)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -230,20 +203,18 @@ class OscillatorChain(ZooModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """n masses, n contacts."""
-        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-        between = sum((a - b) ** 2 for a, b in zip(x, [*x[1:], x[0]], strict=True))
-        springs = (self.k * sum(a**2 for a in x) + self.k_c * between) / 2
-        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in rates)
-        squares = sum(rate**2 for rate in rates)
-        return Mechanics(self.m * squares / 2, springs, self.c * squares / 2, contacts=rubbing)
+        x, u = np.array(q), np.array(v)
+        springs = self.k * sum(x**2) + self.k_c * sum((x - np.roll(x, 1)) ** 2)
+        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in v)
+        return Mechanics(self.m * sum(u**2) / 2, springs / 2, self.c * sum(u**2) / 2, rubbing)
 
 
 @model
-class DitheredOscillator(BeltOscillator):
+class DitheredOscillator(ZooModel, MassOnBelt):
     """A mass on springs on a belt that vibrates across its way: friction in the plane, with v_r = (a, b).
 
-        m x'' + k x = mu N a/|v_r|,  a = v - x'
-        m y'' + k y = mu N b/|v_r|,  b = w cos(Omega t) - y'
+        m x'' + c x' + k x = mu N a/|v_r|,  a = v - x'
+        m y'' + c y' + k y = mu N b/|v_r|,  b = w cos(Omega t) - y'
 
     Only the share a/|v_r| of the friction force is along the belt.  Where the vibration is so quick that
     the mass does not follow, its mean is, with r = w/v and the complete elliptic integral K of a modulus,
@@ -258,8 +229,8 @@ class DitheredOscillator(BeltOscillator):
     ----------
     m : float
         Mass, kg, above 0.
-    k : float
-        Stiffness of the springs in both directions, N/m, above 0.
+    c, k : float
+        Damper (N s/m) and springs (N/m, above 0) in both directions.
     N : float
         Normal force, N.
     v : float
@@ -281,13 +252,11 @@ class DitheredOscillator(BeltOscillator):
     (True, False)
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
     k: float = positive(1.0, "N/m", "k", "stiffness of the springs in both directions")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
-    v: float = of_either_sign(0.3, 3.0, "m/s", "v", "speed of the belt")
+    v = 0.3
     w: float = of_either_sign(0.5, 3.0, "m/s", "w", "speed of the belt's vibration across")
     Omega: float = positive(6.0, "rad/s", r"\Omega", "angular frequency of the vibration")
-    friction: FrictionLaw = Coulomb(mu_k=0.4, mu_s=0.8)
+    friction = Coulomb(mu_k=0.4, mu_s=0.8)
     coordinates = ("x", "y")
 
     about = "a belt that vibrates across its way: less friction along it, and no stick-slip"
@@ -297,8 +266,8 @@ class DitheredOscillator(BeltOscillator):
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact in the plane."""
         rubbing = Friction((self.v - v.x, self.w * cos(q.phase) - v.y), self.N, self.friction)
-        kinetic, springs = self.m * (v.x**2 + v.y**2) / 2, self.k * (q.x**2 + q.y**2) / 2
-        return Mechanics(kinetic, springs, contacts=(rubbing,), frequency=self.Omega)
+        square, springs = v.x**2 + v.y**2, self.k * (q.x**2 + q.y**2) / 2
+        return Mechanics(self.m * square / 2, springs, self.c * square / 2, (rubbing,), frequency=self.Omega)
 
 
 @model
@@ -373,7 +342,7 @@ class DoubleLayerPad(ZooModel):
 
 
 @model
-class BrakedOscillator(BeltOscillator):
+class BrakedOscillator(PoppStelter):
     """A mass on a belt that brakes to a halt: m x'' + c x' + k x = F_T, with the speed v (1 - t/t_b).
 
     A brake squeals at the end of a stop: friction that falls with speed has its steepest slope where the belt
@@ -406,23 +375,17 @@ class BrakedOscillator(BeltOscillator):
     'stick | t > t_b'
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
-    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
-    k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
     v: float = of_either_sign(2.0, 5.0, "m/s", "v", "speed of the belt at first")
     t_b: float = positive(100.0, "s", r"t_{\mathrm{b}}", "time in which it stops")
-    friction: FrictionLaw = HyperbolicDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
 
     about = "a belt that brakes: silence, then a squeal before it stops"
     reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(OF_WHAT_LASTS, HALT))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact."""
+        """The belt's speed is a ramp."""
         rubbing = Friction(ramp(q.t, self.v, 0, self.t_b) - v.x, self.N, self.friction)
-        kinetic, springs, dampers = self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2
-        return Mechanics(kinetic, springs, dampers, contacts=(rubbing,))
+        return replace(super().mechanics(q, v), contacts=(rubbing,))
 
 
 @model
@@ -465,16 +428,12 @@ class ModularChain(OscillatorChain):
 
     m_w: float = positive(2.0, "kg", r"m_{\mathrm{w}}", "mass that is linked")
     k_w: float = positive(1.0, "N/m", r"k_{\mathrm{w}}", "stiffness of the linked mass")
-    v: float = of_either_sign(0.5, 3.0, "m/s", "v", "speed of the belt")
-    masses: int = 2
+    v = 0.5
+    masses = 2
+    coordinates = numbered("u", "w", count="masses")
 
     about = "modules of two masses in a ring on a belt: waves of two freedoms"
     reference = "J. Brunetti, F. Massi, W. D'Ambrogio, Y. Berthier, Meccanica 50 (2015) 633-647"
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """u1, u2, ..., w1, w2, ..."""
-        return tuple(f"{letter}{i + 1}" for letter in "uw" for i in range(self.masses))
 
     def release(self) -> Mapping[str, float]:
         """The first mass aside, as from rest all modules would move as one."""
@@ -499,14 +458,11 @@ class ModularChain(OscillatorChain):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """2 n masses, n contacts."""
-        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-        u, w = x[: self.masses], x[self.masses :]
-        held = sum(self.k_c * (a - b) ** 2 + self.k_w * a**2 for a, b in zip(w, [*w[1:], w[0]], strict=True))
-        within = self.k * sum((a - b) ** 2 for a, b in zip(u, w, strict=True))
-        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in rates[: self.masses])
-        rub, linked = (sum(r**2 for r in some) for some in (rates[: self.masses], rates[self.masses :]))
-        dampers = self.c * (rub + linked) / 2
-        return Mechanics((self.m * rub + self.m_w * linked) / 2, (within + held) / 2, dampers, rubbing)
+        (u, w), (du, dw) = np.reshape(q, (2, -1)), np.reshape(v, (2, -1))
+        springs = self.k * sum((u - w) ** 2) + self.k_w * sum(w**2) + self.k_c * sum((w - np.roll(w, 1)) ** 2)
+        rubbing = tuple(Friction(self.v - rate, self.N, self.friction) for rate in du)
+        kinetic = self.m * sum(du**2) + self.m_w * sum(dw**2)
+        return Mechanics(kinetic / 2, springs / 2, self.c * sum(rate**2 for rate in v) / 2, rubbing)
 
 
 @model
@@ -557,7 +513,7 @@ class NoisyOscillator(PoppStelter):
     v: float = of_either_sign(0.3, 5.0, "m/s", "v", "speed of the belt")
     a: float = not_negative(0.3, 2.0, "N", "a", "root mean square of the noise")
     Omega: float = positive(0.1, "rad/s", r"\Omega", "lowest angular frequency of the noise")
-    friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.8)
+    friction = Coulomb(mu_k=0.5, mu_s=0.8)
     sines: int = 20
     seed: int = 1
 

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from frictionlab.components.dynamic_friction import Jenkins, LuGre, RateAndState
-from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.functions import cos
-from frictionlab.models.library.parameters import natural_period
-from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Mechanism, Wall, held_block
+from frictionlab.models.library.dry_friction_oscillators import DenHartog, MassOnBelt
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import (
     NO_EQUILIBRIUM,
-    BeltOscillator,
     ZooModel,
     not_negative,
     of_either_sign,
@@ -25,7 +19,7 @@ from frictionlab.models.zoo.zoo_model import (
 
 
 @model
-class LuGreOscillator(BeltOscillator):
+class LuGreOscillator(ZooModel, MassOnBelt):
     """A mass on a belt, held by a spring, with LuGre's friction: the stick-slip example of the law's authors.
 
     They draw the spring's end with 0.1 m/s over a ground at rest, which is the same.  The numbers are theirs:
@@ -36,8 +30,8 @@ class LuGreOscillator(BeltOscillator):
     ----------
     m : float
         Mass, kg, above 0.
-    k : float
-        Spring, N/m.
+    c, k : float
+        Damper, N s/m, of which there is none by default, and spring, N/m.
     N : float
         Normal force, N.
     v : float
@@ -56,28 +50,23 @@ class LuGreOscillator(BeltOscillator):
     True
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
     k: float = positive(2.0, "N/m", "k", "stiffness of the spring")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
     v: float = of_either_sign(0.1, 1.0, "m/s", "v", "speed of the belt")
-    friction: FrictionLaw = LuGre(mu_k=1.0, mu_s=1.5, v_s=1e-3, sigma_0=1e5, sigma_1=1e5**0.5, sigma_2=0.4)
+    friction = LuGre(mu_k=1.0, mu_s=1.5, v_s=1e-3, sigma_0=1e5, sigma_1=1e5**0.5, sigma_2=0.4)
 
     about = "bristles in the place of stick: the first example of the LuGre law"
     reference = "C. Canudas de Wit et al., IEEE Trans. Automatic Control 40 (1995) 419-425"
 
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact."""
-        rubbing = Friction(self.v - v.x, self.N, self.friction)
-        return Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(rubbing,))
-
 
 @model
-class SpringSlider(BeltOscillator):
-    """A block on a fault, drawn by a spring, with rate-and-state friction: m x'' + k x = mu(v - x', psi) N.
+class SpringSlider(ZooModel, MassOnBelt):
+    """A block on a fault, drawn by a spring, with rate-and-state friction.
+
+        m x'' + c x' + k x = mu(v - x', psi) N
 
     Steady sliding at the speed v is stable where the spring is stiffer than
 
-        k_c = (b - a) N/D_c (1 + m v^2/(a N D_c)),
+        k_c = ((b - a) N - c v)/D_c (1 + m v^2/((a N + c v) D_c)),
 
     and loses its stability there by flutter: below it there are slow earthquakes.  The mass is that of a
     laboratory.
@@ -86,8 +75,8 @@ class SpringSlider(BeltOscillator):
     ----------
     m : float
         Mass, kg, above 0.
-    k : float
-        Spring, N/m.
+    c, k : float
+        Damper, N s/m, of which there is none by default, and spring, N/m.
     N : float
         Normal force, N.
     v : float
@@ -108,35 +97,25 @@ class SpringSlider(BeltOscillator):
     True
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
     k: float = positive(0.85, "N/m", "k", "stiffness of the spring")
     N: float = positive(1.0, "N", "N", "normal force")
     v: float = positive(0.1, "m/s", "v", "speed at which it is drawn")
-    friction: FrictionLaw = RateAndState(mu_0=0.6, a=0.05, b=0.08, D_c=0.1, v_0=0.1)
+    friction = RateAndState(mu_0=0.6, a=0.05, b=0.08, D_c=0.1, v_0=0.1)
 
     about = "a block on a fault: earthquakes where the spring is softer than (b - a) N/D_c"
     reference = "J. R. Rice, A. Ruina, J. Applied Mechanics 50 (1983) 343-349"
 
     @property
-    def period(self) -> float:
-        """That of the block on its spring, s."""
-        return natural_period(self.k, self.m)
-
-    @property
     def critical_stiffness(self) -> float:
         """k_c of RateAndState, N/m."""
         law = self.parameters
-        quasistatic = (law["b"] - law["a"]) * self.N / law["D_c"]
-        return quasistatic * (1 + self.m * self.v**2 / (law["a"] * self.N * law["D_c"]))
-
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact."""
-        rubbing = Friction(self.v - v.x, self.N, self.friction)
-        return Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(rubbing,))
+        damping = self.c * self.v
+        falling, rising = (law["b"] - law["a"]) * self.N - damping, law["a"] * self.N + damping
+        return falling / law["D_c"] * (1 + self.m * self.v**2 / (rising * law["D_c"]))
 
 
 @model
-class JenkinsOscillator(ZooModel):
+class JenkinsOscillator(ZooModel, DenHartog):
     """A driven mass on a spring and a Jenkins element: m x'' + c x' + k x = F cos(Omega t) + F_T.
 
     The element is a spring k_t that slips at mu_k N.  A motion that goes from -X to X and back takes, in a
@@ -169,31 +148,13 @@ class JenkinsOscillator(ZooModel):
     'periodic'
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
     c: float = not_negative(0.1, 1.0, "N s/m", "c", "damping")
     k: float = positive(1.0, "N/m", "k", "stiffness of the spring")
-    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    N = 1.0
     F: float = not_negative(0.5, 5.0, "N", "F", "amplitude of the force")
     Omega: float = positive(1.0, "rad/s", r"\Omega", "angular frequency of the force")
-    friction: FrictionLaw = Jenkins(mu_k=0.3, k_t=1.0)
-    coordinates = ("x",)
+    friction = Jenkins(mu_k=0.3, k_t=1.0)
 
     about = "a joint that slips beyond a limit: damping that grows with the amplitude"
     reference = "W. D. Iwan, J. Applied Mechanics 33 (1966) 893-900"
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
-
-    @property
-    def period(self) -> float:
-        """That of the force, s."""
-        return 2 * pi / self.Omega
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on the ground, on a spring."""
-        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
-
-    def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one contact, one force."""
-        rubbing, load = Friction(-v.x, self.N, self.friction), {"x": self.F * cos(q.phase)}
-        kinetic, springs, dampers = self.m * v.x**2 / 2, self.k * q.x**2 / 2, self.c * v.x**2 / 2
-        return Mechanics(kinetic, springs, dampers, (rubbing,), load, self.Omega)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from types import MappingProxyType
@@ -12,6 +13,8 @@ from typing import Any, ClassVar
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.functions import cos, sin
 from frictionlab.components.impact import FrictionalImpact, ImpactLaw, RestitutionImpact
+from frictionlab.models.library.impact_oscillators import BouncingBall
+from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
@@ -24,7 +27,7 @@ SLENDERNESS = 0.2  # rad, of a block five times as high as wide
 
 
 @model
-class BallOnTable(ZooModel):
+class BallOnTable(ZooModel, BouncingBall):
     """A ball that bounces on a table that vibrates: y'' = -g, and Newton's impact where y = A sin(Omega t).
 
     Bounces of the table's period strike it at the phase p, with
@@ -64,13 +67,11 @@ class BallOnTable(ZooModel):
     True
     """
 
-    m: float = positive(1.0, "kg", "m", "mass")
     g: float = positive(1.0, "m/s^2", "g", "gravity")
     A: float = positive(1.2, "m", "A", "amplitude of the table")
     Omega: float = positive(1.0, "rad/s", r"\Omega", "angular frequency of the table")
     h: float = not_negative(12.0, 20.0, "m", "h", "height from which it is dropped")
-    impact: ImpactLaw = RestitutionImpact(e=0.6)
-    coordinates = ("y",)
+    impact = RestitutionImpact(e=0.6)
 
     about = "a ball on a table that vibrates: bounces of one period, period doublings, chaos"
     reference = "P. J. Holmes, J. Sound and Vibration 84 (1982) 173-189"
@@ -86,21 +87,10 @@ class BallOnTable(ZooModel):
         """Phase (rad) at which stable bounces of one period strike the table."""
         return math.acos(pi * self.g * (1 - self.e) / ((1 + self.e) * self.A * self.Omega**2))
 
-    def release(self) -> Mapping[str, float]:
-        """At the height h."""
-        return {"y": self.h}
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A ball above the table's mean place."""
-        ball = Block(Point(0.0, 0.2, up="y"), width=0.4, height=0.4, disc=True)
-        return Mechanism(Wall((-1.0, 0.0), (1.0, 0.0)), ball)
-
     def mechanics(self, q: Any, v: Any) -> Mechanics:
-        """One mass, one stop that moves."""
+        """The ground moves."""
         table = Stop(q.y - self.A * sin(q.phase), self.impact)
-        weight = self.m * self.g * q.y
-        return Mechanics(self.m * v.y**2 / 2, weight, contacts=(table,), frequency=self.Omega)
+        return replace(super().mechanics(q, v), contacts=(table,), frequency=self.Omega)
 
 
 @model
@@ -246,8 +236,7 @@ class RattlingGear(ZooModel):
         """One mass, two stops that move."""
         above = q.x - self.A * cos(q.phase)
         flanks = Stop(above, self.impact), Stop(self.b - above, self.impact)
-        kinetic, dampers = self.m * v.x**2 / 2, self.c * v.x**2 / 2
-        return Mechanics(kinetic, dissipation=dampers, contacts=flanks, frequency=self.Omega)
+        return Mechanics(self.m * v.x**2 / 2, 0, self.c * v.x**2 / 2, flanks, frequency=self.Omega)
 
 
 @model
@@ -294,6 +283,7 @@ class NewtonsCradle(ZooModel):
     a: float = not_negative(0.2, 1.0, "m", "a", "how far the first ball is drawn aside")
     impact: ImpactLaw = RestitutionImpact(e=0.95)
     balls: int = 3
+    coordinates = numbered("x", count="balls", least=2)
 
     about = "one ball falls, one flies: impacts at one instant, in a sequence"
     reference = "F. Herrmann, M. Seitz, American J. Physics 50 (1982) 977-981"
@@ -303,16 +293,6 @@ class NewtonsCradle(ZooModel):
             "continue_orbit": "In the end all balls swing as one, with any amplitude: there is no branch.",
         }
     )
-
-    def check(self) -> None:
-        """`balls` is from 2 to 100."""
-        self.check_count("balls", least=2)
-        super().check()
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """x1, x2, ..."""
-        return tuple(f"x{i + 1}" for i in range(self.balls))
 
     @property
     def period(self) -> float:
@@ -333,10 +313,9 @@ class NewtonsCradle(ZooModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """n masses, a stop between each and the next."""
-        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-        stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(x))
-        kinetic = self.m * sum(rate**2 for rate in rates) / 2
-        return Mechanics(kinetic, self.m * self.g / self.l * sum(a**2 for a in x) / 2, contacts=stops)
+        stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(q))
+        weight = self.m * self.g / self.l * sum(x**2 for x in q) / 2
+        return Mechanics(self.m * sum(u**2 for u in v) / 2, weight, contacts=stops)
 
 
 @model

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from frictionlab.components.friction import FrictionLaw, HyperbolicDecay
 from frictionlab.components.functions import cos, sin, tan
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
+from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Stop
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
@@ -74,25 +75,16 @@ class BowedString(ZooModel):
     v: float = of_either_sign(0.2, 1.0, "m/s", "v", "speed of the bow")
     friction: FrictionLaw = HyperbolicDecay(mu_k=0.3, mu_s=0.8, v_s=0.1)
     modes: int = 6
+    coordinates = numbered("q", count="modes")
     period = 2.0
 
     about = "a string in modes under a bow: stick for most of a period, a short flight back"
     reference = "M. E. McIntyre, R. T. Schumacher, J. Woodhouse, J. Acoust. Soc. America 74 (1983) 1325-1345"
 
-    def check(self) -> None:
-        """`modes` is from 1 to 100."""
-        self.check_count("modes", least=1)
-        super().check()
-
     def release(self) -> Mapping[str, float]:
         """In Helmholtz's motion, half-way through stick."""
         first = 2 * self.v / (pi * self.beta)
         return {f"{name}'": first * (-1) ** i / (i + 1) for i, name in enumerate(self.coordinates)}
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """q1, q2, ..."""
-        return tuple(f"q{i + 1}" for i in range(self.modes))
 
     @property
     def mechanism(self) -> Mechanism:
@@ -104,12 +96,11 @@ class BowedString(ZooModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """The modes, one contact."""
-        x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-        bowed = sum(u * sin(i * pi * self.beta) for i, u in enumerate(rates, 1))
-        kinetic = self.m * sum(u**2 for u in rates) / 4
-        tension = self.m * sum((i * pi * a) ** 2 for i, a in enumerate(x, 1)) / 4
+        bowed = sum(u * sin(i * pi * self.beta) for i, u in enumerate(v, 1))
+        kinetic = self.m * sum(u**2 for u in v) / 4
+        tension = self.m * sum((i * pi * x) ** 2 for i, x in enumerate(q, 1)) / 4
         rubbing = Friction(self.v - bowed, self.N, self.friction)
-        dampers = self.d * self.m * sum((i * u) ** 2 for i, u in enumerate(rates, 1)) / 4
+        dampers = self.d * self.m * sum((i * u) ** 2 for i, u in enumerate(v, 1)) / 4
         return Mechanics(kinetic, tension, dampers, (rubbing,))
 
 
@@ -185,10 +176,9 @@ class MassOnBeam(ZooModel):
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """The mass, the modes, one stop that travels."""
-        x, rates = ([getattr(at, name) for name in self.coordinates[1:]] for at in (q, v))
-        deflection = sum(a * sin(i * pi * self.v * q.t) for i, a in enumerate(x, 1))
-        beam = self.m_b * sum(u**2 for u in rates) / 4
-        bending = self.m_b * self.w**2 * sum(i**4 * a**2 for i, a in enumerate(x, 1)) / 4
+        deflection = sum(x * sin(i * pi * self.v * q.t) for i, x in enumerate(q[1:], 1))
+        beam = self.m_b * sum(u**2 for u in v[1:]) / 4
+        bending = self.m_b * self.w**2 * sum(i**4 * x**2 for i, x in enumerate(q[1:], 1)) / 4
         stop = Stop(q.y - deflection, self.impact)
         kinetic, weight = self.m * v.y**2 / 2 + beam, self.m * self.g * q.y
         return Mechanics(kinetic, bending + weight, self.d * beam, (stop,))

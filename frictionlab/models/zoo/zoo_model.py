@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from frictionlab.components.component import parameter
-from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
-from frictionlab.models.mechanism import Belt, Mechanism, held_block
 from frictionlab.validation import check_number
 
 MOST_PARTS = 100
@@ -30,27 +28,13 @@ class ZooModel(MechanicalModel):
     about: ClassVar[str] = ""
     not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
+    if TYPE_CHECKING:  # those that derive from a classic take more keywords than it does
+
+        def __init__(self, **given: Any) -> None: ...
+
     def check_count(self, name: str, least: int) -> None:
         """Raise ValueError unless a number of parts is an integer for which equations can be derived."""
         check_number(name, getattr(self, name), integer=True, least=least, most=MOST_PARTS)
-
-
-class BeltOscillator(ZooModel):
-    """Base of the systems of one mass m on a belt, on a spring k."""
-
-    m: Any
-    k: Any
-    coordinates = ("x",)
-
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on a belt, on a spring."""
-        return Mechanism(Belt("v"), *held_block("x"))
 
 
 def positive(default: float, unit: str, symbol: str, meaning: str) -> Any:

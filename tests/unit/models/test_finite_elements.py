@@ -183,12 +183,11 @@ def test_the_skew_part_of_a_brake_as_loads_flutters():
         period = 0.5
 
         def mechanics(self, q, v):
-            x, u = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-            follow = -(whole - whole.T) / 2 @ x - (rates - rates.T) / 2 @ u
+            follow = -(whole - whole.T) / 2 @ q - (rates - rates.T) / 2 @ v
             return Mechanics(
-                quadratic_form(mass, u) / 2,
-                quadratic_form((whole + whole.T) / 2, x) / 2,
-                quadratic_form((rates + rates.T) / 2, u) / 2,
+                quadratic_form(mass, v) / 2,
+                quadratic_form((whole + whole.T) / 2, q) / 2,
+                quadratic_form((rates + rates.T) / 2, v) / 2,
                 loads={
                     name: self.scale * force for name, force in zip(self.coordinates, follow, strict=True)
                 },

@@ -1,12 +1,13 @@
 """`fl.model`: numbers are parameters, annotations of laws are roles."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.components.component import parameters_of
 
 
 @fl.model
@@ -73,6 +74,38 @@ def test_a_derived_model_has_the_roles_of_both():
     assert after == pytest.approx(-0.25 * before, rel=1e-13)
 
 
+@fl.model
+class Other(fl.MassOnBelt):
+    """With defaults set anew, and parameters between those of its base."""
+
+    m = 2.0
+    a: float = 0.1
+    b: float = 0.2
+    k: float = 3.0
+    friction = fl.Stribeck()
+
+
+@dataclass(frozen=True)
+class Slippery(fl.Coulomb):
+    """A law with a default set anew."""
+
+    mu_k: float = 0.1
+
+
+def test_a_default_set_anew_keeps_what_is_known_of_the_parameter():
+    class Heavier(Other):
+        pass
+
+    for cls in (Other, Heavier):
+        assert list(cls().parameters)[:7] == ["m", "a", "b", "c", "k", "N", "v"]
+        assert (cls().m, cls().k, cls.__signature__.parameters["m"].default) == (2.0, 3.0, 2.0)
+        assert cls().friction == fl.Stribeck()
+    known, base = (parameters_of(cls) for cls in (Other, fl.MassOnBelt))
+    assert (replace(known["m"], default=1.0), replace(known["k"], default=1.0)) == (base["m"], base["k"])
+    assert Slippery() == Slippery(mu_k=0.1, mu_s=3.0)
+    assert parameters_of(Slippery)["mu_k"].meaning == "coefficient of kinetic friction"
+
+
 def test_annotations_may_be_texts_of_a_function():
     law = fl.Stribeck
 
@@ -130,6 +163,11 @@ def a_model_of_a_dataclass():
     Mine(mu_k=0.4)
 
 
+def anew(base=Popp, **values):
+    """A class that sets defaults anew, not yet a model."""
+    return lambda: type("Mine", (base,), values)
+
+
 def an_unknown_annotation():
     @fl.model
     class Mine(Popp):
@@ -159,6 +197,10 @@ def of_functions(function):
         (undecorated, "Mine has fields that are not known as parameters: write @fl.model above it"),
         (a_dataclass, "write @fl.model in place of @dataclass"),
         (a_model_of_a_dataclass, "Base must take parameters of laws: write @fl.model in place of @dataclass"),
+        (lambda: anew(m=2.0)()(), "Mine has fields that are not known as parameters: write @fl.model"),
+        (anew(fl.MassOnBelt, m="x"), r"m must be one real number, got 'x' .* \(its default is 1 kg"),
+        (anew(fl.MassOnBelt, m=property(abs)), "m must be one real number, got <property"),
+        (lambda: fl.model(anew(friction=3)()), "the default of friction in Mine must be a FrictionLaw"),
         (an_unknown_annotation, "the annotation of friction in Mine must name a kind of law, got 'Nowhere'"),
         (no_default, "the default of impact in Mine must be a ImpactLaw, got None"),
         (lambda: fl.model(Popp()), r"fl.model is for classes of models, got Popp\(\)"),
@@ -204,3 +246,11 @@ def test_a_parameter_is_not_named_like_the_limit_that_the_solver_sets():
 
     with pytest.raises(ValueError, match="like the solver's limit 'chatter': rename it"):
         Mine()
+
+
+def test_coordinates_are_as_many_as_a_field_says():
+    assert fl.ModularChain(masses=2).coordinates == ("u1", "u2", "w1", "w2")
+    with pytest.raises(ValueError, match=r"balls must be .*at least 2.*, got 1"):
+        fl.NewtonsCradle(balls=1)
+    with pytest.raises(ValueError, match=r"count must be one of 'masses'.*, got 'm'"):
+        fl.model(anew(fl.OscillatorChain, coordinates=fl.numbered("x", count="m"))())()

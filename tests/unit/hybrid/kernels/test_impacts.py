@@ -28,13 +28,12 @@ def row(masses, restitutions, wall=None, order=None, push=0.0):
         coordinates = names
 
         def mechanics(self, q, v):
-            x = [getattr(q, name) for name in names]
-            distances = [b - a for a, b in pairwise(x)] + ([-x[-1]] if wall is not None else [])
+            distances = [b - a for a, b in pairwise(q)] + ([-q[-1]] if wall is not None else [])
             laws = [fl.RestitutionImpact(e=e) for e in (*restitutions, *([] if wall is None else [wall]))]
             stops = [Stop(one, law) for one, law in zip(distances, laws, strict=True)]
             return Mechanics(
-                kinetic=sum(m * getattr(v, name) ** 2 for m, name in zip(masses, names)) / 2,
-                potential=-self.push * x[-1],
+                kinetic=sum(m * u**2 for m, u in zip(masses, v)) / 2,
+                potential=-self.push * q[-1],
                 contacts=tuple(stops[i] for i in order or range(len(stops))),
             )
 
@@ -94,9 +93,8 @@ def test_an_impact_with_the_rate_of_a_rounding_error_waits_for_a_great_one():
         coordinates = tuple(f"x{i}" for i in range(5))
 
         def mechanics(self, q, v):
-            x, rates = ([getattr(at, name) for name in self.coordinates] for at in (q, v))
-            stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(x))
-            return Mechanics(sum(u**2 for u in rates) / 2, sum(a**2 for a in x) / 2, contacts=stops)
+            stops = tuple(Stop(b - a, self.impact) for a, b in pairwise(q))
+            return Mechanics(sum(u**2 for u in v) / 2, sum(x**2 for x in q) / 2, contacts=stops)
 
     start = [-0.2, *[0.0] * 9]
     run = fl.simulate(Cradle(), 2.25 * np.pi, x0=start, progress=False)
@@ -218,11 +216,10 @@ def test_a_column_of_beads_moves_from_impact_to_impact():
         coordinates = names
 
         def mechanics(self, q, v):
-            z, rates = ([getattr(at, name) for name in names] for at in (q, v))
-            distances = [z[0], *(b - a for a, b in pairwise(z))]
+            distances = [q[0], *(b - a for a, b in pairwise(q))]
             return Mechanics(
-                kinetic=sum(u**2 for u in rates) / 2,
-                potential=g * sum(z),
+                kinetic=sum(u**2 for u in v) / 2,
+                potential=g * sum(q),
                 contacts=tuple(Stop(one, self.impact) for one in distances),
             )
 

@@ -357,12 +357,13 @@ def test_lugre_stick_slip_is_that_of_another_integrator():
     assert run.final_state == pytest.approx(end, abs=1e-6)
 
 
-@pytest.mark.parametrize("speed", [0.01, 0.1, 0.5])
-def test_rate_and_state_has_the_critical_stiffness_of_rice_and_ruina(speed):
-    model = fl.SpringSlider(v=speed, v_0=0.05, N=1.3, mu_0=1.0)
-    assert model.critical_stiffness == pytest.approx(
-        0.03 * 1.3 / 0.1 * (1 + speed**2 / (0.05 * 1.3 * 0.1)), rel=1e-12
-    )
+@pytest.mark.parametrize(("speed", "c"), [(0.01, 0.0), (0.1, 0.0), (0.5, 0.0), (0.1, 0.2)])
+def test_rate_and_state_has_the_critical_stiffness_of_rice_and_ruina(speed, c):
+    """With a damper by Routh and Hurwitz: a N grows, and (b - a) N falls, by c v."""
+    model = fl.SpringSlider(v=speed, v_0=0.05, N=1.3, mu_0=1.0, c=c)
+    rises, falls = 0.05 * 1.3 + c * speed, 0.03 * 1.3 - c * speed
+    exact = falls / 0.1 * (1 + speed**2 / (rises * 0.1))
+    assert model.critical_stiffness == pytest.approx(exact, rel=1e-12)
     bounds = (0.5 * model.critical_stiffness, 2 * model.critical_stiffness)
     (change,) = fl.stability_changes(model, "k", bounds=bounds)
     assert change.value == pytest.approx(model.critical_stiffness, rel=1e-9)
