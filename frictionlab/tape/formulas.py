@@ -372,6 +372,12 @@ class Formulas:
     tape: Tape
     outputs: tuple[int, ...]
 
+    def fixed(self, i: int) -> float | None:
+        """The value of a function that is the same number for all inputs; None of any other function."""
+        op = self.outputs[i] - self.tape.inputs
+        kind, a, b = self.tape.ops[op] if op >= 0 else (SELECT, 0, 0)
+        return self.tape.constants[op] if kind == AFFINE and a == b else None
+
     def numbers(self, *inputs: float) -> NDArray[np.float64]:
         """The values at single numbers, the same to the last bit on every machine.
 

@@ -113,11 +113,6 @@ def convolutions_of(tape: Tape) -> list[tuple[int, int]]:
     return list(dict.fromkeys(pairs))
 
 
-def is_unit(factor: Any) -> bool:
-    """Whether a factor is 1 or -1 whatever the parameters are."""
-    return bool(factor in (1, -1))
-
-
 class OrderInLoop(NamedTuple):
     """The current order k = 4 fours + 1 + rest, the same as a float, and the address of column k of J."""
 
@@ -158,16 +153,19 @@ class JetWriter(Instructions):
         operands = {slot for kind, a, b in function.tape.ops if kind != AFFINE for slot in (a, b)}
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
-        self.known = self._rows_of_sums()
+        self.shares = self._table_of_shares()
         self.first_block = True
+        self.sums: dict[tuple[int, int], Any] = {}  # of convolutions, for the next orders of the block
         self.block: list[dict[int, Any]] = []  # the values at the orders of this block before the current one
 
-    def _rows_of_sums(self) -> dict[tuple[int, int], Any]:
-        """For each convolution the address of four numbers, its sums for the orders of a block."""
-        pairs = convolutions_of(self.function.tape)
-        rows = self.build.alloca(self.kind, self.whole(PARTS * max(1, len(pairs))))
-        rows.align = 8 * PARTS
-        return {pair: self._ahead(rows, self.whole(PARTS * i)) for i, pair in enumerate(pairs)}
+    def _table_of_shares(self) -> Any:
+        """The address of 1/k for k from 0 on; the first is not used."""
+        shares = [0.0, *(1.0 / k for k in range(1, JET_COLUMNS))]
+        kind = self.ir.ArrayType(self.ir.DoubleType(), len(shares))
+        table = self.ir.GlobalVariable(self.build.module, kind, "shares")
+        table.global_constant, table.linkage = True, "internal"
+        table.initializer = self.ir.Constant(kind, shares)
+        return self.build.gep(table, [self.whole(0), self.whole(0)])
 
     def write(self) -> None:
         self.jets()
@@ -205,18 +203,20 @@ class JetWriter(Instructions):
         for rest in range(PARTS):
             k = build.add(first, self.whole(rest + 1))
             at = OrderInLoop(fours, rest, self._as_number(k), self._ahead(self.J, k))
-            rates = self._column(at, rates)
+            share = self._spread(build.load(build.gep(self.shares, [k])))
+            rates = self._column(at, [build.fmul(rate, share) for rate in rates])
             self.block.append(dict(self.values))
             following = build.append_basic_block()
             build.cbranch(build.icmp_signed("==", k, self.order), done, following)
             build.position_at_end(following)
+            if rest + 1 < PARTS:
+                self._add_newest(at)
         return rates
 
-    def _column(self, at: OrderInLoop, rates: Values) -> Values:
-        """A column, from the rates in the one before; returns its own rates."""
-        share = self.build.fdiv(self._number(1.0), at.number)
-        for state, rate in enumerate(rates):
-            self._set(state, at, self.build.fmul(rate, share))
+    def _column(self, at: OrderInLoop, states: Values) -> Values:
+        """A column, from the coefficients of the states; returns the rates."""
+        for state, coefficient in enumerate(states):
+            self._set(state, at, coefficient)
         self._operations(at)
         return self._rates()
 
@@ -267,7 +267,7 @@ class JetWriter(Instructions):
     def _with_term(self, j: int, total: Any) -> Any:
         """A term of an affine sum added to the others; factors 1 and -1 in the equations need no product."""
         (slot, factor), build = self.function.tape.terms[j], self.build
-        if not is_unit(factor):
+        if factor is None:
             term = build.fmul(self._load(self.terms, self.function.first[1] + j), self.values[slot])
         elif factor > 0 or total is not None:
             term = self.values[slot]
@@ -275,7 +275,7 @@ class JetWriter(Instructions):
             term = build.fneg(self.values[slot])
         if total is None:
             return term
-        return build.fsub(total, term) if is_unit(factor) and factor < 0 else build.fadd(total, term)
+        return build.fsub(total, term) if factor == -1.0 else build.fadd(total, term)
 
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._convolution_with_last(a, b, at)
@@ -336,7 +336,12 @@ class JetWriter(Instructions):
 
     def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
         """Sum over 1 <= j < k of the coefficients j of a and k - j of b, as :func:`jets.convolution`."""
-        total = self._number(0.0) if self.first_block else self._known_sum(a, b, at)
+        if not self.first_block:
+            return self.build.extract_element(self.sums[a, b], self.ir.IntType(32)(0))
+        return self._with_block(a, b, self._number(0.0), at)
+
+    def _with_block(self, a: int, b: int, total: Any, at: OrderInLoop) -> Any:
+        """A convolution with the products that have a coefficient from the current block."""
         for n, newer in enumerate(self.block):
             low = self._ahead(self.J, self.whole(at.rest - n))
             total = self._multiply_add(newer[a], self._at(b, low), total)
@@ -344,16 +349,22 @@ class JetWriter(Instructions):
                 total = self._multiply_add(self._at(a, low), newer[b], total)
         return total
 
-    def _known_sum(self, a: int, b: int, at: OrderInLoop) -> Any:
-        """The part of a convolution that is known before the block."""
-        return self._load(self.known[a, b], at.rest)
-
     def _prepare_convolutions(self, fours: Any) -> None:
         """Compute what is known of all convolutions before a block, as vectors of the sums for its orders."""
         four = self.ir.VectorType(self.kind, PARTS)
-        for (a, b), place in self.known.items():
-            sums = self._sums_of_known(a, b, fours, 1, four)
-            self.build.store(self._in_pairs(sums), self._pointer(place, 0, four), align=8 * PARTS)
+        for a, b in convolutions_of(self.function.tape):
+            self.sums[a, b] = self._in_pairs(self._sums_of_known(a, b, fours, 1, four))
+
+    def _add_newest(self, at: OrderInLoop) -> None:
+        """Add products with the coefficients of this order to the sums for the next orders of the block."""
+        places = self.ir.VectorType(self.ir.IntType(32), PARTS)([1, 2, 3, 3])  # the last one is of no use
+        for (a, b), sums in self.sums.items():
+            four, following = sums.type, self.build.shuffle_vector(sums, sums, places)
+            for older, newer in (b, a), (a, b):
+                low = self._vector(self._place(older, self.J), 1, four)
+                newest = self._broadcast(self._place(newer, at.column), 0, four)
+                following = self._multiply_add(newest, low, following)
+            self.sums[a, b] = following
 
     def _sums_of_known(self, a: int, b: int, fours: Any, least: int, kind: Any) -> Values:
         """Four partial sums of what is known of a convolution before the block after order 4 `fours`.
@@ -414,12 +425,14 @@ class LaneWriter(JetWriter):
         super().__init__(ir, body, function)
         self.control = body.args[4]
 
-    def _rows_of_sums(self) -> dict[tuple[int, int], Any]:
-        """None: a vector holds one coefficient of all lanes, and sums are computed where they are wanted."""
-        return {}
+    def _prepare_convolutions(self, fours: Any) -> None:
+        """A vector holds one coefficient of all lanes, so sums are computed where they are wanted."""
 
-    def _known_sum(self, a: int, b: int, at: OrderInLoop) -> Any:
-        return self._in_pairs(self._sums_of_known(a, b, at.fours, at.rest + 1, self.kind))
+    def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
+        total = self._number(0.0)
+        if not self.first_block:
+            total = self._in_pairs(self._sums_of_known(a, b, at.fours, at.rest + 1, self.kind))
+        return self._with_block(a, b, total, at)
 
     def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
         return self._load(array, i)

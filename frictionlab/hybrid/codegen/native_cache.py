@@ -12,6 +12,7 @@ import logging
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
@@ -24,13 +25,14 @@ from frictionlab import cache_folder
 from frictionlab.compilation import llvm_instructions, machine_code
 from frictionlab.compilation.decorators import prepare_arrays
 from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
-from frictionlab.hybrid.codegen.jet_codegen import ModeTape, is_unit, jets_module
+from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import arithmetic
 from frictionlab.tape import functions, tape
 from frictionlab.tape.program import Code, Numbers, Program, System, system_of
+from frictionlab.tape.tape import Tape
 
 LOGGER = logging.getLogger(__name__)
 # number of a mode's jets after which compiling pays: interpreted, they take as long as the compilation
@@ -189,7 +191,16 @@ def _mode_tape(program: Program, mode: int) -> ModeTape:
         kept.update(map(int, code.function_slots[ranges[mode] : ranges[mode + 1]]))
     terms = [0, *accumulate(len(tape.terms) for tape in program.tapes)]
     first = int(code.mode_ops[mode]), terms[mode]
-    return ModeTape(program.tapes[mode], first, flow, frozenset(kept))
+    return ModeTape(_with_units(program, mode, terms[mode]), first, flow, frozenset(kept))
+
+
+def _with_units(program: Program, mode: int, first: int) -> Tape:
+    """A mode's tape, which has as factors of its terms 1 and -1, and None for others."""
+    tape, split = program.tapes[mode], len(program.code.ops) + first
+    numbers = map(program.distinct.fixed, program.number_places[split : split + len(tape.terms)].tolist())
+    units = (number if number in (1.0, -1.0) else None for number in numbers)
+    terms = [(slot, unit) for (slot, _), unit in zip(tape.terms, units, strict=True)]
+    return replace(tape, terms=terms)
 
 
 @cache
@@ -242,8 +253,7 @@ def _path(function: ModeTape, what: str = NAME, more: object = None) -> Path | N
     tape = function.tape
     if tape.products:  # it is not compiled
         return None
-    terms = [(slot, float(factor) if is_unit(factor) else None) for slot, factor in tape.terms]
-    structure = (tape.inputs, tape.ops, terms, sorted(function.kept))
+    structure = (tape.inputs, tape.ops, tape.terms, sorted(function.kept))
     text = repr((structure, function.first, function.flow, more)) + _host()
     return Path(machine_code.CACHE_FOLDER) / f"{what}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.o"
 

@@ -25,6 +25,7 @@ from frictionlab.hybrid.kernels.jets import (
 from frictionlab.hybrid.kernels.run_state import jet_columns
 from frictionlab.tape.functions import FUNCTIONS
 from frictionlab.tape.packing import program_of
+from frictionlab.tape.program import program_from_data, program_to_data
 from tests.helpers.cases import slow_but
 
 pytestmark = pytest.mark.skipif(not machine_code.HAS_MACHINE_CODE, reason="needs numba")
@@ -245,6 +246,8 @@ def test_a_factor_of_one_in_the_equations_is_no_parameter_that_is_one(tmp_path, 
     for factor in (1, -1, a):
         automaton = HybridAutomaton((x, y), (Mode("m", (y, x * y + factor * x), ()),), {a: 2.0}, 0)
         same(automaton, with_code(automaton, 0), 0, 9, [np.array([0.3, -0.7])])
+        kept = program_from_data(program_to_data(program_of(automaton)[0]), str)
+        assert native_cache.NativeCode(kept).code.native.all()  # the code of the one that was derived
     assert len(list(tmp_path.glob("jets-*.o"))) == 3
 
 
