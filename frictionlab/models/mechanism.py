@@ -24,17 +24,20 @@ class Turn:
     Parameters
     ----------
     angle : str
-        Name of the coordinate.
+        Name of the coordinate; "-phi" turns the other way.
     right, up : float
         Radii.
     start : float
         What is added to the angle, rad: -pi/2 for a pendulum, whose angle is zero where it hangs.
+    linear : bool
+        Whether the equations are linear in the angle, as for small tilts: it is drawn as a slope.
     """
 
     angle: str
     right: float
     up: float
     start: float = 0.0
+    linear: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Point:
         or up; "-y" moves it the other way, "" not at all.
     turn : Turn or None
         How it moves around (`x`, `y`), if it does.
+    on : Belt or None
+        The belt on whose surface it lies, if it does: `y` follows from where it is along it.
     """
 
     x: float
@@ -56,6 +61,7 @@ class Point:
     right: str = ""
     up: str = ""
     turn: Turn | None = None
+    on: Belt | None = None
 
     def beside(self, x: float, y: float = 0.0) -> Point:
         """A point that moves with this one."""
@@ -84,11 +90,14 @@ class Spring:
     start, end : Point
     loose : str
         Name of the mode in which its start is free, as that of a contact spring is in "separation".
+    label : str
+        What is written on its left, seen from its start: "$k_1$".
     """
 
     start: Point
     end: Point
     loose: str = ""
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,12 +112,25 @@ class Block:
 
 @dataclass(frozen=True)
 class Belt:
-    """A belt with its surface at the height `y`; `speed` names a parameter, "" is a belt at rest."""
+    """A belt about two wheels of equal radius; `speed` names a parameter, "" is a belt at rest.
+
+    Parameters
+    ----------
+    speed : str
+    start, end : Point
+        Centres of the wheels, the left one first; by default the surface is level, at the height zero.
+    radius : float
+    """
 
     speed: str = ""
-    y: float = 0.0
-    start: float = -1.2
-    end: float = 1.2
+    start: Point = Point(-1.1, -0.15)
+    end: Point = Point(1.1, -0.15)
+    radius: float = 0.15
+
+
+def level_belt(speed: str, start: float, end: float) -> Belt:
+    """A belt with its surface at the height zero, from one wheel to the other."""
+    return Belt(speed, Point(start, -0.15), Point(end, -0.15))
 
 
 @dataclass(frozen=True)
@@ -126,6 +148,21 @@ class Forces:
     contact: str = ""
 
 
+@dataclass(frozen=True)
+class Load:
+    """An arrow of a force that is a parameter: it presses down on `at`.
+
+    Parameters
+    ----------
+    at : Point
+    force : str
+        Name of the parameter.
+    """
+
+    at: Point
+    force: str
+
+
 @dataclass(frozen=True, init=False)
 class Mechanism:
     """The parts of a picture, drawn in their order."""
@@ -134,14 +171,6 @@ class Mechanism:
 
     def __init__(self, *parts: Any) -> None:
         object.__setattr__(self, "parts", parts)
-
-
-@dataclass(frozen=True)
-class TiltingBelt:
-    """Fig. 1 of the paper: a slider on its contact spring, on a belt that tilts about two wheels.
-
-    For models with the coordinates x1, y1, x2, y2 and perhaps phi, and the parameters v, F, l1 and l2.
-    """
 
 
 def held_block(

@@ -49,7 +49,7 @@ from .composition import (
     with_values,
     without,
 )
-from .mechanism import Mechanism, TiltingBelt
+from .mechanism import Mechanism
 from .serialisation import component_from_dict, component_to_dict, loaded_class
 
 if TYPE_CHECKING:
@@ -283,7 +283,7 @@ class Model(Component):
         return tone_of(self.automaton(), self.period)
 
     @property
-    def mechanism(self) -> Mechanism | TiltingBelt | None:
+    def mechanism(self) -> Mechanism | None:
         """The mechanism for `animate` and `watch`; None where the model has none."""
         return None
 

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -43,7 +43,7 @@ from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionI
 from frictionlab.letters import LATEX
 from frictionlab.models.composition import parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
-from frictionlab.models.mechanism import Mechanism, Point, TiltingBelt
+from frictionlab.models.mechanism import Mechanism, Point
 from frictionlab.models.model import (
     Model,
     automaton_of,
@@ -53,8 +53,6 @@ from frictionlab.models.model import (
     tone_of,
     values_of,
 )
-from frictionlab.plotting.animation.parts import MARKS, WIDTH
-from frictionlab.plotting.animation.tilting_belt import SPRING_LABELS
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
@@ -161,7 +159,7 @@ def scene_data(
     }
 
 
-def mechanism_in(model: Shown) -> Mechanism | TiltingBelt | None:
+def mechanism_in(model: Shown) -> Mechanism | None:
     """The mechanism of a model; None where it has none, as an automaton."""
     return model.mechanism if isinstance(model, Model) else None
 
@@ -478,22 +476,16 @@ def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
 def mechanism_data(model: Shown) -> Data | None:
     """The model's picture as data: what its parts are, and the fields of each."""
     mechanism = mechanism_in(model)
-    if isinstance(mechanism, TiltingBelt):
-        return {
-            "kind": "TiltingBelt",
-            "names": {name: aside for name, (_, aside) in SPRING_LABELS.items()},
-        }
-    if isinstance(mechanism, Mechanism):
-        parts = [_part(part) for part in mechanism.parts]
-        return {"kind": "Mechanism", "parts": parts, "width": WIDTH, "marks": MARKS}
-    return None
+    return None if mechanism is None else {"parts": [_part(part) for part in mechanism.parts]}
 
 
 def _part(part: Any) -> Data:
-    return {"part": type(part).__name__} | {name: _field(value) for name, value in vars(part).items()}
+    fields = {
+        name: Point(*value) if isinstance(value, tuple) else value for name, value in vars(part).items()
+    }
+    return {"part": type(part).__name__} | asdict(replace(part, **fields), dict_factory=_stated)
 
 
-def _field(value: Any) -> Any:
-    if isinstance(value, tuple):
-        value = Point(*value)
-    return asdict(value) if isinstance(value, Point) else value
+def _stated(fields: Iterable[tuple[str, Any]]) -> Data:
+    """The fields that say something: no names that are empty, no parts that are missing."""
+    return {name: value for name, value in fields if value != "" and value is not None and value is not False}

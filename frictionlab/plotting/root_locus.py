@@ -16,7 +16,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
-from frictionlab.plotting.animation.animate import BeltPicture, picture_of
+from frictionlab.plotting.animation.parts import parts
 from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
@@ -74,20 +74,17 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
     --------
     >>> import frictionlab as fl
     >>> fl.equilibrium(fl.SliderOnBelt(mu_k=0.3)).plot().get_xlabel()
-    'displacements × 2, tilt as it is'
+    'displacements × 10, angles × 1'
     """
     ax = axes_or_new(ax)
     mechanism = equilibrium.model.mechanism if isinstance(equilibrium.model, Model) else None
     if mechanism is None:
         return _draw_bars(equilibrium, ax)
-    picture = picture_of(_EquilibriumFrames(equilibrium), mechanism, np.zeros(1))
-    parts: Any = picture.draw(ax)
-    artists = picture.move(parts, 0, MODE_COLOURS["slip"])
+    picture = parts(_EquilibriumFrames(equilibrium), mechanism, np.zeros(1))
+    artists = picture.move(picture.draw(ax), 0, MODE_COLOURS["slip"])
     ax.set(xlabel=picture.note)
     set_title(ax, "Equilibrium")
-    acting = contact_forces(equilibrium)
-    if isinstance(picture, BeltPicture):
-        acting.append(("F", picture.preload, "N"))
+    acting = [*contact_forces(equilibrium), *(("F", size, "N") for size in picture.loads.values())]
     texts = (f"${symbol}$ = {size:.4g} {unit}" for symbol, size, unit in acting)
     colours = BLUE, VERMILLION, BLACK
     legend_beside(ax, [Line2D([], [], label=text, **pen(c, 3.0, ax)) for text, c in zip(texts, colours)])
@@ -108,6 +105,11 @@ class _EquilibriumFrames:
     def automaton(self) -> Any:
         """A stand-in with all that a picture reads of an automaton."""
         return SimpleNamespace(values=self.equilibrium.model.parameters, shown_state=self.names[0])
+
+    @property
+    def source(self) -> Any:
+        """The model."""
+        return self.equilibrium.model
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from frictionlab.models.library.parameters import (
 )
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Belt, Mechanism, Point, Spring, Wall, held_block
+from frictionlab.models.mechanism import Belt, Mechanism, Point, Spring, Wall, held_block, level_belt
 from frictionlab.models.model import model
 
 if TYPE_CHECKING:
@@ -319,7 +319,7 @@ class TwoBlocks(MechanicalModel):
         one = held_block("x1", wall=-2.4, place=-0.9, number="_1")
         two = held_block("x2", wall=2.4, place=0.9, number="_2")
         between = Spring(Point(-0.6, 0.2, right="x1"), Point(0.6, 0.2, right="x2"))
-        return Mechanism(Belt("v", start=-2.0, end=2.0), *one, *two, between)
+        return Mechanism(level_belt("v", -2.0, 2.0), *one, *two, between)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two masses, two contacts."""

@@ -4,12 +4,12 @@ and one mass in the plane on a linear or a nonlinear contact spring, which it ma
 
 from __future__ import annotations
 
-from math import pi
+from math import atan2, hypot, pi
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 from frictionlab.components import functions
-from frictionlab.components.component import parameter
+from frictionlab.components.component import parameter, parameters_of
 from frictionlab.components.contact import (
     ContactLaw,
     CubicContact,
@@ -34,13 +34,27 @@ from frictionlab.models.mechanical.mechanical_model import (
     inclined_spring_energy,
 )
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics
-from frictionlab.models.mechanism import Mechanism, TiltingBelt, body_on_belt, inclined_end
+from frictionlab.models.mechanism import (
+    Belt,
+    Block,
+    Forces,
+    Load,
+    Mechanism,
+    Point,
+    Spring,
+    Turn,
+    Wall,
+    body_on_belt,
+    inclined_end,
+)
 from frictionlab.models.model import model
 
 if TYPE_CHECKING:
     from .parameters import ModeCouplingKeywords, SliderOnBeltKeywords, SliderOnRigidBeltKeywords
 
 SOFT_TO_STIFF = (1e3, 1e5)  # N/m, range of the springs of SliderOnRigidBelt
+WHEEL = 0.2  # radius of the belt's wheels in the picture of SliderOnBelt; the farther wheel is at 1
+NEAREST_WHEEL = 0.25  # a wheel in that picture, even where its distance is zero
 
 
 def _mass(
@@ -154,9 +168,39 @@ class SliderOnBelt(MechanicalModel):
         return self.geometry.coordinates
 
     @property
-    def mechanism(self) -> TiltingBelt:
-        """Fig. 1 of the paper."""
-        return TiltingBelt()
+    def mechanism(self) -> Mechanism:
+        """Fig. 1 of the paper: the slider on its contact spring, on the belt that tilts about two wheels."""
+        slider, corner = Point(0.0, 0.95, right="x1", up="y1"), (-1.1, 2.0)
+        far = max(self.l1, self.l2) or 1.0
+        x1, x2 = -max(self.l1 / far, NEAREST_WHEEL), max(self.l2 / far, NEAREST_WHEEL)
+        left, right = self._wheel(x1), self._wheel(x2)
+        belt = Belt("v", left, right, WHEEL)
+        law = ", ".join(f"${about.symbol}$" for about in parameters_of(type(self.contact)).values())
+        foot = Point(0.0, 0.0, right="x1", on=belt)
+        springs = (
+            Spring(Point(-1.6, 0.95), slider.beside(-0.2), label="$k_1$"),
+            Spring(Point(*corner), slider.beside(-0.2, 0.15), label="$k_3$"),
+            Spring(right, Point(2.1, -WHEEL), label="$k_4$"),
+            Spring(Point(x1, -1.3), left, label="$k_5$"),
+            Spring(right, Point(x2, -1.3), label="$k_6$"),
+            Spring(foot, slider.beside(0.0, -0.15), loose="separation", label=law),
+        )
+        walls = (
+            Wall((-1.6, 0.55), (-1.6, 1.35)),
+            Wall((2.1, -0.65), (2.1, 0.25)),
+            Wall((-1.5, -1.3), (1.5, -1.3)),
+            Wall((corner[0] - 0.12, corner[1] - 0.12), (corner[0] + 0.12, corner[1] + 0.12)),
+        )
+        load = Load(slider.beside(0.14, 0.15), "F")
+        return Mechanism(*walls, belt, *springs, Block(slider, 0.4, 0.3), Forces(slider), load)
+
+    def _wheel(self, x: float) -> Point:
+        """The centre of a wheel, which the tilt of the belt takes along."""
+        if "phi" not in self.coordinates:
+            return Point(x, -WHEEL, right="x2", up="y2")
+        away = hypot(x, WHEEL)
+        tilt = Turn("-phi", away, away, start=atan2(-WHEEL, x), linear=True)
+        return Point(0.0, 0.0, right="x2", up="y2", turn=tilt)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """Two bodies; k3 lies at 45 degrees, k5 and k6 hold the belt at its two wheels."""

@@ -18,7 +18,7 @@ from frictionlab.models.library.dry_friction_oscillators import MassOnBelt
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, level_belt
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import (
     NO_EQUILIBRIUM,
@@ -199,7 +199,7 @@ class OscillatorChain(PoppStelter):
         places = [Point(1.4 * i, 0.2, right=name) for i, name in enumerate(self.coordinates)]
         between = [Spring(a.beside(0.3), b.beside(-0.3)) for a, b in pairwise(places)]
         parts = [part for i, at in enumerate(places) for part in (Block(at), Forces(at, f"_{i + 1}"))]
-        return Mechanism(Belt("v", start=-0.8, end=1.4 * self.masses - 0.6), *between, *parts)
+        return Mechanism(level_belt("v", -0.8, 1.4 * self.masses - 0.6), *between, *parts)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """n masses, n contacts."""
@@ -454,7 +454,7 @@ class ModularChain(OscillatorChain):
         between = [Spring(a.beside(0.3), b.beside(-0.3)) for a, b in pairwise(upper)]
         forces = [Forces(at, f"_{i + 1}" if n > 1 else "") for i, at in enumerate(lower)]
         bodies = map(Block, (*lower, *upper))
-        return Mechanism(Belt("v", start=-0.8, end=1.4 * n - 0.6), *within, *between, *bodies, *forces)
+        return Mechanism(level_belt("v", -0.8, 1.4 * n - 0.6), *within, *between, *bodies, *forces)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """2 n masses, n contacts."""

@@ -9,7 +9,17 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.functions import cos, sin
 from frictionlab.models.library.parameters import natural_period
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
-from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, inclined_end
+from frictionlab.models.mechanism import (
+    Belt,
+    Block,
+    Forces,
+    Mechanism,
+    Point,
+    Spring,
+    Wall,
+    inclined_end,
+    level_belt,
+)
 from frictionlab.models.model import model
 from frictionlab.models.zoo.zoo_model import ZooModel, not_negative, of_either_sign, positive
 
@@ -91,7 +101,7 @@ class HultenOscillator(ZooModel):
             Spring(Point(0.0, 0.0), body.beside(0.0, -0.2)),
             Spring(Point(-1.2, 0.8), body.beside(-0.3)),
         )
-        return Mechanism(Belt(start=-0.9), below, beside, Block(body))
+        return Mechanism(level_belt("", -0.9, 1.1), below, beside, Block(body))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass; friction as loads, as it never reverses."""

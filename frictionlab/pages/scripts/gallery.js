@@ -6,7 +6,8 @@ function sketch({ mechanism: about, parameters, states }, root, canvas) {
   const names = [...states, "penetration", "normal_force", "friction_force"];
   const samples = samplesByName(Float64Array.of(0), Int32Array.of(0), names, names.map(() => Float64Array.of(0)));
   const structure = { states, modes: [""], colours: [look.grey] };
-  const picture = pictureOf({ ...about, names: {} }, { samples, structure, parameters }, look);
+  const unlabelled = about.parts.map((part) => ({ ...part, label: "" }));
+  const picture = pictureOf({ parts: unlabelled }, { samples, structure, parameters }, look);
   const [c, width, height] = fit(canvas);
   picture.draw(c, width, height, picture.scene, picture.row(samples, 0));
 }

@@ -21,7 +21,7 @@ from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.file_writing import name_written_file, write_file
 from frictionlab.interruption import progress_bar
 from frictionlab.models import Model
-from frictionlab.models.mechanism import Mechanism, TiltingBelt
+from frictionlab.models.mechanism import Mechanism
 from frictionlab.models.model import MovingSystem
 from frictionlab.plotting.appearance import (
     BLACK,
@@ -50,20 +50,6 @@ from frictionlab.plotting.turns import turning_angles, within_turn
 from frictionlab.validation import abbreviate, check_number, check_path
 
 from .parts import Parts, parts
-from .tilting_belt import (
-    BeltLayout,
-    Frames,
-    draw_force_arrows,
-    draw_mechanism,
-    force_legend_handles,
-    force_scale,
-    is_tilting_belt,
-    lay_out_belt,
-    move_force_arrows,
-    move_mechanism,
-    parameters,
-    sample_frames,
-)
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
@@ -76,66 +62,6 @@ DPI = 80.0  # an animation in a notebook holds every frame as a picture
 
 FILM_FORMATS = ".gif", ".html", ".htm", ".webp", ".apng", ".png"  # browsers and pillow write them
 FFMPEG_FORMATS = ".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm"
-
-
-@dataclass(frozen=True, eq=False)
-class BeltPicture:
-    """The slider on the tilting belt, with its contact forces and the preload, in K frames."""
-
-    frames: Frames
-    layout: BeltLayout
-    preload: float
-    coordinate: str = "x1"
-
-    @property
-    def t(self) -> Array:
-        """Times (K,)."""
-        return self.frames.t
-
-    @property
-    def x(self) -> Array:
-        """The coordinate that the phase plane shows, (K,)."""
-        return self.frames.x1
-
-    @property
-    def rate(self) -> Array:
-        """Its rate, (K,)."""
-        return self.frames.rate
-
-    @property
-    def mode(self) -> Any:
-        """Names of the modes, (K,)."""
-        return self.frames.mode
-
-    @property
-    def scale(self) -> float:
-        """N per m of the arrows."""
-        return force_scale(self.layout, self.frames, self.preload)
-
-    @property
-    def note(self) -> str:
-        """A note on the magnification."""
-        return f"displacements × {self.layout.magnify:g}, tilt as it is"
-
-    @property
-    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The picture's edges in x and in y."""
-        return self.layout.limits
-
-    def handles(self) -> list[Any]:
-        """Legend entries of the forces."""
-        return force_legend_handles(self.frames, self.preload)
-
-    def draw(self, ax: Axes) -> tuple[dict[str, Any], Any]:
-        """The artists, as they are in the first frame: the moving parts, and the arrows."""
-        return draw_mechanism(ax, self.layout), draw_force_arrows(ax, self.scale)
-
-    def move(self, artists: Any, frame: int, colour: str | None) -> list[Artist]:
-        """Put the artists where they are in a frame, the slider in the colour of its mode."""
-        bodies, arrows = artists
-        moved = move_mechanism(bodies, self.layout, frame, colour)
-        move_force_arrows(arrows, self.layout, self.frames, self.preload, frame)
-        return [*moved, arrows]
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,10 +109,10 @@ class HistoryPicture:
         return [artists]
 
 
-Picture: TypeAlias = BeltPicture | Parts | HistoryPicture
+Picture: TypeAlias = Parts | HistoryPicture
 
 
-def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt | None:
+def mechanism_of(run: Trajectory, function: str) -> Mechanism | None:
     """The mechanism of the model of a run; None where nothing tells what the system looks like.
 
     Raises
@@ -203,28 +129,15 @@ def mechanism_of(run: Trajectory, function: str) -> Mechanism | TiltingBelt | No
             f"{function} needs a run of a model or an automaton, got one of a {type(source).__name__}, whose "
             "matrices do not tell what it looks like: take fl.plot_run(run)"
         )
-    if source is None and is_tilting_belt(run):  # a run of the model's automaton alone
-        return TiltingBelt()
     return source.mechanism if isinstance(source, Model) else None
 
 
-def picture_of(
-    run: Any, mechanism: Mechanism | TiltingBelt | None, t: Array, magnify: float | None = None
-) -> Picture:
-    """The mechanism of a run, or its time history, at times `t` (K,); ``magnify=None`` makes the largest
-    displacement well visible.
-
-    An equilibrium can be drawn as a run that rests, by an object with what is asked of the run.
-    """
-    if mechanism is None:
-        check_run_with_coordinates(run)
-        return HistoryPicture(run, t)
-    if isinstance(mechanism, Mechanism):
+def picture_of(run: Any, mechanism: Mechanism | None, t: Array, magnify: float | None = None) -> Picture:
+    """The mechanism of a run, or its time history, at times `t` (K,)."""
+    if mechanism is not None:
         return parts(run, mechanism, t, magnify)
-    frames, p = sample_frames(run, t), parameters(run)
-    return BeltPicture(
-        frames, lay_out_belt(frames, v=p["v"], l1=p["l1"], l2=p["l2"], magnify=magnify), p["F"]
-    )
+    check_run_with_coordinates(run)
+    return HistoryPicture(run, t)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,10 +163,9 @@ def animate(
 ) -> RunAnimation:
     """Animate a run: the model's mechanism, coloured by mode, with the contact forces and the phase plane.
 
-    Dampers are left out.  Displacements and the travel of a belt are magnified, its tilt is not.  The slider
-    of :class:`SliderOnBelt` stands on its contact spring (k2, k_nl) on the belt, which the springs k4, k5
-    and k6 hold; the forces drawn are those on the slider.  Where nothing tells what the system looks like, as
-    for an automaton, the time history takes the place of the mechanism.
+    Dampers are left out.  Displacements and the travel of a belt are magnified, angles are not.  Where
+    nothing tells what the system looks like, as for an automaton, the time history takes the place of the
+    mechanism.
 
     Parameters
     ----------

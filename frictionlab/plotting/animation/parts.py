@@ -7,16 +7,18 @@ and by the live canvas in the browser.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Polygon
+from matplotlib.patches import Polygon
+from matplotlib.text import Text
 
 from frictionlab.analysis.motion_scales import round_down_1_2_5
-from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import Belt, Block, Forces, Load, Mechanism, Point, Spring, Turn, Wall
 from frictionlab.plotting.appearance import (
     BLACK,
     BLUE,
@@ -24,12 +26,15 @@ from frictionlab.plotting.appearance import (
     VERMILLION,
     add_halo,
     background,
+    font_size,
     ink,
+    is_dark,
     line_width,
     marker_size,
     pen,
 )
 from frictionlab.plotting.time_histories import Array, modes_at
+from frictionlab.presentation import force_symbol, output_unit
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
@@ -39,9 +44,13 @@ LONGEST = 0.6  # longest arrow
 MARGIN = 0.25
 WIDTH = 0.16  # of springs
 SPRING_TURNS = 6
-MARKS = 8  # on a belt, so that its motion is seen
+MARKS = 16  # on a belt, so that its motion is seen
+HUB = 0.75  # radius of a wheel, as a share of the belt's around it
+ASIDE, ABOVE = 0.13, 0.25  # of a spring's label from its middle: beside it, and above or below
 ROUND = 40  # corners of a disc
-FORCES = {"normal_force": (BLUE, "F_N"), "friction_force": (VERMILLION, "F_T")}
+BELT_COLOUR, BELT_ON_DARK = "#F2F2F2", "#333333"
+FORCES = {"normal_force": BLUE, "friction_force": VERMILLION}
+BODIES = "block", "disc"  # shapes in the colour of the mode
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,13 +62,17 @@ class Shape:
     kind : "wall", "spring", "block", "disc", "belt" or "arrow"
     rows : (K, numbers) array
         The numbers of a shape in each frame: both ends of a wall or spring; centre, width and height of a
-        block or disc; ends, height and travel of a belt; foot and vector of an arrow.
+        block or disc; centres of a belt's wheels, their radius and the belt's travel; foot and vector of an
+        arrow.
     colour : str
+    label : str
+        What is written beside a spring.
     """
 
     kind: str
     rows: Array
     colour: str = BLACK
+    label: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +87,12 @@ class Parts:
         Names of the modes.
     coordinate : str
     shapes : tuple of Shape
-    magnify : float or None
-        Factor of the displacements; None where no point is displaced.
-    forces : mapping of str to float
-        Largest size (N) of each force that is drawn, by its symbol.
+    note : str
+        On the magnification, which angles of what turns do not have.
+    forces : mapping of str to str
+        What the legend says of each contact force that is drawn, and its colour.
+    loads : mapping of str to float
+        Parameters that are drawn as forces, N.
     """
 
     t: Array
@@ -86,57 +101,51 @@ class Parts:
     mode: np.ndarray
     coordinate: str
     shapes: tuple[Shape, ...]
-    magnify: float | None
-    forces: dict[str, float]
+    note: str
+    forces: dict[str, str]
+    loads: dict[str, float]
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """The picture's edges in x and in y."""
-        outlines = [outline(s.kind, s.rows[k]) for s in self.shapes for k in _extremes(s)]
+        outlines = [outlines_of(s.kind, s.rows[k])[0] for s in self.shapes for k in _extremes(s)]
         points = np.concatenate(outlines, axis=1)
         (x0, y0), (x1, y1) = np.nanmin(points, axis=1) - MARGIN, np.nanmax(points, axis=1) + MARGIN
         return (float(x0), float(x1)), (float(y0), float(y1))
 
-    @property
-    def note(self) -> str:
-        """A note on the magnification, which angles of what turns do not have."""
-        return "angles as they are" if self.magnify is None else f"displacements × {self.magnify:g}"
-
     def handles(self) -> list[Any]:
         """Legend entries of the forces."""
-        colours = {letter: colour for colour, letter in FORCES.values()}
-        return [
-            Line2D([], [], label=f"${name}$, up to {size:.3g} N", **pen(colours[name], 3.0))
-            for name, size in self.forces.items()
-        ]
+        texts = self.forces | {f"${name}$ = {size:.4g} N": BLACK for name, size in self.loads.items()}
+        return [Line2D([], [], label=text, **pen(colour, 3.0)) for text, colour in texts.items()]
 
-    def draw(self, ax: Axes) -> list[Any]:
+    def draw(self, ax: Axes) -> list[list[Any]]:
         """The artists of all shapes, as they are in the first frame."""
-        artists: list[Any] = []
-        for place, shape in enumerate(self.shapes):
-            artists += _artists(shape, 2.0 + place / len(self.shapes), ax)
-        for artist in artists:
-            ax.add_patch(artist) if isinstance(artist, Patch) else ax.add_line(artist)
+        shapes = enumerate(self.shapes)
+        artists = [_artists(shape, 2.0 + place / len(self.shapes), ax) for place, shape in shapes]
+        for artist in chain.from_iterable(artists):
+            ax.add_artist(artist)
         x, y = self.limits
         ax.set(xlim=x, ylim=y, aspect="equal", xticks=[], yticks=[])
         self.move(artists, 0, None)
         return artists
 
-    def move(self, artists: list[Any], frame: int, colour: str | None) -> list[Artist]:
+    def move(self, artists: list[list[Any]], frame: int, colour: str | None) -> list[Artist]:
         """Put the artists where they are in a frame, the bodies in the colour of the mode."""
-        left = iter(artists)
-        for shape in self.shapes:
-            artist: Any = next(left)
-            points = outline(shape.kind, shape.rows[frame])
-            if isinstance(artist, Polygon):
-                artist.set_xy(points.T)
-                if colour is not None:
-                    artist.set_facecolor(colour)
-            else:
-                artist.set_data(*points)
-            if shape.kind == "belt":
-                next(left).set_data(*marks(shape.rows[frame]))
-        return artists
+        for shape, own in zip(self.shapes, artists, strict=True):
+            for artist, points in zip(own, outlines_of(shape.kind, shape.rows[frame])):
+                _put(artist, points)
+            if shape.kind in BODIES and colour is not None:
+                own[0].set_facecolor(colour)
+        return list(chain.from_iterable(artists))
+
+
+def _put(artist: Any, points: Array) -> None:
+    if isinstance(artist, Polygon):
+        artist.set_xy(points.T)
+    elif isinstance(artist, Text):
+        artist.set_position((points[0, 0], points[1, 0]))
+    else:
+        artist.set_data(*points)
 
 
 def _extremes(shape: Shape) -> set[int]:
@@ -144,38 +153,72 @@ def _extremes(shape: Shape) -> set[int]:
     return {int(k) for k in (*shape.rows.argmin(axis=0), *shape.rows.argmax(axis=0))}
 
 
-def spring_outline(start: tuple[float, float], end: tuple[float, float], width: float) -> Array:
+def spring_outline(start: Any, end: Any, width: float) -> Array:
     """A zigzag (2, 2 SPRING_TURNS + 4) from `start` to `end`, straight at both ends."""
     a, b = np.array(start, dtype=float), np.array(end, dtype=float)
     along = np.r_[0.0, np.linspace(0.2, 0.8, 2 * SPRING_TURNS + 2), 1.0]
     across = np.r_[0.0, 0.0, np.tile([1.0, -1.0], SPRING_TURNS), 0.0, 0.0]
+    return a[:, None] + (b - a)[:, None] * along + _left(a, b)[:, None] * (width / 2 * across)
+
+
+def _left(a: Array, b: Array) -> Array:
+    """The unit vector to the left of the way from one point to another."""
     way = b - a
-    normal = np.array([-way[1], way[0]]) / (float(np.hypot(way[0], way[1])) or 1.0)
-    return a[:, None] + way[:, None] * along + normal[:, None] * (width / 2 * across)
+    return np.array([-way[1], way[0]]) / (float(np.hypot(way[0], way[1])) or 1.0)
 
 
-def outline(kind: str, row: Array) -> Array:
-    """Points (2, P) of a shape."""
-    if kind in ("block", "disc"):
+def outlines_of(kind: str, row: Array) -> list[Array]:
+    """Points (2, P) of each artist of a shape, its outline first; a label has one."""
+    if kind == "block":
         x, y, width, height = row
-        if kind == "block":
-            return np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[width], [height]] + [[x], [y]]
-        turn = 2 * np.pi * np.arange(ROUND) / ROUND
-        return np.array([x + width / 2 * np.cos(turn), y + height / 2 * np.sin(turn)])
+        return [np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2 * [[width], [height]] + [[x], [y]]]
+    if kind == "disc":
+        return [_ellipse(*row)]
     if kind == "spring":
-        return spring_outline((row[0], row[1]), (row[2], row[3]), WIDTH)
+        middle, left = (row[:2] + row[2:]) / 2, _left(row[:2], row[2:])
+        away = ASIDE + (ABOVE - ASIDE) * abs(left[1])
+        return [spring_outline(row[:2], row[2:], WIDTH), (middle + away * left)[:, None]]
     if kind == "belt":
-        return np.array([[row[0], row[1]], [row[2], row[2]]])
+        return _belt_outlines(row)
     if kind == "arrow":
-        return _arrow(*row)
-    return np.array([[row[0], row[2]], [row[1], row[3]]])
+        return [_arrow(*row)]
+    return [np.array([[row[0], row[2]], [row[1], row[3]]])]
 
 
-def marks(row: Array) -> Array:
-    """Points (2, MARKS) on a belt that travel with its surface."""
-    start, end, y, way = row
-    places = start + np.mod(way + (end - start) * np.arange(MARKS) / MARKS, end - start)
-    return np.array([places, np.full(MARKS, y)])
+def _ellipse(x: float, y: float, width: float, height: float) -> Array:
+    turn = 2 * np.pi * np.arange(ROUND) / ROUND
+    return np.array([x + width / 2 * np.cos(turn), y + height / 2 * np.sin(turn)])
+
+
+def _belt_outlines(row: Array) -> list[Array]:
+    """The belt, both of its wheels, and MARKS points on it that travel with its surface."""
+    start, end, radius, travel = row[:2], row[2:4], float(row[4]), float(row[5])
+    left, length = _left(start, end), float(np.hypot(*(end - start)))
+    frame = np.column_stack([[left[1], -left[0]], left])
+
+    def placed(distance: Array) -> Array:
+        return frame @ belt_outline(distance, length, radius) + start[:, None]
+
+    loop = 2 * (length + np.pi * radius)
+    wheels = [_ellipse(x, y, 2 * HUB * radius, 2 * HUB * radius) for x, y in (start, end)]
+    marks = placed(travel + loop * np.arange(MARKS) / MARKS)
+    return [placed(np.linspace(0.0, loop, 5 * ROUND)), *wheels, marks]
+
+
+def belt_outline(distance: Array, length: float, radius: float) -> Array:
+    """Points (2, P) of a belt at a distance (P,) along it, from its left upper end, clockwise.
+
+    The wheels' centres are at (0, 0) and (`length`, 0).
+    """
+    bend = np.pi * radius
+    d = np.mod(distance, 2 * (length + bend))
+    first, second = (d - length) / radius, (d - 2 * length - bend) / radius
+    top, bottom = d < length, (d >= length + bend) & (d < 2 * length + bend)
+    down = first < np.pi
+    x = np.where(down, length + radius * np.sin(first), -radius * np.sin(second))
+    y = np.where(down, radius * np.cos(first), -radius * np.cos(second))
+    x = np.where(top, d, np.where(bottom, 2 * length + bend - d, x))
+    return np.array([x, np.where(top, radius, np.where(bottom, -radius, y))])
 
 
 def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
@@ -192,102 +235,157 @@ def _arrow(x: float, y: float, dx: float, dy: float) -> Array:
 
 def _artists(shape: Shape, order: float, ax: Axes) -> list[Any]:
     """The artists of a shape, at its place in the order of drawing; arrows are over all others."""
-    if shape.kind in ("block", "disc"):
-        edge: dict[str, Any] = {"edgecolor": ink(ax), "linewidth": line_width(1.2)}
-        return [Polygon(np.zeros((1, 2)), facecolor=background(ax), zorder=order, **edge)]
-    width = {"wall": 4.0, "belt": 3.0, "arrow": 3.0}.get(shape.kind, 1.0)
-    order = 5.0 if shape.kind == "arrow" else order
-    artists = [Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))]
-    if shape.kind == "arrow":  # it is drawn over a body
-        add_halo(artists[0], ax)
+    if shape.kind in BODIES:
+        return [_polygon(background(ax), ink(ax), 1.2, order)]
     if shape.kind == "belt":
-        marked: dict[str, Any] = {"marker": "o", "markersize": marker_size(4.0), "linestyle": "none"}
-        artists.append(Line2D([], [], color=ink(ax), zorder=order, **marked))
-    return artists
+        dots: dict[str, Any] = {"marker": "o", "markersize": marker_size(3.0), "linestyle": "none"}
+        loop = _polygon(BELT_ON_DARK if is_dark(ax) else BELT_COLOUR, ink(ax), 1.8, order)
+        wheels = [_polygon(background(ax), GREY, 1.0, order) for _ in range(2)]
+        return [loop, *wheels, Line2D([], [], color=ink(ax), zorder=order, **dots)]
+    width = {"wall": 4.0, "arrow": 3.0}.get(shape.kind, 1.0)
+    order = 5.0 if shape.kind == "arrow" else order
+    line = Line2D([], [], zorder=order, solid_joinstyle="round", **pen(shape.colour, width, ax))
+    if shape.kind == "arrow":  # it is drawn over a body
+        add_halo(line, ax)
+    return [line, _label(shape, ax)] if shape.label else [line]
 
 
-def parts(run: Trajectory, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
+def _polygon(face: str, edge: str, width: float, order: float) -> Polygon:
+    return Polygon(
+        np.zeros((1, 2)), facecolor=face, edgecolor=edge, linewidth=line_width(width), zorder=order
+    )
+
+
+def _label(shape: Shape, ax: Axes) -> Text:
+    row = shape.rows[0]
+    across = _left(row[:2], row[2:])[0]
+    align = "left" if across > 0.5 else "right" if across < -0.5 else "center"
+    return Text(0, 0, shape.label, color=ink(ax), fontsize=font_size(10.0), ha=align, va="center")
+
+
+def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None) -> Parts:
     """The mechanism of a run at times `t` (K,); ``magnify=None`` makes the largest displacement well
-    visible."""
+    visible.
+
+    An equilibrium can be drawn as a run that rests, by an object with what is asked of the run.
+    """
     values = {name: np.full(len(t), float(value)) for name, value in run.automaton.values.items()}
     values |= dict(zip(run.names, run(t).T, strict=True))
-    samples = SampledRun(run, t, values, modes_at(run, t))
-    lengths = [values[name.lstrip("-")] for name in sorted(_names(mechanism))]
-    largest = max((float(np.abs(value).max()) for value in lengths), default=0.0)
+    points = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Point)]
+    names = {name.lstrip("-") for point in points for name in (point.right, point.up) if name}
+    largest = max((_size(values[name]) for name in names), default=0.0)
     s = magnify if magnify is not None else round_down_1_2_5(REACH / largest) if largest > 0 else 1.0
-    contacts = [part.contact for part in mechanism.parts if isinstance(part, Forces)]
-    forces = {(contact, name): run.output(name + contact, t) for contact in contacts for name in FORCES}
-    top = max((float(np.abs(force).max()) for force in forces.values()), default=0.0)
-    scale = LONGEST / top if top > 0 else 1.0
-    shapes = [shape for part in mechanism.parts for shape in _shapes(part, samples, s, (forces, scale))]
-    sizes: dict[str, float] = {}
-    for (_, name), force in forces.items():
-        letter = FORCES[name][1]
-        sizes[letter] = max(sizes.get(letter, 0.0), float(np.abs(force).max()))
-    first, factor = run.automaton.shown_state, s if lengths else None
-    return Parts(t, values[first], values[first + "'"], samples.mode, first, tuple(shapes), factor, sizes)
+    forces = {
+        name + part.contact: run.output(name + part.contact, t)
+        for part in mechanism.parts
+        if isinstance(part, Forces)
+        for name in FORCES
+    }
+    loads = {part.force: float(values[part.force][0]) for part in mechanism.parts if isinstance(part, Load)}
+    top = max((*map(_size, forces.values()), *map(abs, loads.values())), default=0.0)
+    samples = SampledRun(run, t, values | forces, modes_at(run, t), s, LONGEST / top if top > 0 else 1.0)
+    shapes = [shape for part in mechanism.parts for shape in _shapes(part, samples)]
+    first, turns = run.automaton.shown_state, any(point.turn for point in points)
+    notes = [f"displacements × {s:g}"] * bool(names) + ["angles × 1"] * (turns or not names)
+    return Parts(
+        t,
+        values[first],
+        values[first + "'"],
+        samples.mode,
+        first,
+        tuple(shapes),
+        ", ".join(notes),
+        _legend(run, forces),
+        loads,
+    )
+
+
+def _legend(run: Any, forces: dict[str, Array]) -> dict[str, str]:
+    """What is said of each contact force, and its colour: one entry for the forces of all contacts."""
+    texts = {}
+    for name, colour in FORCES.items():
+        own = [each for each in forces if each.startswith(name)]
+        if own:
+            size = max(_size(forces[each]) for each in own)
+            symbol, unit = force_symbol(name, run.source), output_unit(name, run.source)
+            texts[f"${symbol}$, up to {size:.4g} {unit}"] = colour
+    return texts
+
+
+def _size(values: Array) -> float:
+    return float(np.abs(values).max())
 
 
 @dataclass(frozen=True, eq=False)
 class SampledRun:
-    """Samples of a run at times `t`: states and parameters by name, and modes."""
+    """Samples of a run at times `t`: states, parameters and forces by name, and modes.
+
+    Displacements are magnified by the factor `magnify`, and a newton is an arrow of the length `scale`.
+    """
 
     run: Trajectory
     t: Array
     values: dict[str, Array]
     mode: np.ndarray
+    magnify: float
+    scale: float
 
-    def at(self, point: Point | tuple[float, float], s: float) -> list[Array]:
+    def at(self, point: Point | tuple[float, float]) -> list[Array]:
         """x and y (K,) of a point."""
         point = point if isinstance(point, Point) else Point(*point)
-        x, y = (base + self._moved(name, s) for base, name in ((point.x, point.right), (point.y, point.up)))
+        x, y = point.x + self._moved(point.right), point.y + self._moved(point.up)
+        if point.on is not None:
+            return [x, self._surface(point.on, x)]
         if point.turn is None:
             return [x, y]
-        angle = self.values[point.turn.angle] + point.turn.start
+        angle = self._angle(point.turn)
         return [x + point.turn.right * np.cos(angle), y + point.turn.up * np.sin(angle)]
 
-    def _moved(self, name: str, s: float) -> Array:
-        if not name:
-            return np.zeros(len(self.t))
-        return (-s if name.startswith("-") else s) * self.values[name.lstrip("-")]
+    def _moved(self, name: str) -> Array:
+        return self.magnify * self._signed(name) if name else np.zeros(len(self.t))
+
+    def _signed(self, name: str) -> Array:
+        return -self.values[name[1:]] if name.startswith("-") else self.values[name]
+
+    def _angle(self, turn: Turn) -> Array:
+        angle = self._signed(turn.angle)
+        return (np.arctan(angle) if turn.linear else angle) + turn.start
+
+    def _surface(self, belt: Belt, x: Array) -> Array:
+        """Height of a belt's upper side, or of its prolongation, at x."""
+        (x1, y1), (x2, y2) = self.at(belt.start), self.at(belt.end)
+        slope = (y2 - y1) / (x2 - x1)
+        return y1 + slope * (x - x1) + belt.radius * np.hypot(1.0, slope)
 
 
-def _shapes(part: Any, samples: SampledRun, s: float, forces: Any) -> list[Shape]:
-    ones = np.ones(len(samples.t))
+def _shapes(part: Any, samples: SampledRun) -> list[Shape]:
+    ones, at = np.ones(len(samples.t)), samples.at
     if isinstance(part, Wall):
-        return [Shape("wall", np.column_stack([*samples.at(part.start, s), *samples.at(part.end, s)]), GREY)]
+        return [Shape("wall", np.column_stack([*at(part.start), *at(part.end)]), GREY)]
     if isinstance(part, Spring):
-        return [Shape("spring", _spring(part, samples, s))]
+        return [Shape("spring", _spring(part, samples), label=part.label)]
     if isinstance(part, Block):
         sizes = part.width * ones, part.height * ones
-        return [Shape("disc" if part.disc else "block", np.column_stack([*samples.at(part.at, s), *sizes]))]
+        return [Shape("disc" if part.disc else "block", np.column_stack([*at(part.at), *sizes]))]
     if isinstance(part, Belt):
-        way = s * samples.values[part.speed] * (samples.t - samples.t[0]) if part.speed else 0.0 * ones
-        still = part.start * ones, part.end * ones, part.y * ones
-        return [Shape("belt", np.column_stack([*still, way]), GREY)]
-    return _pair(part, samples, s, forces)
+        speed = samples.values[part.speed] if part.speed else 0.0 * ones
+        way = samples.magnify * speed * (samples.t - samples.t[0])
+        return [Shape("belt", np.column_stack([*at(part.start), *at(part.end), part.radius * ones, way]))]
+    x, y = at(part.at)
+    if isinstance(part, Load):
+        length = samples.scale * samples.values[part.force]
+        return [Shape("arrow", np.column_stack([x, y + length, 0.0 * ones, -length]))]
+    normal, friction = (samples.scale * samples.values[name + part.contact] for name in FORCES)
+    vectors = (0.0 * ones, normal), (friction, 0.0 * ones)
+    return [
+        Shape("arrow", np.column_stack([x, y, *vector]), colour)
+        for vector, colour in zip(vectors, FORCES.values())
+    ]
 
 
-def _pair(part: Forces, samples: SampledRun, s: float, forces: Any) -> list[Shape]:
-    """The arrows of both contact forces."""
-    sizes, scale = forces
-    foot, nothing = samples.at(part.at, s), np.zeros(len(samples.t))
-    vectors = {
-        "normal_force": (nothing, scale * sizes[part.contact, "normal_force"]),
-        "friction_force": (scale * sizes[part.contact, "friction_force"], nothing),
-    }
-    return [Shape("arrow", np.column_stack([*foot, *v]), FORCES[name][0]) for name, v in vectors.items()]
-
-
-def _spring(part: Spring, samples: SampledRun, s: float) -> Array:
-    start, end = samples.at(part.start, s), samples.at(part.end, s)
+def _spring(part: Spring, samples: SampledRun) -> Array:
+    start, end = samples.at(part.start), samples.at(part.end)
     if part.loose:
         hangs, rest = samples.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
         start = [np.where(hangs, x + dx, y) for x, dx, y in zip(end, rest, start, strict=True)]
     return np.column_stack([*start, *end])
-
-
-def _names(mechanism: Mechanism) -> set[str]:
-    """Names of the coordinates and parameters that move the points of a mechanism."""
-    points = [p for part in mechanism.parts for p in vars(part).values() if isinstance(p, Point)]
-    return {name for point in points for name in (point.right, point.up) if name}

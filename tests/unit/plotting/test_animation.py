@@ -17,19 +17,7 @@ from PIL import Image
 import frictionlab as fl
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point
 from frictionlab.plotting.animation.animate import HistoryPicture, check_film_path, frame_times
-from frictionlab.plotting.animation.parts import parts, spring_outline
-from frictionlab.plotting.animation.tilting_belt import (
-    COLUMNS,
-    belt_outline,
-    draw_force_arrows,
-    draw_mechanism,
-    force_scale,
-    lay_out_belt,
-    move_force_arrows,
-    move_mechanism,
-    sample_frames,
-    to_picture_frame,
-)
+from frictionlab.plotting.animation.parts import belt_outline, outlines_of, parts, spring_outline
 from frictionlab.plotting.appearance import MODE_COLOURS
 from frictionlab.plotting.figure import AnimatedFigure
 from tests.helpers.cases import slow_but
@@ -53,56 +41,61 @@ def run(request):
 
 
 def drawn(run, **options):
-    """Frames, mechanism, and its artists in axes of their own."""
-    seen, p = sample_frames(run, T), run.source.parameters
-    picture = lay_out_belt(seen, v=p["v"], l1=p["l1"], l2=p["l2"], **options)
-    return seen, picture, draw_mechanism(Figure().add_subplot(), picture)
+    """The picture of a run, and the rows of its shapes by kind."""
+    picture = parts(run, run.source.mechanism, T, **options)
+    kinds = {shape.kind for shape in picture.shapes}
+    return picture, {kind: [s.rows for s in picture.shapes if s.kind == kind] for kind in kinds}
 
 
-def surface(belt, x):
-    """Height of the drawn belt's upper side at x, from the polygon on the canvas alone."""
-    corners = belt.get_xy()[:-1]
-    top = corners[
-        np.linspace(0.0, 1.0, len(corners)) < 0.2
-    ]  # the first fifth of its way lies on the upper side
-    slope, height = np.polyfit(*top.T, 1)
+def magnification(picture):
+    return float(picture.note.split(" × ")[1].split(",")[0])
+
+
+def surface(row, x):
+    """Height of the drawn belt's upper side at x, from its outline alone."""
+    corners = outlines_of("belt", row)[0]
+    top = corners[:, : corners.shape[1] // 5]  # the first fifth of its way lies on the upper side
+    slope, height = np.polyfit(*top, 1)
     return slope * x + height
 
 
 @pytest.mark.parametrize("magnify", [None, 3.0])
 def test_the_slider_is_where_the_run_has_it_magnified(run, magnify):
-    _, picture, artists = drawn(run, magnify=magnify)
-    s = picture.magnify
+    picture, rows = drawn(run, magnify=magnify)
+    s, (slider,) = magnification(picture), rows["block"]
     assert magnify in (None, s)
-    for k in range(0, len(T), 7):
-        move_mechanism(artists, picture, k)
-        x, y = artists["slider"].get_xy()
-        assert x + picture.block[0] / 2 == pytest.approx(s * run["x1"][k], abs=1e-12)
-        assert y - picture.spring == pytest.approx(s * run["y1"][k], abs=1e-12)
+    assert slider[:, 0] == pytest.approx(s * run["x1"], abs=1e-12)
+    assert slider[:, 1] - slider[0, 1] == pytest.approx(s * (run["y1"] - run["y1"][0]), abs=1e-12)
 
 
 def test_the_foot_is_on_the_belt_in_contact_and_above_it_in_flight(run):
-    seen, picture, artists = drawn(run)
+    picture, rows = drawn(run)
+    s, (belt,) = magnification(picture), rows["belt"]
+    (foot,) = (shape.rows for shape in picture.shapes if "nl" in shape.label)
     for k in range(0, len(T), 3):
-        move_mechanism(artists, picture, k)
-        (x,), (y,) = artists["foot"].get_data()
-        above = y - surface(artists["belt"], x)
-        length = artists["slider"].get_y() - y
+        x, y, above, top = foot[k]
         flying = run.mode[k] == "separation"
         # What is drawn between slider and belt is the gap of the run, magnified.
-        assert above == pytest.approx(-picture.magnify * run.penetration[k] if flying else 0.0, abs=1e-11)
-        assert picture.spring - length == pytest.approx(
-            0.0 if flying else picture.magnify * run.penetration[k], abs=1e-11
-        )
-        assert not flying or above > 0
-        assert seen.mode[k] == run.mode[k]
+        assert y - surface(belt[k], x) == pytest.approx(-s * run.penetration[k] if flying else 0.0, abs=1e-11)
+        assert 0.8 - (top - y) == pytest.approx(0.0 if flying else s * run.penetration[k], abs=1e-11)
+        assert above == pytest.approx(x)
+        assert picture.mode[k] == run.mode[k]
+
+
+def test_the_belt_tilts_about_wheels_of_its_size(run):
+    _, rows = drawn(run)
+    (x1, y1, x2, y2, *_), p = rows["belt"][0].T, run.source.parameters
+    phi = run["phi"] if "phi" in run.names else 0.0 * T
+    assert (y2 - y1) / (x2 - x1) == pytest.approx(-phi, abs=1e-12)
+    ends = [max(p[name] / max(p["l1"], p["l2"]), 0.25) for name in ("l1", "l2")]
+    assert np.hypot(x2 - x1, y2 - y1) == pytest.approx(sum(ends))
 
 
 def test_a_slider_that_sticks_moves_with_the_marks_on_the_belt():
     run = fl.simulate(SCENES["4 dof"], 0.4, t_eval=T, progress=False)
-    _, picture, _ = drawn(run)
-    row = dict(zip(COLUMNS, picture.rows.T))
-    apart = np.diff(row["slider_x"] - row["belt_x"] - row["travel"])
+    _, rows = drawn(run)
+    (slider,), (belt,) = rows["block"], rows["belt"]
+    apart = np.diff(slider[:, 0] - belt[:, 0] - belt[:, 5])
     edges = np.searchsorted(run.events.t, T)
     stuck = (run.mode[:-1] == "stick") & (edges[1:] == edges[:-1])
     assert stuck.sum() > 20
@@ -111,21 +104,18 @@ def test_a_slider_that_sticks_moves_with_the_marks_on_the_belt():
 
 
 def test_arrows_are_the_forces_and_vanish_in_flight(run):
-    seen, picture, artists = drawn(run)
+    _, rows = drawn(run)
+    normal, friction, load = (vectors[:, 2:] for vectors in rows["arrow"])
     preload = run.source.F
-    scale = force_scale(picture, seen, preload)
-    arrows = draw_force_arrows(artists["slider"].axes, scale)
-    for k in range(0, len(T), 3):
-        move_force_arrows(arrows, picture, seen, preload, k)
-        vectors = np.ma.array([arrows.U, arrows.V], mask=[np.broadcast_to(arrows.Umask, 3)] * 2)
-        assert np.ma.allequal(vectors[:, 2], [0.0, -preload])
-        if run.mode[k] == "separation":
-            assert vectors.mask[:, :2].all()
-            continue
-        assert np.ma.allclose(vectors[:, 0], [0.0, run.normal_force[k]])
-        assert np.ma.allclose(vectors[:, 1], [run.friction_force[k], 0.0])
+    scale = preload / -load[0, 1]
+    assert load == pytest.approx(np.tile([0.0, -preload / scale], (len(T), 1)))
+    assert scale * normal[:, 1] == pytest.approx(run.normal_force)
+    assert scale * friction[:, 0] == pytest.approx(run.friction_force)
+    assert not np.any([normal[:, 0], friction[:, 1]])
+    for k in np.flatnonzero(run.mode == "separation"):
+        assert np.isnan(outlines_of("arrow", rows["arrow"][0][k])[0]).all()
     largest = max(np.abs(run.normal_force).max(), np.abs(run.friction_force).max(), preload)
-    assert largest / scale == pytest.approx(0.9 * picture.size)
+    assert largest / scale == pytest.approx(0.6)
 
 
 def test_the_animation_follows_mode_time_and_state(run):
@@ -134,7 +124,7 @@ def test_the_animation_follows_mode_time_and_state(run):
     assert isinstance(animation, FuncAnimation)
     FigureCanvasAgg(figure)
     picture, phase = figure.axes
-    slider = next(patch for patch in picture.patches if patch.get_zorder() == 3)
+    slider = max(picture.patches, key=lambda patch: patch.get_zorder())  # drawn last
     count = 0
     for k, _ in enumerate(animation.new_frame_seq()):
         animation._draw_frame(k)
@@ -145,7 +135,7 @@ def test_the_animation_follows_mode_time_and_state(run):
         assert picture.get_title() == f"t = {T[k]:.3f} s: {run.mode[k]}; 25 times slower"
     assert count == len(T)
     animation._draw_was_started = True  # nothing was written on purpose
-    assert re.fullmatch(r"displacements × [\d.e+]+, tilt as it is", picture.get_xlabel())
+    assert re.fullmatch(r"displacements × [\d.e+]+(, angles × 1)?", picture.get_xlabel())
     shown = {text.get_text() for text in figure.legends[0].get_texts()}
     assert set(run.mode) <= shown
     assert len(shown) == len(set(run.mode)) + 3
@@ -160,24 +150,14 @@ def test_a_run_that_does_not_move_is_drawn():
 
 
 def test_the_belt_runs_around_its_wheels():
-    wheels, r = (0.1, 0.3), 0.05
-    loop = 2 * (sum(wheels) + np.pi * r)
-    points = belt_outline(np.linspace(0.0, loop, 20001), wheels, r)
+    length, r = 0.4, 0.05
+    loop = 2 * (length + np.pi * r)
+    points = belt_outline(np.linspace(0.0, loop, 20001), length, r)
     steps = np.hypot(*np.diff(points))
     assert steps.sum() == pytest.approx(loop, rel=1e-7)
     assert np.allclose(points[:, 0], points[:, -1])
-    axis = np.clip(points[0], -wheels[0], wheels[1])  # nearest point between the wheels' centres
-    assert np.allclose(np.hypot(points[0] - axis, points[1] + r), r)
-
-
-def test_turning_keeps_lengths_and_gives_the_slope():
-    (x0, x1, x2), (y0, y1, y2) = to_picture_frame(
-        np.array([[0.0, 2.0, 0.0], [0.0, 0.0, -1.0]]), 3.0, 4.0, -0.25
-    )
-    assert (x0, y0) == (3.0, 4.0)
-    assert (y1 - y0) / (x1 - x0) == pytest.approx(-0.25)
-    assert np.hypot(x1 - x0, y1 - y0) == pytest.approx(2.0)
-    assert (x1 - x0) * (x2 - x0) + (y1 - y0) * (y2 - y0) == pytest.approx(0.0, abs=1e-15)
+    axis = np.clip(points[0], 0.0, length)  # nearest point between the wheels' centres
+    assert np.allclose(np.hypot(points[0] - axis, points[1]), r)
 
 
 def test_a_spring_joins_its_ends_and_stays_within_its_width():
@@ -198,8 +178,8 @@ def test_an_automaton_of_a_model_is_animated_without_the_model():
 def test_a_belt_travels_where_no_point_is_displaced():
     run = fl.simulate(fl.MassOnBelt(v=0.5), 2.0, progress=False)
     picture = parts(run, Mechanism(Belt("v"), Block(Point(0.0, 0.2))), np.array([0.0, 2.0]))
-    assert picture.shapes[0].rows[:, 3].tolist() == [0.0, 1.0]
-    assert picture.note == "angles as they are"
+    assert picture.shapes[0].rows[:, 5].tolist() == [0.0, 1.0]
+    assert picture.note == "angles × 1"
 
 
 def test_the_legend_of_a_history_has_all_coordinates_and_no_modes():
