@@ -33,6 +33,16 @@ def test_of_an_automaton_they_are_zero():
     assert_all(fl.solve(automaton, 0.1, x0={"y": 2.0}, **QUIET)(0.0) == [2.0, 0.0])
 
 
+def test_a_state_with_labels_is_read_by_them():
+    """By place a Series with x' first had its velocity for the place."""
+    pandas = pytest.importorskip("pandas")
+    start = pandas.Series({"x'": 2.0, "x": 1.0})
+    assert_all(fl.simulate(BELT, 0.1, x0=start, **QUIET)(0.0) == [1.0, 2.0])
+    assert_all(fl.solve(BELT.automaton(), 0.1, x0=start, **QUIET)(0.0) == [1.0, 2.0])
+    with pytest.raises(ValueError, match="x0 has no state 'y'"):
+        fl.simulate(BELT, 0.1, x0=pandas.Series({"y": 2.0}))
+
+
 ANALYSES = {
     "simulate": lambda x0: fl.simulate(BELT, 1.0, x0=x0, **QUIET).states,
     "solve": lambda x0: fl.solve(BELT.automaton(), 1.0, x0=x0, **QUIET).states,

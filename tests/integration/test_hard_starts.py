@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import frictionlab as fl
 from frictionlab.components import SlidingOnly
@@ -211,28 +210,3 @@ def test_a_run_can_be_stopped_and_taken_up_again(model, part):
     assert [*first.events.target, *second.events.target] == whole.events.target.tolist()
     assert_same_times(times, whole.events.t, abs=1e-10)
     assert second.final_state == pytest.approx(whole.final_state, abs=1e-9)
-
-
-@pytest.mark.parametrize("number", range(12))
-def test_a_run_can_be_stopped_at_an_event_and_taken_up_again(number):
-    whole = motion(MODEL, 1.0)
-    stop = whole.events.t[number]
-    state, mode = whole.events.state[number], str(whole.events.target[number])
-    second = fl.solve(MODEL.automaton(), 1.0 - stop, x0=state)
-    assert second.mode[0] == mode
-    assert len(second.events) == len(whole.events) - number - 1
-    assert_same_times(stop + second.events.t, whole.events.t[number + 1 :], abs=1e-10)
-
-
-def test_a_law_of_ones_own_runs_without_compiling():
-    """F_N = k d / (1 - d/c) of the penetration d: a quotient, which no shipped law has."""
-    penetration = sp.Symbol("gap")
-
-    class Hardening(fl.ContactLaw):
-        def force(self, penetration):
-            return 5e3 * penetration / (1 - 10 * penetration)
-
-    assert Hardening().force(penetration).has(penetration)
-    run = motion(MODEL.replace(contact=Hardening()), 0.5)
-    assert len(run.events) > 3
-    assert_all(run.normal_force[run.mode != "separation"] >= -1e-9)

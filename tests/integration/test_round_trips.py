@@ -32,14 +32,15 @@ WAYS = {
 QUIET = {"progress": False}
 
 
-def run_with_riders():
+def run_with_riders(t_eval=None):
     x, rate = MODEL.automaton().states
     more = {"sections": {"turns": rate}, "quadratures": {"square": x**2}}
-    return fl.simulate(MODEL, 20.0, **more, **QUIET)
+    return fl.simulate(MODEL, 20.0, t_eval=t_eval, **more, **QUIET)
 
 
 MORE = {
     "run with riders": run_with_riders,
+    "run at times": lambda: run_with_riders(np.linspace(0.0, 20.0, 11)),
     "run of an automaton": lambda: fl.solve(MODEL.automaton(), 20.0, x0=[0.0, 0.0], **QUIET),
     "estimate": lambda: result("uncertainty").mean,
     "quantity": lambda: fl.CriticalValue("mu_k", (0.0, 4.0)),
@@ -108,7 +109,9 @@ def test_every_public_result_is_tested():
     assert drawable <= {type(result(name)).__name__ for name in BUILDERS}
 
 
-@pytest.mark.parametrize("name", ["run with riders", "run of two contacts", "run of an automaton"])
+@pytest.mark.parametrize(
+    "name", ["run with riders", "run at times", "run of two contacts", "run of an automaton"]
+)
 def test_a_saved_run_is_the_same(name, tmp_path):
     given = result(name)
     other = fl.load(given.save(tmp_path / "run"))

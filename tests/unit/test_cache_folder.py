@@ -160,6 +160,16 @@ def test_a_folder_that_may_be_planted_is_not_used(bases, plant, inner):
         assert str(base / inner) in str(warned[-1].message)
 
 
+def test_a_folder_that_cannot_be_made_is_replaced(bases):
+    bases[0].write_text("not a folder")
+    assert cache_folder.digest_folder(DIGEST) == str(bases[1] / DIGEST)
+    bases[1].parent.chmod(0o777)
+    bases[1].joinpath(DIGEST).rmdir()
+    bases[1].rmdir()
+    bases[1].write_text("not a folder")
+    assert cache_folder.digest_folder(DIGEST) == ""
+
+
 def test_a_folder_that_cannot_be_written_to_is_read_if_there_is_something_in_it(bases, monkeypatch):
     folder = bases[0] / DIGEST
     folder.mkdir(mode=0o700, parents=True)

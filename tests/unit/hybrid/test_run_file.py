@@ -67,6 +67,16 @@ def test_another_automaton_is_refused(saved, other, word):
     assert "load(path, model=...)" in str(caught.value)
 
 
+def test_arrays_of_someone_else_are_no_run(tmp_path):
+    np.savez(tmp_path / "other.npz", a=np.arange(3))
+    np.save(tmp_path / "single.npy", np.arange(3))
+    for name in ("other.npz", "single.npy"):
+        with pytest.raises(ValueError, match="no saved run"):
+            fl.load(tmp_path / name)
+    with pytest.raises(FileNotFoundError):
+        fl.load(tmp_path / "missing.npz")
+
+
 # Kernels check no indices.
 CRAFTED = {
     "step_modes": lambda a: a + 1_000_000,

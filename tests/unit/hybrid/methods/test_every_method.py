@@ -37,9 +37,10 @@ class Simpson(fl.OneStepMethod):
 
 
 ONE_STEP = [fl.RK4(step=1e-4), Heun(step=2.5e-5), SlowHeun(step=2.5e-5), Simpson(step=1e-4)]
-METHODS = [fl.Taylor(), *ONE_STEP, *map(fl.Scipy, ("RK45", "DOP853", "Radau", "LSODA"))]
+METHODS = [fl.Taylor(), *ONE_STEP, *map(fl.Scipy, ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA"))]
 # Python functions are called a hundred thousand times in a run.
-QUICK = [one for one in METHODS if one.name != "slow heun" and getattr(one, "integrator", "") != "Radau"]
+LONG = "slow heun", "RK23", "Radau", "BDF"
+QUICK = [one for one in METHODS if getattr(one, "integrator", one.name) not in LONG]
 every_method = pytest.mark.parametrize(
     "method", slow_but(QUICK, METHODS), ids=lambda m: getattr(m, "integrator", m.name)
 )
@@ -61,8 +62,9 @@ def test_the_events_of_a_stick_slip_motion(method):
     assert run.t[-1] == 0.15
     assert len(exact.events) > 0
     assert run.events.target.tolist() == exact.events.target.tolist()
-    assert run.events.t == pytest.approx(exact.events.t, abs=1e-5)
-    assert run.final_state == pytest.approx(exact.final_state, abs=1e-4)
+    error = 1e-5 if isinstance(method, fl.OneStepMethod) else 1e-6
+    assert run.events.t == pytest.approx(exact.events.t, abs=error)
+    assert run.final_state == pytest.approx(exact.final_state, abs=10 * error)
 
 
 @every_method

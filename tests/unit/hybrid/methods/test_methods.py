@@ -1,4 +1,4 @@
-"""The paper's algorithm, scipy's methods, files, ctrl-C, and what is said about bad settings."""
+"""The paper's algorithm, the starts of implicit methods, what methods say of themselves, ctrl-C."""
 
 import signal
 import threading
@@ -8,35 +8,15 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.compilation.machine_code import cache_folder
 from tests.helpers.assertions import assert_same_times
-from tests.helpers.cases import slow_but
 
 X, V = sp.symbols("x v")
 FULL = fl.PlasticImpact("full")
 A = fl.SliderOnBelt(mu_k=1.4).without("geometry")
 B = fl.SliderOnBelt(mu_k=1.4, impact=FULL)
-NAMES = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-
-
-def ball():
-    bounce = fl.Reset({X: sp.S.Zero, V: -V / 2})
-    flight = fl.Mode("flight", (V, sp.Integer(-10)), (fl.Event("floor", X, (), bounce),), (), {"height": X})
-    return fl.HybridAutomaton((X, V), (flight,), {}, 1)
 
 
 # --- RK4
-
-
-def test_rk4_converges_with_order_four_where_the_motion_is_smooth():
-    smooth = fl.SliderOnBelt(mu_k=1.4).without("nonsmooth")
-    exact = fl.simulate(smooth, 0.5).final_state
-    steps = np.array([1e-3, 5e-4, 2.5e-4])
-    errors = [
-        np.abs(fl.simulate(smooth, 0.5, method=fl.RK4(step=h)).final_state - exact).max() for h in steps
-    ]
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders == pytest.approx(4.0, abs=0.2)
 
 
 def test_rk4_approaches_the_exact_motion_with_events():
@@ -93,17 +73,6 @@ def test_rk4_of_the_oscillator_takes_the_steps_it_was_told():
 # --- scipy
 
 
-@pytest.mark.parametrize("name", slow_but({*NAMES} - {"RK23", "BDF", "Radau"}, NAMES))
-def test_scipys_methods_run_by_name(name):
-    exact = fl.simulate(A, 0.15)
-    run = fl.simulate(A, 0.15, method=name)
-    assert run.status is fl.Status.FINISHED
-    assert run.t[-1] == 0.15
-    assert run.events.target.tolist() == exact.events.target.tolist()
-    assert_same_times(run.events.t, exact.events.t, abs=1e-6)
-    assert run.final_state == pytest.approx(exact.final_state, abs=1e-5)
-
-
 @pytest.mark.parametrize("name", ["Radau", "BDF", "LSODA"])
 def test_implicit_methods_start_from_rest_in_steps_of_the_motions_own_size(name):
     # where all is zero, finite differences for a Jacobian are noise, and the steps shrink to 1e-19 s
@@ -137,60 +106,6 @@ def test_methods_describe_themselves():
     assert fl.Scipy("Radau").describe()["integrator"] == "Radau"
 
 
-# --- files
-
-
-def assert_same(one, other):
-    assert other.t.tolist() == one.t.tolist()
-    assert other.states.tolist() == one.states.tolist()
-    assert other.mode.tolist() == one.mode.tolist()
-    for field in ("t", "source", "target", "guard", "closed", "state", "before"):
-        assert getattr(other.events, field).tolist() == getattr(one.events, field).tolist()
-    assert other.final_state.tolist() == one.final_state.tolist()
-    assert other.status is one.status
-    assert dict(other.stats) == dict(one.stats)
-    assert dict(other.quadratures) == dict(one.quadratures)
-    assert other.time_in_mode == one.time_in_mode
-    assert other.description == one.description
-    for name, points in one.sections.items():
-        assert other.sections[name].t.tolist() == points.t.tolist()
-        assert other.sections[name].state.tolist() == points.state.tolist()
-
-
-@pytest.mark.parametrize("t_eval", [None, np.linspace(0, 0.3, 11)], ids=["steps", "t_eval"])
-def test_a_model_run_comes_back_from_its_file(tmp_path, t_eval):
-    sections, quadratures = {"v_r": "relative_velocity", "gap": ("penetration", 1)}, {"force": "normal_force"}
-    run = fl.simulate(B, 0.3, t_eval=t_eval, sections=sections, quadratures=quadratures)
-    assert len(run.sections["v_r"].t) > 0
-    path = run.save(tmp_path / "run")
-    assert path == tmp_path / "run.npz"
-    again = fl.load(path)
-    assert_same(run, again)
-    assert again.source == B
-    assert again.penetration.tolist() == run.penetration.tolist()
-    assert again(0.123).tolist() == run(0.123).tolist()
-
-
-def test_an_automatons_run_is_loaded_with_it_or_without(tmp_path):
-    run = fl.solve(ball(), 1.0, x0=[1.0, 0.0])
-    path = run.save(tmp_path / "ball.npz")
-    assert_same(run, fl.load(path, model=ball()))
-    assert fl.load(path, model=ball()).height.tolist() == run.height.tolist()
-    assert_same(run, fl.load(path))
-    with pytest.raises(ValueError, match="the model"):
-        fl.load(path, model=B)
-
-
-def test_arrays_of_someone_else_are_no_run(tmp_path):
-    np.savez(tmp_path / "other.npz", a=np.arange(3))
-    np.save(tmp_path / "single.npy", np.arange(3))
-    for name in ("other.npz", "single.npy"):
-        with pytest.raises(ValueError, match="no saved run"):
-            fl.load(tmp_path / name)
-    with pytest.raises(FileNotFoundError):
-        fl.load(tmp_path / "missing.npz")
-
-
 # --- ctrl-C
 
 
@@ -221,26 +136,3 @@ def test_runs_in_other_threads_leave_signals_alone():
     for thread in threads:
         thread.join()
     assert len({run.final_state.tobytes() for run in runs}) == 1
-
-
-# --- compiled code
-
-
-class Numba:
-    __version__ = "0"
-
-
-@pytest.mark.plain_python
-def test_compiled_code_goes_where_the_user_says(tmp_path, monkeypatch):
-    monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "here"))
-    assert cache_folder(Numba).startswith(str(tmp_path / "here"))
-
-
-@pytest.mark.plain_python
-def test_a_cache_folder_that_cannot_be_made_is_replaced(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("not a folder")
-    monkeypatch.setenv("FRICTIONLAB_CACHE_DIR", str(tmp_path / "file" / "below"))
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    assert cache_folder(Numba).startswith(str(tmp_path / "frictionlab-"))
-    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path / "file"))
-    assert cache_folder(Numba) == ""
