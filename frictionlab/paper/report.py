@@ -179,7 +179,11 @@ def reproduce(folder: str | Path, setting: Setting) -> Path:
         _run_and_count(bar, "step sizes", _write_step_size_page, folder, setting)
     page = folder / REPRODUCTION_PAGE
     minutes = (time.monotonic() - begin) / 60
-    text = _head_text(setting, minutes) + _claims_text(table) + _figures_text(drawn)
+    text = (
+        _head_text(setting, minutes)
+        + f"## Claims\n\n{claim_summary(table)}\n\n{claim_blocks(table)}\n## Figures\n"
+        + "".join(_figure_text(*each) for each in drawn)
+    )
     return write_text(page, text)
 
 
@@ -245,14 +249,6 @@ def _head_text(setting: Setting, minutes: float) -> str:
     )
 
 
-def _claims_text(table: Claims) -> str:
-    return f"## Claims\n\n{claim_summary(table)}\n\n{claim_blocks(table)}\n## Figures\n"
-
-
-def _figures_text(pictures: list[tuple[Any, Path]]) -> str:
-    return "".join(_figure_text(*each) for each in pictures)
-
-
 def _figure_text(result: Any, path: Path) -> str:
     how = f" ({result.how})" if result.how else ""
     rows = "\n".join(f"* {line}" for line in result.summary)
@@ -265,7 +261,8 @@ def claim_summary(table: Claims) -> str:
     verdicts = Counter(row.verdict for row in table)
     words = ", ".join(f"{verdict} {verdicts[verdict]}" for verdict in Verdict if verdicts[verdict])
     rows = [
-        f"| {_link(row.id)} | {SIGNS[row.verdict]} {row.verdict} | {row.where}: {_shortened(row.says)} "
+        f'| <a href="#claim-{row.id.lower()}">{row.id}</a> '
+        f"| {SIGNS[row.verdict]} {row.verdict} | {row.where}: {_shortened(row.says)} "
         f"| {_thumbnails(row.where)} |"
         for row in table
     ]
@@ -282,10 +279,6 @@ def _thumbnails(where: str) -> str:
 def claim_blocks(table: Claims) -> str:
     """One folded block for each claim: the verdict outside, all numbers inside."""
     return "\n".join(map(_block, table))
-
-
-def _link(name: str) -> str:
-    return f'<a href="#claim-{name.lower()}">{name}</a>'
 
 
 def _block(row: Claim) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Unpack
@@ -370,12 +370,7 @@ def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array
     base = np.zeros(len(state_names)) if own else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [state_names.index(name) for name in names]] = points
-    return _complete_states(x0, starts, state_names) if own else starts
-
-
-def _complete_states(x0: Callable[[Array], Any], starts: Array, names: tuple[str, ...]) -> Array:
-    """The states (N, n), each completed by `x0`."""
-    return np.array([_complete_state(x0(start.copy()), names) for start in starts])
+    return np.array([_complete_state(x0(start.copy()), state_names) for start in starts]) if own else starts
 
 
 def _complete_state(x0: Any, names: tuple[str, ...]) -> Array:

@@ -304,7 +304,7 @@ def _static_formulas(equations: SlidingEquations, held_by_contact: bool) -> dict
     forces = dict(zip((normal, friction), _forces(system, penetration), strict=True))
     # Laws are put in at the end: their exponential functions are not to be taken apart.
     q = _deflections(system, height, normal, friction)
-    excess = _penetration(system, q) - penetration
+    excess = system.rubbing.penetration.xreplace(dict(zip(system.q, q, strict=True))) - penetration
     if height is not None:
         # The slider's height enters the penetration with the factor -1.
         q[height] = excess
@@ -358,10 +358,6 @@ def _friction(system: LagrangeSystem, normal: Any) -> Any:
     contact: Any = system.rubbing
     speed = system.at_rest(contact.relative_velocity)
     return sympy.sign(speed) * contact.law.kinetic(normal, abs(speed))
-
-
-def _penetration(system: LagrangeSystem, q: Sequence[Any]) -> Any:
-    return system.rubbing.penetration.xreplace(dict(zip(system.q, q, strict=True)))
 
 
 def _deflections(
