@@ -1,6 +1,7 @@
 """What functions take: initial states by name, sections and methods as text, arrays of no dimension."""
 
 import inspect
+from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.analysis.options import Execution, ExecutionKeywords, SteadyStateKeywords
 from frictionlab.pages.export import SolverNotBuiltError
 from tests.helpers.assertions import assert_all
 
@@ -223,3 +225,15 @@ BY_PARAMETER = {
 def test_a_parameter_that_there_is_not_is_the_same_error_everywhere(name):
     with pytest.raises(TypeError, match=r"^SliderOnBelt has no parameter 'muk': did you mean 'mu_k'"):
         BY_PARAMETER[name]("muk")
+
+
+def test_keywords_for_editors_are_the_fields():
+    for keywords, kind in (
+        (SteadyStateKeywords, fl.SteadyStateOptions),
+        (ExecutionKeywords, Execution),
+    ):
+        assert list(keywords.__annotations__) == [field.name for field in fields(kind)]
+
+
+def test_a_name_of_a_method_is_resolved_once():
+    assert fl.SteadyStateOptions(method="rk4").method == fl.RK4()

@@ -142,3 +142,18 @@ def test_the_free_motion_of_an_impact_oscillator_grazes_where_its_amplitude_is_t
     times = np.linspace(0.0, grazing.orbit.period, 2001)
     assert grazing.orbit.trajectory(times)[:, 0].max() == pytest.approx(sigma, abs=1e-5)
     assert branch.stable.all()
+
+
+def test_chaos_needs_both_the_moving_load_and_the_non_smooth_behaviours():
+    """At mu_k = 2.5, under Eq. (13): without either the motion from rest is periodic, or has no end."""
+
+    def kind(model):
+        return {"kind": str(fl.steady_state(model, transient=250.0, window=50.0, progress=False).kind)}
+
+    model = fl.SliderOnBelt(mu_k=2.5)
+    found = fl.ablation(model, kind, ["nonsmooth", "geometry"], progress=False)
+    assert found[()]["kind"] == "non-periodic"
+    assert found.leave_one_out("kind = non-periodic") == {"without nonsmooth": -1.0, "without geometry": -1.0}
+    assert found["geometry"]["kind"] == "periodic"
+    effects = found.effects("kind = non-periodic")
+    assert effects["nonsmooth x geometry"] == 1.0

@@ -7,9 +7,11 @@ from html.parser import HTMLParser
 import pytest
 
 import frictionlab as fl
+from frictionlab.cli import command
 from frictionlab.compilation import manifest
 from frictionlab.compilation.kernel_sources import digest
-from frictionlab.pages import export
+from frictionlab.pages import export, page_data
+from frictionlab.pages.gallery import LibraryScene, export_gallery
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
 from frictionlab.pages.scene import parameter_controls
 
@@ -114,3 +116,29 @@ def test_a_page_may_run_its_own_scripts_and_nothing_else(title):
         "base-uri": "'none'",
         "form-action": "'none'",
     }
+
+
+OSCILLATOR = LibraryScene("FreeCoulomb()", "classics", fl.FreeCoulomb(), "dry friction alone")
+BALL = LibraryScene("BouncingBall()", "classics", fl.BouncingBall(), "infinitely many impacts")
+
+
+def test_a_page_is_written_once_and_what_has_none_is_said_in_the_index(tmp_path, monkeypatch):
+    first = export_gallery(tmp_path / "pages", [OSCILLATOR])
+    assert (first.written, first.present, first.refused) == (("FreeCoulomb()",), (), {})
+    page = tmp_path / "pages" / "FreeCoulomb.html"
+    before = page.stat().st_mtime_ns
+    monkeypatch.setattr(page_data, "MAX_MODES", 0)
+    again = export_gallery(tmp_path / "pages", [OSCILLATOR, BALL])
+    assert (again.written, again.present) == ((), ("FreeCoulomb()",))
+    assert page.stat().st_mtime_ns == before
+    assert list(again.refused) == ["BouncingBall()"]
+    assert again.refused["BouncingBall()"] in again.index.read_text(encoding="utf-8")
+    page.write_text("of another version", encoding="utf-8")
+    assert export_gallery(tmp_path / "pages", [OSCILLATOR]).refused.keys() == {"FreeCoulomb()"}
+
+
+@pytest.mark.parametrize("options", [["-o", "a.html"], ["--model", "DenHartog"], ["--set", "m=2"]])
+def test_a_folder_of_all_has_no_option_of_one_model(options, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        command.main(["page", "--all", str(tmp_path), *options])
+    assert f"--all must have no {options[0]}" in capsys.readouterr().err
