@@ -23,7 +23,7 @@ PAGES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
-FILES = ("LICENSE", "CITATION.cff")
+FILES = ("LICENSE", "CITATION.cff", ".github/SECURITY.md")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
 # Where a notebook can be run without installing anything; the project's address is that of pyproject.toml.
 SOURCE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Source"]

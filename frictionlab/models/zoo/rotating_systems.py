@@ -247,12 +247,12 @@ class FroudePendulum(ZooModel):
 class MotorAndCart(ZooModel):
     """A motor whose pin drives a cart to and fro in a slot, as in a Scotch yoke; the cart rubs on its rails.
 
-        (J + m r^2 sin^2 alpha) alpha'' + m r^2 sin alpha cos alpha alpha'^2 + b alpha'
-            = K i + r sin alpha F_T
+        (J + m r^2 s^2) alpha'' + m r^2 s c alpha'^2 + b alpha' = K i + r s F_T
         L i' + R i + K alpha' = U
 
-    The cart is at r cos alpha.  Its inertia and its friction make the motor turn unevenly, and a weak motor
-    stops.  The system is of the kind of Lima and Sampaio; the numbers are this package's.
+    with s = sin alpha and c = cos alpha.  The cart is at r c.  Its inertia and its friction make the motor
+    turn unevenly, and a weak motor stops.  The system is of the kind of Lima and Sampaio; the numbers are
+    this package's.
 
     Parameters
     ----------
