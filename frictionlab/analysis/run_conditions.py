@@ -97,7 +97,10 @@ def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
     # errors of other methods are not rounding; and to ask takes milliseconds
     if not is_of_series(run) or not (small & (ranges > 0.0)).any():
         return np.zeros(len(run.names), dtype=bool)
-    still, n = small & (ranges <= _rounding_of_rates(run)), run.automaton.coordinates
+    rounding, n = _rounding_of_rates(run), run.automaton.coordinates
+    for group in state_groups(n):  # contacts that hold a body still leave rounding errors of all forces on it
+        rounding[group] = rounding[group].max(initial=0.0)
+    still = small & (ranges <= rounding)
     still[:n] = still[n : 2 * n] = still[:n] & still[n : 2 * n]
     return still
 

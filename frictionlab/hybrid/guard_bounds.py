@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +36,7 @@ NOTHING = 1e-12  # share of a state's size: a smaller defect is not looked for
 HIDDEN = 1e-11  # share of a state's size: what functions that change much on a piece may add unseen
 SCALE = 1.0  # of a function: the most by which its argument may change on a piece
 RATIO = 2.0  # of powers, quotients and logarithms: the largest ratio of the argument's ends on a piece
+LEAST_SIZE = 1e-6  # of a state, as a share of the largest of its kind
 POINTS = np.array([-1.0, 0.0, 1.0])  # of a piece, at which values are computed: its start, middle and end
 
 
@@ -205,7 +207,9 @@ def condition_violation(problem: Problem, raw: RunData, states: Array, modes: Ar
 
     Event functions must not be negative, constraints must be zero.  The size of a condition is the largest
     sum of its absolute terms along the whole run, in all modes.  A flight's own samples would not do: where
-    it begins the gap is all rounding, and a flight can be arbitrarily short.
+    it begins the gap is all rounding, and a flight can be arbitrarily short.  Nor would the own size of a
+    state that is all rounding, as the height of a body that slides on two feet: a share of the largest
+    coordinate, or velocity, is the least.
 
     Parameters
     ----------
@@ -215,10 +219,12 @@ def condition_violation(problem: Problem, raw: RunData, states: Array, modes: Ar
     modes : int array (N,)
         The mode of each sample.
     """
-    worst = 0.0
+    worst, least = 0.0, np.abs(states).max(axis=0, initial=0.0)
+    for first, last in pairwise(problem.program.code.groups):
+        least[first:last] = LEAST_SIZE * least[first:last].max(initial=0.0)
     for mode in np.unique(modes):
         tape, samples = Tape(problem.program.code, problem.numbers, mode), states[modes == mode]
-        sizes = tape.sizes(np.vstack([samples, raw.step_states]))
+        sizes = tape.sizes(np.vstack([samples, raw.step_states]), least=least)
         sized, values = sizes > 0.0, tape.values(samples)
         values[:, len(tape.guards) :] = -np.abs(values[:, len(tape.guards) :])
         worst = max(worst, float((-values[:, sized] / sizes[sized]).max(initial=0.0)))

@@ -19,11 +19,13 @@ from frictionlab.analysis.initial_states import carried_state_of, initial_state_
 from frictionlab.analysis.motion_scales import (
     AT_REST_RTOL,
     Array,
+    motion_size,
     state_groups,
     state_ranges,
     state_scales,
 )
 from frictionlab.analysis.orbits.closing import Closing, closing_of
+from frictionlab.analysis.run_conditions import moved_by_rounding
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.drift import drifting_states, shifts_without_effect
 from frictionlab.analysis.steady_state.steady_state import SteadyState
@@ -230,8 +232,14 @@ def _start_in_freest_mode(
     i = freest_stay(automaton, [run.mode[0], *run.events.target], np.diff(ends))
     # Without events it is not moved: an unstable motion leads away from the orbit.
     middle = 0.5 * (ends[i] + ends[i + 1]) if len(run.events) else 0.0
-    size = state_scales(run.states, automaton.coordinates)
-    return OrbitGuess(run(middle), period, size, mode_to_state(run, middle))
+    return OrbitGuess(run(middle), period, scales_of_orbit(run), mode_to_state(run, middle))
+
+
+def scales_of_orbit(run: Trajectory) -> Array:
+    """The unit (n,) of differences between states: that of one which but rounding moves is the motion of
+    others."""
+    scales = state_scales(run.states, run.automaton.coordinates)
+    return np.where(moved_by_rounding(run), motion_size(run), scales)
 
 
 def _check_end(run: Trajectory) -> None:
@@ -430,7 +438,7 @@ def stability_within_errors(orbit: PeriodicOrbit) -> str:
     multiplier along the orbit, on the plane normal to its l, so that its error is at most |dM|/|l r| of that.
     """
     run = orbit.trajectory
-    size = state_scales(run.states, run.automaton.coordinates)
+    size = scales_of_orbit(run)
     matrix = orbit.monodromy * size / size[:, None]
     decomposition: Any = eig(matrix, left=True)
     values, left, right = decomposition

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.motion_scales import Array, state_scales
+from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.orbits.periodic_orbit import (
     RESIDUAL_ROUNDING,
     OrbitGuess,
@@ -24,6 +24,7 @@ from frictionlab.analysis.orbits.periodic_orbit import (
     freest_stay,
     mode_to_state,
     run_one_period,
+    scales_of_orbit,
 )
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import Combination, ModesOnDemand
@@ -103,7 +104,7 @@ def first_point(
 ) -> BranchPoint:
     """The branch point of an orbit; `state` ends with the parameter, which grows along the tangent."""
     shot = run_one_period(automaton, OrbitGuess(state, period, np.ones(len(state)), mode, 1))
-    scale = _point_scale(automaton, shot, period, span)
+    scale = _point_scale(shot, period, span)
     tangent = _tangent(shot, state, period, scale)
     return _centre_in_stay(
         automaton,
@@ -172,7 +173,7 @@ def _next_point(
     cost: int,
 ) -> BranchPoint:
     """The branch point of an orbit found, its tangent pointing forwards, its state moved away from events."""
-    scale = _point_scale(automaton, shot, period, float(before.scale[-1]))
+    scale = _point_scale(shot, period, float(before.scale[-1]))
     tangent = _tangent(shot, state, period, scale)
     ahead = float(tangent @ (before.tangent * before.scale / scale)) < 0.0
     tangent = -tangent if ahead else tangent
@@ -186,8 +187,8 @@ def _next_point(
     )
 
 
-def _point_scale(automaton: HybridAutomaton, shot: ShootingResult, period: float, span: float) -> Array:
-    return np.append(state_scales(shot.run.states[:, :-1], automaton.coordinates), [period, span])
+def _point_scale(shot: ShootingResult, period: float, span: float) -> Array:
+    return np.append(scales_of_orbit(shot.run)[:-1], [period, span])
 
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:

@@ -262,15 +262,15 @@ def saltation(program: Program, numbers: Numbers, event: EventCrossing, closes: 
         _check_accumulation(own, jump, before, after)
     gradient, rate = left.gradients[slot], left.jets[slot, 1]
     saltation = Saltation(jump, (after - jump @ before) / rate, gradient)
-    # The terms that may cancel in it: a plastic impact leaves a rounding error of the velocity before.
+    tangents = admissible_tangents(constraint_gradients(program, source, left))
+    # The flow after the event keeps the constraints, and that before it those of its own mode.  Rates that
+    # contacts hold at zero are rounding errors of the forces, which this leaves out.
+    delayed = tangents - np.outer(tangents @ before, gradient @ tangents / rate)
+    # The terms that may cancel: a plastic impact leaves a rounding error of the velocity before.
     sizes = np.eye(len(jump)) + np.abs(jump)
-    sizes += np.outer(np.abs(after) + sizes @ np.abs(before), np.abs(gradient / rate))
-    _check_constraints(
-        constraint_gradients(program, event.target, entered),
-        saltation.matrix,
-        sizes,
-        admissible_tangents(constraint_gradients(program, source, left)),
-    )
+    sizes += np.outer(sizes @ np.abs(before), np.abs(gradient / rate))
+    fixed = constraint_gradients(program, event.target, entered)
+    _check_constraints(fixed, jump @ tangents @ delayed, sizes @ np.abs(tangents))
     return saltation
 
 
@@ -385,13 +385,12 @@ def _other_guards_at_zero(
     return guards[zero & (code.function_slots[guards] != code.function_slots[guard])].tolist()
 
 
-def _check_constraints(
-    fixed: np.ndarray, matrix: np.ndarray, sizes: np.ndarray, tangents: np.ndarray
-) -> None:
-    """Raise unless all `tangents` keep the next mode's constraints after the event, but for rounding."""
-    missed = np.abs(fixed @ matrix @ tangents).max(axis=1, initial=0.0)
-    terms = (np.abs(fixed) @ sizes @ np.abs(tangents)).max(axis=1, initial=0.0)
+def _check_constraints(fixed: np.ndarray, neighbours: np.ndarray, sizes: np.ndarray) -> None:
+    """Raise unless `neighbours`, columns after the event but for the flow from there on, keep the next mode's
+    constraints but for rounding; `sizes` are sums of their absolute terms."""
+    missed = np.abs(fixed @ neighbours).max(axis=1, initial=0.0)
+    terms = (np.abs(fixed) @ sizes).max(axis=1, initial=0.0)
     # A velocity that is held at zero may be a rounding error, and all terms with it.
-    rounding = ROUNDING_SHARE * np.abs(fixed).max(axis=1, initial=0.0) * np.abs(matrix).max()
+    rounding = ROUNDING_SHARE * np.abs(fixed).max(axis=1, initial=0.0) * max(1.0, np.abs(neighbours).max())
     if (missed > CONSTRAINT_SHARE * terms + rounding).any():
         raise SaltationError("the next mode's constraints hold by a coincidence: neighbours do not enter it")

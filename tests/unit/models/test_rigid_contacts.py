@@ -456,6 +456,78 @@ def test_a_body_on_two_feet_goes_on_where_its_height_is_rounding():
     )
     assert settled.kind == of_block.kind == "periodic"
     assert settled.period == pytest.approx(of_block.period, rel=1e-9)
+    assert run.violation < 1e-6  # of heights that are 1e-14 m, all of it rounding
+
+
+@fl.model
+class DrivenSledge(fl.MechanicalModel):
+    """A body on two feet that a force moves to and fro on the ground."""
+
+    m: float = 1.0
+    k: float = 50.0
+    c: float = 1.0
+    Omega: float = 4.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_s=0.3, mu_k=0.3)
+    coordinates = ("x", "y", "theta")
+
+    def mechanics(self, q, v):
+        kinetic = (self.m * (v.x**2 + v.y**2) + 0.1 * v.theta**2) / 2
+        law, v_r = fl.FrictionalImpact(e=0.0, mu_i=0.3), -v.x - 0.1 * v.theta
+        gaps = (q.y - 0.5 * q.theta, q.y + 0.5 * q.theta)
+        feet = tuple(fl.Stop(gap, law, friction=self.friction, relative_velocity=v_r) for gap in gaps)
+        load = {"x": 5.0 * fl.functions.cos(q.phase)}
+        springs, dampers = self.k * q.x**2 / 2 + 9.81 * self.m * q.y, self.c * v.x**2 / 2
+        return fl.Mechanics(kinetic, springs, dampers, loads=load, contacts=feet, frequency=self.Omega)
+
+
+def after_one_period(model, x, v, phase):
+    """Of a block that slides and sticks: DOP853 from event to event."""
+    t, limit, sign = phase / model.Omega, 0.3 * 9.81, np.sign(v)
+    end = t + 2 * np.pi / model.Omega
+
+    def pull(t, x, v):
+        return 5.0 * np.cos(model.Omega * t) - model.k * x - model.c * v
+
+    while t < end:
+
+        def rates(t, z, sign=sign):
+            return [z[1], pull(t, *z) - limit * sign] if sign else [0.0, 0.0]
+
+        def leaves(t, z, sign=sign):
+            return sign * z[1] if sign else limit - abs(pull(t, *z))
+
+        leaves.terminal, leaves.direction = True, -1
+        found = solve_ivp(rates, (t, end), [x, v], "DOP853", events=leaves, rtol=1e-12, atol=1e-14)
+        t, (x, v) = found.t[-1], found.y[:, -1]
+        if t < end:
+            v, force = 0.0, pull(t, x, 0.0)
+            sign = np.sign(force) if not sign or abs(force) > limit else 0
+    return x, v
+
+
+def test_orbits_of_a_body_on_two_feet_are_those_of_a_block():
+    """All neighbours meet the events of both feet, though more of them hold than there are freedoms."""
+    model = DrivenSledge()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 20.0, x0=np.zeros(6), progress=False))
+    x, v, phase = orbit.state[[0, 3, 6]]
+    assert after_one_period(model, x, v, phase) == pytest.approx([x, v], abs=1e-9)
+    h, columns = 1e-5, []
+    for dx, dv in ((h, 0.0), (0.0, h)):
+        ahead, back = (after_one_period(model, x + s * dx, v + s * dv, phase) for s in (1, -1))
+        columns.append(np.subtract(ahead, back) / (2 * h))
+    other = sorted(np.abs(np.linalg.eigvals(np.transpose(columns))))
+    assert other[0] < 1e-7 < 2e-3 < other[1]
+    assert np.abs(orbit.multipliers[1]) == pytest.approx(other[1], rel=1e-4)
+    assert np.abs(orbit.multipliers[2:]).max() < 1e-12
+    branch = fl.continue_orbit(orbit, "Omega", (3.5, 4.5), max_points=40, progress=False)
+    assert (branch.values[0], branch.values[-1]) == (3.5, 4.5)
+    sledge, block = Sledge(), fl.MassOnBelt(m=1.0, k=50.0, c=0.2, N=9.81, v=0.3, friction=Sledge().friction)
+    orbits = [
+        fl.periodic_orbit(one, fl.simulate(one, 20.0, x0={"x": 0.01}, progress=False))
+        for one in (sledge, block)
+    ]
+    assert orbits[0].stable
+    assert orbits[0].period == pytest.approx(orbits[1].period, rel=1e-12)
 
 
 def test_a_motion_that_leaves_its_constraints_does_not_go_on_in_its_mode():
