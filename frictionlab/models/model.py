@@ -455,9 +455,6 @@ def require_model(
     elif isinstance(model, HybridAutomaton):
         got = "a HybridAutomaton"
         cure = "run it with fl.solve, or return it from derive() of a class of fl.Model"
-    elif isinstance(model, MovingSystem):
-        got = abbreviate(model)
-        cure = "its matrices have no formulas to show or export; take fl.simulate and fl.plot_run"
     else:
         got = abbreviate(model)
     raise TypeError(f"model must be {kinds}, got {got}: {cure}")

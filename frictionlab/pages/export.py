@@ -25,7 +25,7 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.model import Model, values_of
+from frictionlab.models.model import Model, ModelOrAutomaton, values_of
 from frictionlab.pages.page_data import (
     chosen_sliders,
     page_laws,
@@ -40,6 +40,7 @@ from frictionlab.pages.scene import (
     controls_of_models,
     formula_controls,
     law_control,
+    name_of,
     panels_of,
     parameter_controls,
     run_controls,
@@ -75,7 +76,7 @@ class SolverNotBuiltError(FileNotFoundError):
 
 
 def export_page(
-    model: Shown,
+    model: ModelOrAutomaton,
     path: str | Path,
     *,
     x0: Any = "rest",
@@ -94,8 +95,9 @@ def export_page(
 
     Parameters
     ----------
-    model : Model or HybridAutomaton
+    model : Model, Structure or HybridAutomaton
         One of :func:`frictionlab.list_models`, or your own; laws of your own are exported with it.
+        A structure is shown by its automaton, with at most 100 freedoms.
     path : path
         Where to write the file, such as ``"slider.html"``.
     x0 : "rest", "near", mapping or array_like (n,)
@@ -127,10 +129,10 @@ def export_page(
     SolverNotBuiltError
         Where the package was built without WebAssembly; it says how to build it.
     ValueError
-        For unknown names, bad values, parameters that are named like another control, or a model of more than
-        64 modes.
+        For unknown names, bad values, parameters that are named like another control, a model of more than
+        64 modes, or a structure of more than 100 freedoms.
     TypeError
-        If `model` is neither a model nor an automaton: a structure's matrices are no formulas.
+        If `model` is neither a model nor a structure nor an automaton.
 
     Examples
     --------
@@ -138,10 +140,10 @@ def export_page(
     >>> fl.export_page(fl.SliderOnBelt(mu_k=1.4), "slider.html")  # doctest: +SKIP
     PosixPath('slider.html')
     """
+    name = name_of(model)
     model, start = shown_model(model, x0, "write export_page(model, path)")
     path = check_path("path", path, (".html", ".htm"))
-    if title is not None:
-        check_text("title", title, "leave it out for the model's name")
+    title = name if title is None else check_text("title", title, "leave it out for the model's name")
     names = switch_names(model, switches)
     if t_end is None:
         t_end = usual_duration(model)

@@ -28,6 +28,7 @@ from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
+    MAX_MODES,
     Shown,
     has_friction_curve,
     law_menus,
@@ -55,7 +56,6 @@ from frictionlab.validation import (
 # take seconds to derive.
 PAGE_LAWS = "Coulomb", "exponential decay", "hyperbolic decay", "Stribeck", "weakening-strengthening"
 MODES_WITH_LAWS = 5
-MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 
 
 def structure_data(model: Shown) -> dict[str, Any]:

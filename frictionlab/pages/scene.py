@@ -26,6 +26,7 @@ from frictionlab.analysis.motion_scales import (
 )
 from frictionlab.analysis.period_of_motion import with_period
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.components.component import Component, Parameter, structure_of
 from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact
 from frictionlab.components.dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSlip
@@ -46,6 +47,8 @@ from frictionlab.models.library.challenges import CHALLENGES
 from frictionlab.models.mechanism import Mechanism, Point
 from frictionlab.models.model import (
     Model,
+    ModelOrAutomaton,
+    MovingSystem,
     automaton_of,
     parameters_about,
     require_model,
@@ -58,10 +61,13 @@ from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
 from frictionlab.presentation import force_symbol, output_unit, unit_of_state
 from frictionlab.stability import eigenvalues
+from frictionlab.validation import abbreviate
 
 Data = dict[str, Any]
 Shown: TypeAlias = Model | HybridAutomaton  # what explorers and pages show
-KINDS = "a model such as SliderOnBelt or a HybridAutomaton"
+KINDS = "a model such as SliderOnBelt, a Structure or a HybridAutomaton"
+MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
+MOST_FREEDOMS = 100  # of a structure, with whose square the size of a page grows
 
 PANELS = ("mechanism", "friction", "response", "phase", "forces", "spectrum", "eigenvalues")
 # What the menu of a role offers, by the kind of law.  A linear contact is what the switch "cubic" leaves.
@@ -113,13 +119,18 @@ LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of 
 def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[float, ...]]:
     """The model, or the automaton with its period, and where it starts: "rest", "near" or the state (n,).
 
+    A structure is shown by its automaton.
+
     Raises
     ------
     TypeError
-        For anything that is no model and no automaton.
+        For anything that is no model, no structure and no automaton.
     ValueError
-        For a bad `x0`, and for parameters that are named like another control.
+        For a bad `x0`, for parameters that are named like another control, and for a structure of more than
+        100 freedoms or 64 modes.
     """
+    if isinstance(model, MovingSystem):
+        return shown_model(_shown_system(model), x0, cure)
     known = model if isinstance(model, HybridAutomaton) else require_model(model, KINDS, cure)
     for name in values_of(known):
         if name in TAKEN or name.startswith(SWITCH):
@@ -131,7 +142,23 @@ def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[f
     return shown, x0 if isinstance(x0, str) else tuple(state.tolist())
 
 
-def name_of(model: Shown) -> str:
+def _shown_system(system: MovingSystem) -> HybridAutomaton:
+    """The automaton of a structure, with its period."""
+    if len(system.coordinates) > MOST_FREEDOMS:
+        raise ValueError(
+            f"a structure must have at most {MOST_FREEDOMS} freedoms to be shown, got "
+            f"{len(system.coordinates)}: take fl.reduce, or fl.simulate and fl.plot_run"
+        )
+    automaton = system.automaton()
+    if isinstance(names := automaton.names, ModeNames) and names.more_than(MAX_MODES):
+        raise ValueError(
+            f"a structure must have at most {MAX_MODES} modes to be shown, got more of {abbreviate(system)}: "
+            "take fewer contacts, or fl.simulate and fl.plot_run"
+        )
+    return replace(automaton.derived(), period=system.period)
+
+
+def name_of(model: ModelOrAutomaton) -> str:
     """What a page is called unless it is given a title."""
     return "hybrid automaton" if isinstance(model, HybridAutomaton) else type(model).__name__
 

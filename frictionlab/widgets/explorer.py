@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models.model import automaton_of, check_parameter_name, values_of
+from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_parameter_name, values_of
 from frictionlab.pages.scene import Shown, panels_of, scene_data
 from frictionlab.presentation import count
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
@@ -247,7 +247,7 @@ def error_text(error: BaseException) -> str:
 
 
 def explore(
-    model: Shown | None = None,
+    model: ModelOrAutomaton | None = None,
     panels: Iterable[Any] | None = None,
     *,
     x0: Any = "rest",
@@ -265,8 +265,9 @@ def explore(
 
     Parameters
     ----------
-    model : Model, HybridAutomaton or None
-        Where to start; None takes the paper's.
+    model : Model, Structure, HybridAutomaton or None
+        Where to start; None takes the paper's.  A structure is shown by its automaton, with at most 100
+        freedoms.
     panels : iterable of str or callable, or None
         "mechanism", which moves, "friction", "response", "phase", "forces", "spectrum", "eigenvalues";
         functions ``panel(run, ax)`` that draw with matplotlib; or functions that take a
@@ -288,7 +289,7 @@ def explore(
     Raises
     ------
     TypeError
-        If `model` is neither a model nor an automaton.
+        If `model` is neither a model nor a structure nor an automaton.
     ValueError
         For an unknown panel, a bad `x0` or `t_end`, and parameters named like another control.
 
@@ -305,7 +306,7 @@ def explore(
 
 
 def explore_stability(
-    model: Shown | None = None, parameter: str | None = None, over: str | None = None
+    model: ModelOrAutomaton | None = None, parameter: str | None = None, over: str | None = None
 ) -> Explorer:
     """Move a model through a plane of two parameters and watch its eigenvalues.
 
@@ -313,7 +314,7 @@ def explore_stability(
 
     Parameters
     ----------
-    model : Model, HybridAutomaton or None
+    model : Model, Structure, HybridAutomaton or None
         Where to start; None takes the paper's.
     parameter, over : str or None
         The parameter whose critical value is drawn, and the one against which it is drawn.  None takes mu_k
@@ -326,7 +327,7 @@ def explore_stability(
     Raises
     ------
     TypeError
-        If `model` is neither a model nor an automaton, or has no such parameter.
+        If `model` is neither a model nor a structure nor an automaton, or has no such parameter.
     ValueError
         If both are the same parameter, or the model has fewer than two.
 
@@ -362,7 +363,7 @@ def _usual_parameter(model: Shown, name: str, other: str | None = None) -> str:
 
 
 def explore_bifurcation(
-    model: Shown | None = None, parameter: str | None = None, *, x0: Any = "rest"
+    model: ModelOrAutomaton | None = None, parameter: str | None = None, *, x0: Any = "rest"
 ) -> Explorer:
     """Zoom into a bifurcation diagram, and see the motion at any value of the parameter.
 
@@ -372,7 +373,7 @@ def explore_bifurcation(
 
     Parameters
     ----------
-    model : Model, HybridAutomaton or None
+    model : Model, Structure, HybridAutomaton or None
         None takes the paper's.
     parameter : str or None
         None takes mu_k, or the model's first parameter where it has no such one.
@@ -386,7 +387,7 @@ def explore_bifurcation(
     Raises
     ------
     TypeError
-        If `model` is neither a model nor an automaton, or has no such parameter.
+        If `model` is neither a model nor a structure nor an automaton, or has no such parameter.
 
     Examples
     --------

@@ -89,7 +89,7 @@ def starting_settings(model: object, x0: Any = "rest", t_end: float | None = Non
     Raises
     ------
     TypeError
-        If `model` is neither a model nor an automaton; None is the paper's.
+        If `model` is neither a model nor a structure nor an automaton; None is the paper's.
     ValueError
         For a bad `x0` or `t_end`.
     """

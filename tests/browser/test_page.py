@@ -89,6 +89,25 @@ def test_ten_settings_have_the_bits_of_simulate(page, values):
     check_same_bits(page, fl.SliderOnBelt(**{"mu_k": 1.4} | values), values)
 
 
+def test_a_structure_has_the_bits_of_simulate(browser, tmp_path):
+    """Ten freedoms on two contacts, with the eigenvalues at the equilibrium that the page finds."""
+    n, rng = 10, np.random.default_rng(3)
+    pads = fl.SlidingContacts(
+        rng.standard_normal((2, n)), rng.standard_normal((2, n)), fl.LinearContact(k2=50.0),
+        fl.Stribeck(mu_k=0.3, mu_s=0.6, v_s=0.3), v=0.5, penetration=0.05,
+    )  # fmt: skip
+    springs = 200 * np.eye(n) - 100 * np.eye(n, k=1) - 100 * np.eye(n, k=-1)
+    structure = fl.Structure(np.eye(n), springs, fl.RayleighDamping(0.01, 1e-4), contacts=pads)
+    page = opened(browser, exported(structure, tmp_path / "structure.html", t_end=3.0))
+    check_same_bits(page, structure, {}, end=3.0)
+    found = check_same_bits(page, structure.replace(mu_k=0.1), {"mu_k": 0.1}, end=3.0)
+    assert found["times"]
+    values = np.array([complex(*pair) for pair in found["eigenvalues"]])
+    known = fl.eigenvalues(structure.replace(mu_k=0.1)).values
+    assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()
+    assert not page.problems
+
+
 @pytest.mark.parametrize("without", EIGHT, ids=str)
 def test_all_eight_structures_have_the_bits_of_simulate(page, without):
     model = fl.SliderOnBelt(mu_k=1.4).without(*without) if without else fl.SliderOnBelt(mu_k=1.4)

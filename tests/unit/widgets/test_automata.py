@@ -1,5 +1,6 @@
 """Explorers, pages, films and sounds of automata, whose periods and ranges are found or stated."""
 
+from dataclasses import replace
 from math import atan, log, pi
 
 import numpy as np
@@ -128,14 +129,26 @@ def test_a_run_of_a_stiff_automaton_has_ten_periods():
     assert usual_duration(fl.HybridAutomaton((X, y, V, rate), (both,), {}, 2, period=1.0)) == 10.0
 
 
-def test_a_structure_is_refused_with_the_cure(tmp_path):
-    structure = fl.Structure(np.eye(1), np.eye(1))
-    run = fl.simulate(structure, 1.0, x0=[1.0, 0.0], progress=False)
-    for show in (fl.explore, lambda given: fl.export_page(given, tmp_path / "page.html")):
-        with pytest.raises(
-            TypeError, match=r"a HybridAutomaton, got Structure.*take fl.simulate and fl.plot_run"
-        ):
-            show(structure)
+def test_a_structure_is_shown_by_its_automaton(tmp_path):
+    pads = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=2.0), fl.Coulomb(0.3, 0.4))
+    structure = fl.Structure(np.eye(2), [[2.0, 0.5], [0.5, 2.0]], contacts=pads, load=[0.0, 1.0])
+    explorer = fl.explore(structure, x0=[0.1, 0.5, 0.0, 0.0], t_end=3.0)
+    explorer.controls["mu_k"].value = 0.2
+    run = fl.simulate(structure.replace(mu_k=0.2), 3.0, x0=[0.1, 0.5, 0.0, 0.0], progress=False)
+    np.testing.assert_allclose(explorer.run.final_state, run.final_state, atol=1e-6)
+    assert "<title>Structure</title>" in fl.export_page(structure, tmp_path / "page.html").read_text()
+    large = structure.replace(M=np.eye(101), K=np.eye(101), contacts=None, load=None)
+    many = structure.replace(contacts=[replace(pads, name=name) for name in "abcd"])
+    for refused, message in (
+        (large, "at most 100 freedoms to be shown, got 101"),
+        (many, "at most 64 modes"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            fl.explore(refused)
+
+
+def test_films_of_a_structure_are_refused_with_the_cure():
+    run = fl.simulate(fl.Structure(np.eye(1), np.eye(1)), 1.0, x0=[1.0, 0.0], progress=False)
     for show in (fl.animate, fl.watch):
         with pytest.raises(ValueError, match=r"got one of a Structure.*take fl.plot_run\(run\)"):
             show(run)
