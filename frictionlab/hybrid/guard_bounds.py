@@ -161,14 +161,16 @@ class Tape:
 
     def _sums(self, states: Array, least: Any) -> list[Array]:
         """Sums of the absolute terms of all slots."""
-        values = self.slots(list(states.T))
-        sums = list(np.maximum(np.abs(states), least).T)
+        states = np.where(np.abs(states) < least, least, states)
+        values, sums = self.slots(list(states.T)), list(np.abs(states).T)
         for out, (kind, a, b, constant) in enumerate(self._operations, start=self._inputs):
             if kind == kinds.AFFINE:
                 terms = (abs(factor) * sums[slot] for slot, factor in self._between(a, b))
                 sums.append(sum(terms, abs(constant) + 0.0 * sums[0]))
             elif kind in (kinds.PRODUCT, kinds.SQUARE):
-                sums.append(sums[a] * sums[b])
+                # Not the product of both sums, which grows with each factor of an angle that turns.
+                one, other = np.abs(values[a]), np.abs(values[b])
+                sums.append(one * sums[b] + (sums[a] - one) * other)
             elif kind == kinds.QUOTIENT:
                 sums.append((sums[a] + sums[b] * np.abs(values[out])) / np.abs(values[b]))
             elif kind == kinds.POWER:

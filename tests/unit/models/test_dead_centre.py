@@ -77,6 +77,37 @@ def test_a_crank_turns_past_its_dead_centres(method):
     assert not run.time_in_mode.get("stick")
 
 
+@fl.model
+class CrankAndRod(MechanicalModel):
+    """A torque turns a crank, whose rod moves a piston that has a mass and rubs."""
+
+    friction: FrictionLaw = fl.Coulomb(mu_k=0.5, mu_s=0.8)
+    coordinates = ("theta",)
+    cyclic = ("theta",)
+
+    def mechanics(self, q, v):
+        s, c = functions.sin(q.theta), functions.cos(q.theta)
+        slope = -0.4 * s - 0.16 * s * c / functions.sqrt(1.0 - 0.16 * s**2)
+        kinetic = 0.15 * v.theta**2 + (slope * v.theta) ** 2 / 2
+        return Mechanics(
+            kinetic, contacts=(Friction(-slope * v.theta, 5.0, self.friction),), loads={"theta": 3.0}
+        )
+
+
+def test_a_crank_that_has_turned_many_times_is_no_false_alarm():
+    """Sums of the terms of its mass grew with a power of the angle, and the sizes that judge with them."""
+    found = fl.verify(CrankAndRod(), 5.0, x0=[0.7, 2.0], progress=False)
+    assert found.ok, str(found)
+    (place, rate), turns = found.run.events.state[-1], len(found.run.events)
+    way = 0.4 * np.cos(0.7) + np.sqrt(1.0 - 0.16 * np.sin(0.7) ** 2) - 0.6 + (turns - 1) * 0.8
+    begin = (
+        0.15 + (0.4 * np.sin(0.7) * (1 + 0.4 * np.cos(0.7) / np.sqrt(1 - 0.16 * np.sin(0.7) ** 2))) ** 2 / 2
+    ) * 4
+    assert turns > 15
+    assert place == pytest.approx(turns * pi, rel=1e-12)
+    assert 0.15 * rate**2 == pytest.approx(begin + 3.0 * (place - 0.7) - 2.5 * way, rel=1e-11)
+
+
 @pytest.mark.parametrize("torque", [1e-3, -0.05])
 @pytest.mark.parametrize("beside", [0.0, 1e-13, 1e-10, 1e-6, -1e-3, 0.02, 0.3])
 @pytest.mark.parametrize("centre", [0.0, pi])
