@@ -140,7 +140,8 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
         return Pieces(x, *borders, *values)
     import numpy
 
-    return _plain(numpy.select([numpy.less(x, one) for one in borders], values[:-1], values[-1]))
+    sides = [numpy.isnan(x), *(numpy.less(x, one) for one in borders)]
+    return _plain(numpy.select(sides, [numpy.nan, *values[:-1]], values[-1]))
 
 
 def _are_expressions(*arguments: Any) -> bool:
@@ -208,7 +209,7 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     Raises
     ------
     ValueError
-        Unless there are as many xs as ys, two at least, and the xs ascend.
+        Unless there are as many xs as ys, two at least, and the xs ascend; for a y that is NaN or infinite.
 
     Examples
     --------
@@ -232,6 +233,10 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
     steps = [after - before for before, after in pairwise(xs)]
     if any(not step > 0 for step in steps if not _are_expressions(step)):
         raise ValueError(f"xs must ascend, got {abbreviate(xs)}: sort the points by x, and leave out doubles")
+    import numpy
+
+    if not all(_are_expressions(y) or numpy.isfinite(y).all() for y in ys):
+        raise ValueError(f"ys must be finite numbers, got {abbreviate(ys)}: leave out points without a value")
     chords = [(after - before) / step for before, after, step in zip(ys, ys[1:], steps)]
     if kind == "linear" or len(xs) == 2:
         between = [y + chord * (x - at) for at, y, chord in zip(xs, ys, chords)]
@@ -328,4 +333,9 @@ def table(t: Any, values: Any, kind: str = "pchip") -> Any:
         raise ValueError(f"values must give a value for each time, got {abbreviate(values)}: {cure}")
     if len(pairs) < 2:
         raise ValueError(f"values must be given at two times at least, got {abbreviate(values)}: {cure}")
-    return interpolate(t, [time for time, _ in pairs], [value for _, value in pairs], kind)
+    times, given = zip(*((_number_or_expression("values", time), value) for time, value in pairs))
+    if any(not after > before for before, after in pairwise(times) if not _are_expressions(before, after)):
+        raise ValueError(
+            f"the times of values must ascend, got {abbreviate(times)}: sort them, and give one value for each"
+        )
+    return interpolate(t, times, given, kind)

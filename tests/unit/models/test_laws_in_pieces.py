@@ -530,11 +530,22 @@ def test_a_side_has_the_equations_of_all_sides():
         (lambda: functions.absolute("x"), "x must hold numbers, got 'x'"),
         (lambda: functions.sign([None]), "x must hold numbers"),
         (lambda: fl.table(0.3, {}), "values must be given at two times at least, got {}"),
+        (lambda: fl.table(0.3, {0: 1, 2: 1, 1: 0}), "the times of values must ascend, got .* sort them, and"),
+        (
+            lambda: fl.table(0.3, {0: 1, 2: float("nan")}),
+            "ys must be finite numbers, got .* leave out points",
+        ),
     ],
 )
 def test_bad_arguments_of_functions_get_one_error(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_a_missing_number_has_no_side():
+    x = np.array([np.nan, -1.0, 0.5])
+    assert np.isnan(functions.piecewise(float("nan"), (0.0,), (1, 2)))
+    np.testing.assert_array_equal(functions.interpolate(x, (0, 1), (0, 2)), [np.nan, 0.0, 1.0])
 
 
 def in_potential(energy, *coordinates):
