@@ -336,6 +336,6 @@ def table(t: Any, values: Any, kind: str = "pchip") -> Any:
     times, given = zip(*((_number_or_expression("values", time), value) for time, value in pairs))
     if any(not after > before for before, after in pairwise(times) if not _are_expressions(before, after)):
         raise ValueError(
-            f"the times of values must ascend, got {abbreviate(times)}: sort them, and give one value for each"
+            f"the times of values must ascend, got {abbreviate(times)}: sort them, with one value for each"
         )
     return interpolate(t, times, given, kind)

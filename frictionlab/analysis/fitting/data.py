@@ -341,7 +341,9 @@ def _ascending(t: Any, *, stamps: bool) -> tuple[Array, Any]:
         first = int(np.argmin(np.isfinite(times)))
         raise ValueError(f"t must be finite times, got a missing one at index {first}: leave it out")
     if times.ndim != 1 or not len(times) or times[0] < 0.0 or not (np.diff(times) > 0.0).all():
-        raise ValueError(f"t must be ascending times from 0 on, one at least, got {abbreviate(t)}: sort them")
+        raise ValueError(
+            f"t must be ascending times from 0 on, one at least, got {abbreviate(t)}: sort them, each once"
+        )
     return times, start
 
 

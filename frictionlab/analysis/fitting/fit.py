@@ -276,7 +276,12 @@ def fit(
         return _result(problem, _solve(problem, None, problem.first(), "one run"), None)
     check_times(problem.data, partial(run_for, problem))
     run = first_run(problem)
-    for doubt in doubts_about(problem.data, run, problem.model) if run.status.ok else ():
+    if not run.status.ok:
+        raise ValueError(
+            f"the model's run must reach the end of the data at {run.problem.t_end:g} s, got one that ends "
+            f"at {run.raw.t:g} s ({run.status}): begin with other values or x0, or give times in s"
+        )
+    for doubt in doubts_about(problem.data, run, problem.model):
         warnings.warn(doubt, RuntimeWarning, 2)
     unknowns, pieces = problem.first(), even_segments(problem, run, segments)
     if segments > 1:

@@ -377,6 +377,17 @@ def test_other_units_and_another_start_are_told_before_the_search(of, kind, mess
         fl.fit(FIRST, fl.TimeRecord(t, {"x": x}, error=ERROR), ["k"])
 
 
+@pytest.mark.parametrize("segments", [1, 4])
+def test_a_run_that_ends_before_the_data_says_why(segments):
+    """x' = c x^2 with x(0) = 1 is infinite at 1/c."""
+    c = sp.Symbol("c")
+    escaping = fl.HybridAutomaton((X,), (fl.Mode("on", (c * X**2,)),), {c: 2.0})
+    with pytest.raises(
+        ValueError, match=r"end of the data at 0\.9\S* s, got one that ends at 0\.5 s \(.+\): begin"
+    ):
+        fl.fit(escaping, fl.TimeRecord([0.3, 0.9], {"x": [1.2, 9.0]}), ["c"], x0=[1.0], segments=segments)
+
+
 def test_times_are_judged_by_what_the_record_measures():
     """A temperature every 20 s, beside a vibration of 1 Hz that takes twenty steps and more."""
     warm = sp.Symbol("warm", real=True)
