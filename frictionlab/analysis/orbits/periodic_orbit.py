@@ -573,11 +573,12 @@ def _damped_step(
 
 
 def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
-    """Raise where the motion closes only because it is an equilibrium."""
-    if (state_ranges(shot.run.states) / guess.size).max() < MIN_ORBIT_SIZE:
+    """Raise where the motion closes only because it is an equilibrium, or a steady rotation."""
+    start = shot.run.raw.step_states[0]
+    if (state_ranges(shot.closing.difference(shot.run.states, start)) / guess.size).max() < MIN_ORBIT_SIZE:
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
-            f"{shot.run.raw.step_states[0]}: give a guess nearer to an orbit"
+            f"{start}: give a guess nearer to an orbit"
         )
 
 

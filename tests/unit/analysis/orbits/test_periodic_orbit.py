@@ -332,6 +332,16 @@ def test_what_is_no_orbit_says_what_was_reached():
         fl.periodic_orbit(fl.SliderOnBelt(mu_k=1.4), fl.simulate(fl.SliderOnBelt(mu_k=1.4), 30.0))
 
 
+def test_a_vibration_that_decays_beside_a_rotation_reaches_an_equilibrium():
+    a, x, w, u = sp.symbols("a x w u")
+    turning = fl.HybridAutomaton(
+        (a, x, w, u), (fl.Mode("only", (w, u, 1 - w, -x - u / 50)),), {}, coordinates=2, cyclic=("a",)
+    )
+    run = fl.solve(turning, 60.0, x0=[0.0, 1.0, 1.0, 0.0], progress=False)
+    with pytest.raises(ValueError, match="Newton's method reached an equilibrium"):
+        fl.periodic_orbit(turning, run)
+
+
 def test_a_ball_that_comes_to_rest_on_its_table_in_each_period():
     """It leaves where A Omega^2 sin(phase) = g, and its bounces come to an end: it forgets where it was."""
     model = fl.BallOnTable(e=0.2)
