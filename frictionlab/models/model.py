@@ -424,6 +424,11 @@ def model(cls: type[M]) -> type[M]:
     inherited = inherited_fields(cls)
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
     _order_parameters(cls, inherited)
+    for name in parameters_of(cls):
+        if name != "period" and any(hasattr(vars(kind).get(name), "__get__") for kind in cls.__mro__):
+            raise TypeError(
+                f"a parameter of {cls.__name__} must not be named like the model's own {name!r}: rename it"
+            )
     where = sys._getframe(1)
     own = roles_of(cls, {**where.f_globals, **where.f_locals})
     known: Mapping[str, type] = getattr(super(cls, cls), "roles", {})

@@ -84,6 +84,12 @@ def check_structure(
                 f"every mode must have the same outputs, got {abbreviate([*mode.outputs])} in {mode.name!r} "
                 f"and {abbreviate([*modes[0].outputs])} in {modes[0].name!r}: give each mode all of them"
             )
+    shown = {*modes[0].outputs, "mode"}  # with the states the columns of a table
+    if taken := [name for name in symbols[: len(states)] if name in shown]:
+        raise ValueError(
+            f"a state must not be named mode, nor like an output, got {taken[0]!r} beside "
+            f"{abbreviate([*modes[0].outputs])}: rename it"
+        )
     context = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:
         check_mode(mode, *context)

@@ -235,6 +235,12 @@ def test_coordinates_have_names_of_their_own(names):
         Mine()
 
 
+@pytest.mark.parametrize("name", ["replace", "release", "parameters", "equations"])
+def test_a_parameter_does_not_hide_a_method(name):
+    with pytest.raises(TypeError, match=f"must not be named like the model's own '{name}': rename it"):
+        fl.model(type("Mine", (fl.MechanicalModel,), {"__annotations__": {name: "float"}, name: 1.0}))
+
+
 def test_a_parameter_is_not_named_like_the_limit_that_the_solver_sets():
     @fl.model
     class Mine(fl.MechanicalModel):
