@@ -65,7 +65,7 @@ class BrowserEngine {
     if (state.start === "own") return [known, ownState(state.own, structure, released)];
     if (state.start === "rest") return [known, released];
     if (!known) throw new RangeError("there is no equilibrium to start near of: start from rest");
-    return [known, known.z.map((v, i) => (i < shownStates(structure).length ? 1.01 * v : v))];
+    return [known, displacedEquilibrium(known, values, shownStates(structure).length)];
   }
 
   resultOf(run, known, state, dragging) {

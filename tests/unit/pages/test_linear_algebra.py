@@ -8,7 +8,7 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.pages.page_data import structure_data
-from tests.unit.pages.test_javascript import FUNCTIONS, run_in_node
+from tests.unit.pages.test_javascript import run_in_node
 
 SCRIPTS = Path(__file__).parents[3] / "frictionlab" / "pages" / "scripts"
 
@@ -64,23 +64,38 @@ class Wheel(fl.MechanicalModel):
         )
 
 
-@pytest.mark.parametrize("friction", [fl.Jenkins(mu_k=0.3, k_t=40.0), fl.Dahl(mu_k=0.3, sigma_0=50.0)])
-def test_a_page_knows_steady_rotation_and_states_of_laws(friction):
-    model = Wheel(friction=friction)
+EQUILIBRIA = {
+    "states of a law": Wheel(),
+    "law with a rate": Wheel(friction=fl.Dahl(mu_k=0.3, sigma_0=50.0)),
+    "steady rotation": fl.DrillString(friction=fl.Coulomb(mu_k=0.5, mu_s=1.0)),
+    "at zero": fl.HultenOscillator(),
+    "at zero, stable": fl.WobblingDisc(d=0.5),
+    "growth against symmetry": fl.ModularChain(friction=fl.HyperbolicDecay()),
+    "growth": fl.SliderOnBelt(mu_k=1.4),
+}
+
+
+@pytest.mark.parametrize("model", EQUILIBRIA.values(), ids=EQUILIBRIA)
+def test_a_page_has_the_equilibrium_its_eigenvalues_and_a_state_near_it(model):
     data, known = structure_data(model), fl.eigenvalues(model)
     rows = ", ".join(
         f"{{mode: {row['mode']}, following: {row['following']}, flow: {row['flow']}, "
         f"jacobian: {row['jacobian']}, guards: {row['guards']}}}"
         for row in data["sliding"]
     )
-    code = FUNCTIONS.read_text() + (SCRIPTS / "linear_algebra.js").read_text()
-    values = json.dumps([model.parameters[name] for name in data["parameters"]])
+    names = "functions", "layout", "linear_algebra", "displaced_equilibrium"
+    code = "const ROUNDING = 1e-12;" + "".join((SCRIPTS / f"{name}.js").read_text() for name in names)
+    values = json.dumps([{**data["fixed"], **model.parameters}[name] for name in data["parameters"]])
     script = (
         f"{code} const structure = {{sliding: [{rows}], outputs: {{names: []}}}};"
         f"const found = equilibriumOf(structure, {values}, [{json.dumps(data['near'])}]);"
-        f"console.log(JSON.stringify([found.z, eigenvaluesAt(found, {values})]));"
+        f"const near = displacedEquilibrium(found, {values}, {len(model.coordinates)});"
+        f"console.log(JSON.stringify([found.z, eigenvaluesAt(found, {values}), near]));"
     )
-    state, found = run_in_node(script)
-    assert np.allclose(state, known.equilibrium.state, rtol=1e-12)
+    state, found, near = run_in_node(script)
+    start = fl.simulate(model, 1e-9, x0="near", progress=False).states[0]
+    assert np.allclose(near, start, rtol=1e-9, atol=1e-12 * np.abs(start).max())
+    assert not np.allclose(near, state, rtol=1e-6)
+    assert np.allclose(state, known.equilibrium.state, rtol=1e-12, atol=1e-15)
     found = np.array([complex(*pair) for pair in found])
     assert np.allclose(np.sort_complex(found), np.sort_complex(known.values), rtol=1e-9, atol=1e-9)
