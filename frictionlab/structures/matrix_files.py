@@ -10,6 +10,7 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 from zipfile import BadZipFile, is_zipfile
@@ -25,14 +26,15 @@ from frictionlab.validation import (
     with_cure,
 )
 
-SUFFIXES = (".mtx", ".mat", ".npz", ".txt", ".op4", ".pch")
 DIRECTIONS = 64  # of a node: more than any program has
 FORTRAN_EXPONENT = re.compile(r"(?<=[0-9.])[dD](?=[+-]?[0-9])")
 MATRIX_MARKET = b"%%MatrixMarket"
 CURE = (
-    "give Matrix Market (.mtx), MATLAB (.mat), scipy's .npz, Nastran's .op4 or .pch, or rows of row, column, "
-    "entry"
+    "give Matrix Market (.mtx), MATLAB (.mat), .npz, .npy, .csv, Harwell-Boeing (.hb, .rsa), Nastran's .op4 "
+    "or .pch, or rows of row, column, entry"
 )
+FORTRAN_FORMAT = re.compile(r"[IEDFG](\d+)[^,)]*\)", re.IGNORECASE)  # of which only the width is needed
+TRIANGLES = {"S": 1.0, "Z": -1.0}  # symmetric and skew matrices of Harwell-Boeing files
 SMALL_FIELD, LARGE_FIELD = 8, 16  # characters of a field of Nastran's, but for the first of a line
 SQUARE, SYMMETRIC = 1, 6  # forms of a matrix of Nastran's
 COMPLEX_TYPES = (3, 4)
@@ -80,6 +82,9 @@ def read_matrix(path: Any, variable: str | None = None) -> sparse.csc_array:
         :func:`read_freedoms`.  ``.mat``: MATLAB up to version 7.  ``.npz``: by ``scipy.sparse.save_npz``.
         ``.op4``: Nastran (needs pyNastran).  ``.pch``: DMIG entries of Nastran, by nodes and directions; all
         matrices of the file have the freedoms that any of them names.  ``.txt``: as the rows of Abaqus.
+        ``.npy``: by ``numpy.save``.  ``.csv``: all entries, with commas between.  ``.hb``, ``.rb``, ``.rsa``,
+        ``.rua``, ``.csa``, ``.cua`` or ``.matrix``: Harwell-Boeing, as Ansys writes it; a triangle stands for
+        a symmetric or a skew matrix there.
     variable : str, optional
         Name of the matrix in a file that holds several: ``.mat``, ``.npz``, ``.op4`` or ``.pch``.
 
@@ -161,7 +166,7 @@ def read_matrices(paths: Iterable[Any]) -> dict[Any, sparse.csc_array]:
 
 def _read(path: Any, variable: str | None) -> Any:
     """A matrix, or the entries of one by nodes."""
-    file = check_path("path", path, SUFFIXES, CURE)
+    file = check_path("path", path, tuple(_READERS), CURE)
     if variable is not None:
         check_text("variable", variable, "name a matrix of the file")
     try:
@@ -360,6 +365,60 @@ def _read_op4(file: Path, variable: str | None) -> Any:
     return _chosen(file, {name: one.data for name, one in held.items()}, variable)
 
 
+def _read_npy(file: Path, _: str | None) -> Any:
+    try:
+        held = np.load(file, allow_pickle=False)
+    except ValueError as error:  # of what is no array
+        raise TypeError(error) from None
+    return _chosen(file, {file.stem: held}, None)
+
+
+def _read_csv(file: Path, _: str | None) -> Any:
+    try:
+        return np.loadtxt(file, delimiter=",", ndmin=2)
+    except ValueError as error:
+        raise TypeError(error) from None
+
+
+def _read_harwell_boeing(file: Path, _: str | None) -> Any:
+    """A matrix by columns, in fields of fixed width.
+
+    Source: I. S. Duff, R. G. Grimes, J. G. Lewis, "Users' guide for the Harwell-Boeing sparse matrix
+    collection (release I)", 1992.
+    """
+    lines = iter(file.read_text(encoding="ascii").splitlines())
+    try:
+        next(lines)
+        counts, (kind, *sizes) = [int(one) for one in next(lines).split()[1:]], next(lines).upper().split()
+        if kind[0] not in "RC" or kind[1] not in "SUZR" or kind[2:] != "A":
+            raise TypeError(f"its type is {kind}, where real or complex entries, assembled, are read")
+        widths = [int(one) for one in FORTRAN_FORMAT.findall(next(lines))]
+        if counts[3:] and counts[3]:  # the header of right-hand sides
+            next(lines)
+        columns, stored = int(sizes[1]), int(sizes[2])
+        numbers = columns + 1, stored, stored * (1 + (kind[0] == "C"))
+        starts, rows, entries = (
+            np.array(_fields(list(islice(lines, count)), width, number), dtype=float)
+            for count, width, number in zip(counts[:3], widths, numbers)
+        )
+        entries = entries.view(complex) if kind[0] == "C" else entries
+        places = rows.astype(int) - 1, starts.astype(int) - 1
+        matrix = sparse.csc_array((entries, *places), shape=(int(sizes[0]), columns))
+    except (ValueError, IndexError, StopIteration) as error:
+        raise TypeError(f"its fields are not as in the guide: {error!r}") from None
+    sign = TRIANGLES.get(kind[1])
+    return matrix if sign is None else matrix + sign * sparse.tril(matrix, -1).T
+
+
+def _fields(lines: list[str], width: int, number: int) -> list[str]:
+    """Fields, one after the other: between blanks, as scipy writes others than it says, or of fixed width."""
+    lines = [FORTRAN_EXPONENT.sub("e", line.rstrip()) for line in lines]
+    words = " ".join(lines).split()
+    if len(words) == number:
+        return words
+    return [line[i : i + width] for line in lines for i in range(0, len(line), width)]
+
+
 _READERS = {
     ".mtx": _read_mtx,
     ".mat": _read_mat,
@@ -367,4 +426,7 @@ _READERS = {
     ".txt": _read_coordinates,
     ".op4": _read_op4,
     ".pch": _read_pch,
+    ".npy": _read_npy,
+    ".csv": _read_csv,
+    **dict.fromkeys((".hb", ".rb", ".rsa", ".rua", ".csa", ".cua", ".matrix"), _read_harwell_boeing),
 }

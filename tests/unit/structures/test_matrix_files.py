@@ -15,12 +15,54 @@ def test_each_format_gives_the_matrix(tmp_path):
     io.savemat(tmp_path / "one.mat", {"K": K})
     io.savemat(tmp_path / "dense.mat", {"K": K.toarray()})
     sparse.save_npz(tmp_path / "K.npz", K)
+    np.save(tmp_path / "K.npy", K.toarray())
+    np.savetxt(tmp_path / "K.csv", K.toarray(), delimiter=",")
+    io.hb_write(tmp_path / "K.hb", K)
     entries = K.tocoo()
     rows = [f"{i + 1}, {j + 1}, {x!r}" for i, j, x in zip(entries.row, entries.col, entries.data.tolist())]
     (tmp_path / "abaqus.mtx").write_text("\n".join(rows))
     (tmp_path / "fortran.mtx").write_text("\n".join(rows).replace(".5", ".5D+00").replace("2.0", "2.0d0"))
     for path in tmp_path.iterdir():
         assert (fl.read_matrix(path).toarray() == K.toarray()).all(), path.name
+
+
+def harwell_boeing(kind, entries):
+    """The lower triangle of K, or other entries at these places, in narrow fields as Ansys writes them."""
+    fields = "".join(f"{x:+.4e}".replace("e", "D") + "\n" for x in entries)
+    return (
+        f"{'K':72}stiff\n{13:14}{1:14}{1:14}{len(entries):14}{1:14}\n{kind:14}{3:14}{3:14}{5:14}{0:14}\n"
+        f"{'(4I2)':16}{'(8I1)':16}{'(1P,1D11.4)':20}(1D11.4)\nF{1:27}{0:14}\n 1 3 5 6\n12233\n{fields}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "entries", "exact"),
+    [
+        ("RSA", [2.0, -1.0, 3.0, 0.5, 1.0], K.toarray()),
+        ("rua", [2.0, -1.0, 3.0, 0.5, 1.0], sparse.tril(K).toarray()),
+        ("RZA", [0.0, -1.0, 0.0, 0.5, 0.0], [[0.0, 1.0, 0.0], [-1.0, 0.0, -0.5], [0.0, 0.5, 0.0]]),
+        ("CSA", [2, 1, -1, 0, 3, 0, 0.5, 0, 1, 0], K.toarray() + np.diag([1j, 0, 0])),
+    ],
+)
+def test_harwell_boeing_files_have_fields_of_fixed_width(tmp_path, kind, entries, exact):
+    (tmp_path / "K.matrix").write_text(harwell_boeing(kind, entries))
+    assert (fl.read_matrix(tmp_path / "K.matrix").toarray() == exact).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("K.hb", harwell_boeing("PSA", [])),
+        ("K.rsa", harwell_boeing("RSA", [2.0, -1.0])),
+        ("K.hb", "no matrix"),
+        ("K.npy", "no array"),
+        ("K.csv", "node,x\n1,2\n"),
+    ],
+)
+def test_damaged_files_are_refused(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ValueError, match=f"{name} must hold a matrix, got a file that cannot be read"):
+        fl.read_matrix(tmp_path / name)
 
 
 def test_a_variable_is_named_where_there_are_several(tmp_path):
