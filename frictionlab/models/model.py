@@ -56,9 +56,9 @@ if TYPE_CHECKING:
     from frictionlab.models.equations import Equations
 
 M = TypeVar("M", bound="Model")
-AUTOMATON, REST = "_automaton", "_state_at_rest"
+AUTOMATON, REST, PROBLEM = "_automaton", "_state_at_rest", "_equilibrium_problem"
 # What a model notes of itself, as it never changes.
-NOTES = AUTOMATON, REST, "structure_key", "components", "parameters", "nonlinearities"
+NOTES = AUTOMATON, REST, PROBLEM, "structure_key", "components", "parameters", "nonlinearities"
 PITCH = 200.0  # Hz: pitch at which an oscillation is played
 MAKE_ONE = "make one, such as fl.SliderOnBelt()"
 

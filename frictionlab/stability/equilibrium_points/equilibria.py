@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
-from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
+from frictionlab.models.model import PROBLEM, Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import PHASE, Drawable, force_symbol, output_unit, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
 from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
@@ -25,7 +25,7 @@ from frictionlab.stability.equilibrium_points.sliding import (
     by_penetration,
     sliding_equations,
     sliding_problem,
-    statics_with_stiffness,
+    statics_at,
 )
 from frictionlab.stability.equilibrium_points.steady_modes import (
     SteadyMode,
@@ -63,10 +63,16 @@ def equilibrium_problem(
     ValueError
         If the equilibrium is not one of the model.
     """
-    near = None if equilibrium is None else _check_equilibrium(model, equilibrium)
-    if by_penetration(model):
-        return sliding_problem(model, near)
-    return _nearest_equilibrium_problem(model, near)
+    if equilibrium is not None:
+        return _new_problem(model, _check_equilibrium(model, equilibrium))
+    notes = vars(model) if isinstance(model, Model) else {}
+    if PROBLEM not in notes:
+        notes[PROBLEM] = _new_problem(model)
+    return notes[PROBLEM]
+
+
+def _new_problem(model: ModelOrAutomaton, near: Array | None = None) -> EquilibriumProblem:
+    return sliding_problem(model, near) if by_penetration(model) else _nearest_problem(model, near)
 
 
 def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.float64]:
@@ -91,9 +97,7 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
     return x.shape == y.shape and np.allclose(x, y, rtol=EQUILIBRIUM_RTOL, atol=0.0)
 
 
-def _nearest_equilibrium_problem(
-    model: ModelOrAutomaton, closest_to: Array | None = None
-) -> EquilibriumProblem:
+def _nearest_problem(model: ModelOrAutomaton, closest_to: Array | None = None) -> EquilibriumProblem:
     """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
 
     With `closest_to` (m,) it is the equilibrium nearest to this state.
@@ -345,7 +349,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         return _automaton_equilibria(model)
     equations = sliding_equations(model)
     values = equations.values(model)
-    statics = statics_with_stiffness(equations, equations.stiffness_at(values))
+    statics = statics_at(equations, values)
     penetrations, why = all_penetrations(statics, values)
     each = [_sliding_equilibrium(model, statics, values, penetration) for penetration in penetrations]
     for penetration, one in zip(penetrations, each, strict=True):

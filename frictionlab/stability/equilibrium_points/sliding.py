@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial, reduce
 from math import factorial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
@@ -99,12 +99,14 @@ class Statics(NamedTuple):
         """
         if not self.derivatives.outputs:
             return None
-        rows = self.derivatives.arrays(0.0, *values)
-        return np.stack([np.broadcast_to(row, (count,)) / factorial(k) for k, row in enumerate(rows)])
+        coefficients = np.empty((len(self.derivatives.outputs), count))
+        for k, row in enumerate(self.derivatives.arrays(0.0, *values)):
+            coefficients[k] = row / factorial(k)
+        return coefficients
 
     def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
         """Its derivative by the penetration."""
-        return self.equation.jacobian([penetration], values)[..., 0, 0]
+        return sum(self.equation.derivative.formulas.arrays(penetration, *values))  # one, or none
 
     def normal_force(self, penetration: Any, values: Sequence[Any]) -> Any:
         """F_N, N."""
@@ -118,10 +120,8 @@ class Statics(NamedTuple):
         Small enough is below the tolerance.  If a law is steep, it is below what the last digits of the
         penetration do.  If these do too much, the equations cannot be solved in double precision.
         """
-        n = len(q)
-        rows = self.balance.arrays(*q, *values)
-        forces = np.abs(np.stack(np.broadcast_arrays(*rows, np.zeros(np.shape(q[0])))))
-        residual = forces[:n].max(axis=0) / np.maximum(forces[n:].max(axis=0), SMALLEST_FORCE)
+        n, forces = len(q), [np.abs(row) for row in self.balance.arrays(*q, *values)]
+        residual = reduce(np.maximum, forces[:n]) / reduce(np.maximum, forces[n:], SMALLEST_FORCE)
         with np.errstate(all="ignore"):
             ahead = self.normal_force(np.nextafter(penetration, np.inf), values)
             last_digit = np.abs((ahead - normal) / normal) * np.fmax(
@@ -183,6 +183,11 @@ class SlidingEquations:
     def stiffness(self) -> Formulas:
         """The entries of K, row by row, functions of the parameters."""
         return self._of_parameters("stiffness", lambda: list(self.system.stiffness))
+
+    @cached_property
+    def springs(self) -> list[int]:
+        """Places of the parameters on which K depends."""
+        return sorted(frozenset().union(*self.stiffness.dependences))
 
     def rests(self, values: Sequence[Any]) -> Any:
         """Where the belt rests and the contact can stick: there friction has no derivative."""
@@ -403,14 +408,21 @@ def _balance(system: LagrangeSystem) -> list[Any]:
     return [*(load - held for load, held in rows), *elastic, *system.dead_loads, normal]
 
 
-def statics_with_stiffness(equations: SlidingEquations, stiffness: Array) -> Statics:
-    """The statics that apply with a stiffness matrix K (n, n).
+def statics_at(equations: SlidingEquations, values: Sequence[float]) -> Statics:
+    """The statics that apply at single values of the parameters.
 
     Raises
     ------
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
+    return _statics_of_springs(equations, tuple(values[i] for i in equations.springs))
+
+
+@lru_cache(maxsize=64)
+def _statics_of_springs(equations: SlidingEquations, springs: tuple[float, ...]) -> Statics:
+    known = dict(zip(equations.springs, springs, strict=True))
+    stiffness = equations.stiffness_at([known.get(i, 0.0) for i in range(len(equations.key.parameters))])
     held_by_contact = not stiffness[:, equations.height].any()
     some = equations.on_springs(held_by_contact)
     value, vector = _smallest_eigenvalue(stiffness[np.ix_(some, some)])
@@ -435,10 +447,10 @@ def statics_groups(
     ValueError
         If a coordinate is not held whatever the values.
     """
-    stiffness = equations.stiffness_at(values)
-    if stiffness.ndim == 2:
-        yield statics_with_stiffness(equations, stiffness), np.ones(count, dtype=bool)
+    if not any(np.ndim(values[i]) for i in equations.springs):
+        yield statics_at(equations, values), np.ones(count, dtype=bool)
         return
+    stiffness = equations.stiffness_at(values)
     without = ~stiffness[:, :, equations.height].any(axis=1)
     for held_by_contact in (False, True):
         some = equations.on_springs(held_by_contact)

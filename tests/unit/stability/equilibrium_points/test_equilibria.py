@@ -16,7 +16,7 @@ from frictionlab.stability import equilibria, equilibrium
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_points.sliding import (
     sliding_equations,
-    statics_with_stiffness,
+    statics_at,
 )
 from tests.helpers.laws import Hertz, Locking, Saturating
 
@@ -164,7 +164,7 @@ def test_all_roots_of_the_polynomial_are_those_of_mpmath(changes, count):
     penetrations = [point.penetration for point in equilibria(model)]
     equations = sliding_equations(model)
     values = equations.values(model)
-    excess = statics_with_stiffness(equations, equations.stiffness_at(values)).polynomial(values)[:, 0]
+    excess = statics_at(equations, values).polynomial(values)[:, 0]
     with mpmath.workdps(40):
         roots = mpmath.polyroots([*map(mpmath.mpf, excess[::-1])], maxsteps=500, extraprec=200)
         real = sorted(float(z.real) for z in roots if abs(z.imag) < 1e-20 * abs(z))
