@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from frictionlab.components import functions
-from frictionlab.components.component import parameter
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.models.library.parameters import (
-    damper_parameter,
     frequency_parameter,
-    load_parameter,
-    mass_parameter,
     natural_period,
-    normal_force_parameter,
-    speed_parameter,
+    not_negative,
+    of_either_sign,
+    positive,
     stiffness_parameter,
 )
-from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Mechanism, Point, Spring, Wall, held_block, level_belt
 from frictionlab.models.model import model
@@ -31,6 +28,24 @@ if TYPE_CHECKING:
         MassOnBeltKeywords,
         TwoBlocksKeywords,
     )
+
+
+class SingleMass(MechanicalModel):
+    """Base of the models of one mass m on a spring k."""
+
+    m: Any
+    k: Any
+    coordinates = ("x",)
+
+    @property
+    def period(self) -> float:
+        """That of the mass on its spring, s."""
+        return natural_period(self.k, self.m)
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """A block on the ground, on a spring."""
+        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
 
 
 @model
@@ -64,31 +79,21 @@ class FreeCoulomb(SingleMass):
     [-8.3, 6.3, -4.3, 2.3, -0.3]
     """
 
-    m: float = mass_parameter()
+    m: float = positive(1.0, "kg", "m", "mass")
     k: float = stiffness_parameter()
-    N: float = normal_force_parameter()
-    x_0: float = parameter(10.3, unit="m", symbol="x_0", meaning="where it is released", range=(-20.0, 20.0))
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    x_0: float = of_either_sign(10.3, 20.0, "m", "x_0", "where it is released")
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
-    reference: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956"
+    reference = "J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956"
 
     if TYPE_CHECKING:
 
         def __init__(self, **given: Unpack[FreeCoulombKeywords]) -> None: ...
 
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
-
     def release(self) -> Mapping[str, float]:
         """At x_0."""
         return {"x": self.x_0}
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on the ground, on a spring."""
-        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact with the ground."""
@@ -137,15 +142,15 @@ class DenHartog(SingleMass):
     2.626104875723
     """
 
-    m: float = mass_parameter()
-    c: float = damper_parameter()
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.0, 2.0, "N s/m", "c", "damping")
     k: float = stiffness_parameter()
-    N: float = normal_force_parameter(0.3)
-    F: float = load_parameter()
+    N: float = not_negative(0.3, 10.0, "N", "N", "normal force")
+    F: float = not_negative(1.0, 10.0, "N", "F", "amplitude of the force")
     Omega: float = frequency_parameter(0.8)
     friction: FrictionLaw = Coulomb(mu_k=1.0, mu_s=1.0)
 
-    reference: ClassVar[str] = "J. P. Den Hartog, Philosophical Magazine 9 (1930) 801-817"
+    reference = "J. P. Den Hartog, Philosophical Magazine 9 (1930) 801-817"
 
     if TYPE_CHECKING:
 
@@ -155,11 +160,6 @@ class DenHartog(SingleMass):
     def period(self) -> float:
         """That of the force, s."""
         return 2 * pi / self.Omega
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """A block on the ground, on a spring."""
-        return Mechanism(Wall((-1.2, 0.0), (1.2, 0.0)), *held_block("x"))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact with the ground, one force."""
@@ -217,23 +217,18 @@ class MassOnBelt(SingleMass):
     8.902605407815
     """
 
-    m: float = mass_parameter()
-    c: float = damper_parameter()
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.0, 2.0, "N s/m", "c", "damping")
     k: float = stiffness_parameter()
-    N: float = normal_force_parameter()
-    v: float = speed_parameter(0.2)
+    N: float = not_negative(1.0, 10.0, "N", "N", "normal force")
+    v: float = of_either_sign(0.2, 3.0, "m/s", "v", "speed of the belt")
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
-    reference: ClassVar[str] = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
+    reference = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
 
     if TYPE_CHECKING:
 
         def __init__(self, **given: Unpack[MassOnBeltKeywords]) -> None: ...
-
-    @property
-    def period(self) -> float:
-        """That of the mass on its spring, s."""
-        return natural_period(self.k, self.m)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -290,19 +285,19 @@ class TwoBlocks(MechanicalModel):
     ['slip+ | stick', 'stick | stick']
     """
 
-    m1: float = mass_parameter(1.0, "m_1", "mass of the first block")
-    m2: float = mass_parameter(1.0, "m_2", "mass of the second block")
-    c: float = damper_parameter(0.0, "c", "damping of each block")
+    m1: float = positive(1.0, "kg", "m_1", "mass of the first block")
+    m2: float = positive(1.0, "kg", "m_2", "mass of the second block")
+    c: float = not_negative(0.0, 2.0, "N s/m", "c", "damping of each block")
     k1: float = stiffness_parameter(1.0, "k_1", "stiffness of the first block's spring")
     k2: float = stiffness_parameter(1.0, "k_2", "stiffness of the second block's spring")
     k12: float = stiffness_parameter(1.2, "k_{12}", "stiffness between the blocks")
-    N1: float = normal_force_parameter(1.0, "N_1", "normal force on the first block")
-    N2: float = normal_force_parameter(1.0, "N_2", "normal force on the second block")
-    v: float = speed_parameter(0.2)
+    N1: float = not_negative(1.0, 10.0, "N", "N_1", "normal force on the first block")
+    N2: float = not_negative(1.0, 10.0, "N", "N_2", "normal force on the second block")
+    v: float = of_either_sign(0.2, 3.0, "m/s", "v", "speed of the belt")
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
     coordinates = ("x1", "x2")
 
-    reference: ClassVar[str] = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
+    reference = "U. Galvanetto, S. R. Bishop, Int. J. Mechanical Sciences 36 (1994)"
 
     if TYPE_CHECKING:
 

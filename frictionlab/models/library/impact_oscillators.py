@@ -6,19 +6,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from frictionlab.components import functions
 from frictionlab.components.component import parameter
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
 from frictionlab.models.library.parameters import (
-    damper_parameter,
     frequency_parameter,
-    load_parameter,
-    mass_parameter,
+    not_negative,
+    of_either_sign,
+    positive,
     stiffness_parameter,
 )
-from frictionlab.models.mechanical.mechanical_model import MechanicalModel, SingleMass
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
@@ -61,17 +61,15 @@ class BouncingBall(MechanicalModel):
     (1.354570923, 'contact')
     """
 
-    m: float = mass_parameter()
+    m: float = positive(1.0, "kg", "m", "mass")
     g: float = parameter(
         9.81, unit="m/s^2", symbol="g", meaning="gravity", exclusive_minimum=0.0, range=(1.0, 30.0)
     )
-    h: float = parameter(
-        1.0, unit="m", symbol="h", meaning="height from which it is dropped", minimum=0.0, range=(0.0, 10.0)
-    )
+    h: float = not_negative(1.0, 10.0, "m", "h", "height from which it is dropped")
     impact: ImpactLaw = RestitutionImpact(e=0.5)
     coordinates = ("y",)
 
-    reference: ClassVar[str] = "B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016"
+    reference = "B. Brogliato, Nonsmooth Mechanics, 3rd ed., Springer 2016"
 
     if TYPE_CHECKING:
 
@@ -102,7 +100,7 @@ class BouncingBall(MechanicalModel):
 
 
 @model
-class ImpactOscillator(SingleMass):
+class ImpactOscillator(MechanicalModel):
     """A driven mass beside a stop: m x'' + c x' + k x = F cos(Omega t) while x < d; x' becomes -e x' at d.
 
     Its state has the phase Omega t (rad) beside x and x'; the phase goes from 0 to 2 pi and begins anew.
@@ -135,15 +133,16 @@ class ImpactOscillator(SingleMass):
     'periodic'
     """
 
-    m: float = mass_parameter()
-    c: float = damper_parameter()
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.0, 2.0, "N s/m", "c", "damping")
     k: float = stiffness_parameter()
-    d: float = parameter(0.0, unit="m", symbol="d", meaning="where the stop is", range=(-2.0, 2.0))
-    F: float = load_parameter()
+    d: float = of_either_sign(0.0, 2.0, "m", "d", "where the stop is")
+    F: float = not_negative(1.0, 10.0, "N", "F", "amplitude of the force")
     Omega: float = frequency_parameter(2.5)
     impact: ImpactLaw = RestitutionImpact(e=0.8)
+    coordinates = ("x",)
 
-    reference: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
+    reference = "S. W. Shaw, P. J. Holmes, J. Sound and Vibration 90 (1983) 129-155"
 
     if TYPE_CHECKING:
 

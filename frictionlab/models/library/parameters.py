@@ -1,4 +1,4 @@
-"""Parameters that several models have, with units, symbols and ranges, and the keywords of all models.
+"""How the parameters of models are written, with units, symbols and ranges, and the keywords of the classics.
 
 By these keywords type checkers and editors find a misspelt one.  They cannot follow how a model joins the
 parameters of its laws to its own, so all are listed here; a test compares them with what the models take.
@@ -15,12 +15,25 @@ from frictionlab.components.contact import ContactLaw, Geometry, Interface
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 
+RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
 
-def mass_parameter(default: float = 1.0, symbol: str = "m", meaning: str = "mass") -> Any:
-    """A mass, kg."""
+
+def positive(default: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter above 0, such as a mass; its slider is logarithmic."""
+    around = (default / RANGE, default * RANGE)
     return parameter(
-        default, unit="kg", symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=(0.1, 10.0), log=True
+        default, unit=unit, symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=around, log=True
     )
+
+
+def not_negative(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter of at least 0, such as a damper; its slider goes up to `most`."""
+    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, most))
+
+
+def of_either_sign(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
+    """A parameter of either sign, such as a speed; its slider goes from -`most` to `most`."""
+    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, range=(-most, most))
 
 
 def stiffness_parameter(
@@ -33,33 +46,6 @@ def stiffness_parameter(
     return parameter(default, unit="N/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range, log=True)
 
 
-def damper_parameter(
-    default: float = 0.0,
-    symbol: str = "c",
-    meaning: str = "damping",
-    range: tuple[float, float] = (0.0, 2.0),
-) -> Any:
-    """A damper, N s/m."""
-    return parameter(default, unit="N s/m", symbol=symbol, meaning=meaning, minimum=0.0, range=range)
-
-
-def speed_parameter(default: float, symbol: str = "v") -> Any:
-    """The speed of a belt, m/s."""
-    return parameter(default, unit="m/s", symbol=symbol, meaning="speed of the belt", range=(-3.0, 3.0))
-
-
-def normal_force_parameter(default: float = 1.0, symbol: str = "N", meaning: str = "normal force") -> Any:
-    """A normal force that does not change, N."""
-    return parameter(default, unit="N", symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, 10.0))
-
-
-def load_parameter(default: float = 1.0) -> Any:
-    """The amplitude of a harmonic force, N."""
-    return parameter(
-        default, unit="N", symbol="F", meaning="amplitude of the force", minimum=0.0, range=(0.0, 10.0)
-    )
-
-
 def frequency_parameter(default: float) -> Any:
     """The angular frequency of a harmonic force, rad/s."""
     return parameter(
@@ -70,11 +56,6 @@ def frequency_parameter(default: float) -> Any:
         exclusive_minimum=0.0,
         range=(0.1, 10.0),
     )
-
-
-def angle_parameter(default: float, symbol: str, meaning: str) -> Any:
-    """An angle, rad."""
-    return parameter(default, unit="rad", symbol=symbol, meaning=meaning, range=(-pi, pi))
 
 
 def natural_period(k: float, m: float) -> float:

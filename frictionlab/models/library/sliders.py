@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from math import atan2, hypot, pi
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from frictionlab.components import functions
 from frictionlab.components.component import parameter, parameters_of
@@ -21,11 +21,10 @@ from frictionlab.components.contact import (
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw, PlasticImpact
 from frictionlab.models.library.parameters import (
-    angle_parameter,
-    damper_parameter,
-    mass_parameter,
     natural_period,
-    speed_parameter,
+    not_negative,
+    of_either_sign,
+    positive,
     stiffness_parameter,
 )
 from frictionlab.models.mechanical.mechanical_model import (
@@ -52,34 +51,9 @@ from frictionlab.models.model import model
 if TYPE_CHECKING:
     from .parameters import ModeCouplingKeywords, SliderOnBeltKeywords, SliderOnRigidBeltKeywords
 
-SOFT_TO_STIFF = (1e3, 1e5)  # N/m, range of the springs of SliderOnRigidBelt
+BELT_RANGE, RIGID_BELT_RANGE = (1e3, 1e6), (1e3, 1e5)  # N/m, of springs of SliderOnBelt, SliderOnRigidBelt
 WHEEL = 0.2  # radius of the belt's wheels in the picture of SliderOnBelt; the farther wheel is at 1
 NEAREST_WHEEL = 0.25  # a wheel in that picture, even where its distance is zero
-
-
-def _mass(
-    default: float, symbol: str, meaning: str, unit: str = "kg", slider: tuple[float, float] = (0.1, 10.0)
-) -> Any:
-    return parameter(
-        default, unit=unit, symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=slider, log=True
-    )
-
-
-def _spring(default: float, number: int, meaning: str) -> Any:
-    text, symbol = f"stiffness of {meaning}", f"k_{number}"
-    return parameter(
-        default, unit="N/m", symbol=symbol, meaning=text, minimum=0.0, range=(1e3, 1e6), log=True
-    )
-
-
-def _damper(number: int, meaning: str) -> Any:
-    text, symbol = f"damping of {meaning}", f"c_{number}"
-    return parameter(0.1, unit="N s/m", symbol=symbol, meaning=text, minimum=0.0, range=(0.0, 50.0))
-
-
-def _length(number: int, wheel: str) -> Any:
-    text, symbol = f"distance of the {wheel} wheel from the belt's mass centre", f"l_{number}"
-    return parameter(0.2, unit="m", symbol=symbol, meaning=text, minimum=0.0, range=(0.0, 0.5))
 
 
 @model
@@ -131,22 +105,22 @@ class SliderOnBelt(MechanicalModel):
     SliderOnBelt(mu_k=1.4, geometry=FixedLoad())
     """
 
-    M: float = _mass(1.0, "M", "mass of the slider")
-    m: float = _mass(1.0, "m", "mass of the belt")
-    J: float = _mass(0.1, "J", "rotational inertia of the belt", "kg m^2", (0.01, 1.0))
-    c1: float = _damper(1, "the slider, horizontal")
-    c2: float = _damper(2, "the slider, vertical")
-    c4: float = _damper(4, "the belt, horizontal")
-    c5: float = _damper(5, "the first wheel, vertical")
-    c6: float = _damper(6, "the second wheel, vertical")
-    k1: float = _spring(1e4, 1, "the slider, horizontal")
-    k3: float = _spring(6e3, 3, "the slider, at 45 degrees")
-    k4: float = _spring(1e4, 4, "the belt, horizontal")
-    k5: float = _spring(1e4, 5, "the first wheel, vertical")
-    k6: float = _spring(1e4, 6, "the second wheel, vertical")
-    l1: float = _length(1, "first")
-    l2: float = _length(2, "second")
-    v: float = parameter(1.0, unit="m/s", symbol="v", meaning="speed of the belt", range=(-3.0, 3.0))
+    M: float = positive(1.0, "kg", "M", "mass of the slider")
+    m: float = positive(1.0, "kg", "m", "mass of the belt")
+    J: float = positive(0.1, "kg m^2", "J", "rotational inertia of the belt")
+    c1: float = not_negative(0.1, 50.0, "N s/m", "c_1", "damping of the slider, horizontal")
+    c2: float = not_negative(0.1, 50.0, "N s/m", "c_2", "damping of the slider, vertical")
+    c4: float = not_negative(0.1, 50.0, "N s/m", "c_4", "damping of the belt, horizontal")
+    c5: float = not_negative(0.1, 50.0, "N s/m", "c_5", "damping of the first wheel, vertical")
+    c6: float = not_negative(0.1, 50.0, "N s/m", "c_6", "damping of the second wheel, vertical")
+    k1: float = stiffness_parameter(1e4, "k_1", "stiffness of the slider, horizontal", BELT_RANGE)
+    k3: float = stiffness_parameter(6e3, "k_3", "stiffness of the slider, at 45 degrees", BELT_RANGE)
+    k4: float = stiffness_parameter(1e4, "k_4", "stiffness of the belt, horizontal", BELT_RANGE)
+    k5: float = stiffness_parameter(1e4, "k_5", "stiffness of the first wheel, vertical", BELT_RANGE)
+    k6: float = stiffness_parameter(1e4, "k_6", "stiffness of the second wheel, vertical", BELT_RANGE)
+    l1: float = not_negative(0.2, 0.5, "m", "l_1", "distance of the first wheel from the belt's mass centre")
+    l2: float = not_negative(0.2, 0.5, "m", "l_2", "distance of the second wheel from the belt's mass centre")
+    v: float = of_either_sign(1.0, 3.0, "m/s", "v", "speed of the belt")
     F: float = parameter(200.0, unit="N", symbol="F", meaning="preload on the slider", range=(0.0, 1000.0))
     contact: ContactLaw = CubicContact()
     friction: FrictionLaw = Coulomb()
@@ -154,9 +128,8 @@ class SliderOnBelt(MechanicalModel):
     geometry: Geometry = MovingLoad()
     impact: ImpactLaw = PlasticImpact()
 
-    reference: ClassVar[str] = "N. Liu, H. Ouyang, Nonlinear Dynamics (2020)"
-
-    statics: ClassVar[SlidingStatics] = SlidingStatics(height="y1")
+    reference = "N. Liu, H. Ouyang, Nonlinear Dynamics (2020)"
+    statics = SlidingStatics(height="y1")
 
     if TYPE_CHECKING:
 
@@ -281,18 +254,18 @@ class ModeCoupling(PlanarSlider):
     True
     """
 
-    m: float = mass_parameter()
-    c: float = damper_parameter(0.1)
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(0.1, 2.0, "N s/m", "c", "damping")
     k1: float = stiffness_parameter(1.0, "k_1", "stiffness of the first inclined spring")
     k2: float = stiffness_parameter(0.5, "k_2", "stiffness of the second inclined spring")
     k3: float = stiffness_parameter(4 / 3, "k_3", "stiffness of the contact spring")
-    a1: float = angle_parameter(pi / 6, r"\alpha_1", "angle of the first spring")
-    a2: float = angle_parameter(5 * pi / 6, r"\alpha_2", "angle of the second spring")
-    F: float = parameter(1.0, unit="N", symbol="F", meaning="preload", minimum=0.0, range=(0.0, 10.0))
-    v: float = speed_parameter(1.0)
+    a1: float = of_either_sign(pi / 6, pi, "rad", r"\alpha_1", "angle of the first spring")
+    a2: float = of_either_sign(5 * pi / 6, pi, "rad", r"\alpha_2", "angle of the second spring")
+    F: float = not_negative(1.0, 10.0, "N", "F", "preload")
+    v: float = of_either_sign(1.0, 3.0, "m/s", "v", "speed of the belt")
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=1.0)
 
-    reference: ClassVar[str] = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
+    reference = "N. Hoffmann et al., Mechanics Research Communications 29 (2002) 197-205"
 
     if TYPE_CHECKING:
 
@@ -387,17 +360,17 @@ class SliderOnRigidBelt(PlanarSlider):
     [True, False, True]
     """
 
-    m: float = mass_parameter()
-    c: float = damper_parameter(2.0, range=(0.0, 20.0))
-    k1: float = stiffness_parameter(1e4, "k_1", "stiffness of the spring along the belt", range=SOFT_TO_STIFF)
-    k3: float = stiffness_parameter(6e3, "k_3", "stiffness of the inclined spring", range=SOFT_TO_STIFF)
-    a: float = angle_parameter(pi / 4, r"\alpha", "angle of the inclined spring")
-    F: float = parameter(100.0, unit="N", symbol="F", meaning="preload", minimum=0.0, range=(0.0, 500.0))
-    v: float = speed_parameter(1.0)
+    m: float = positive(1.0, "kg", "m", "mass")
+    c: float = not_negative(2.0, 20.0, "N s/m", "c", "damping")
+    k1: float = stiffness_parameter(1e4, "k_1", "stiffness of the spring along the belt", RIGID_BELT_RANGE)
+    k3: float = stiffness_parameter(6e3, "k_3", "stiffness of the inclined spring", RIGID_BELT_RANGE)
+    a: float = of_either_sign(pi / 4, pi, "rad", r"\alpha", "angle of the inclined spring")
+    F: float = not_negative(100.0, 500.0, "N", "F", "preload")
+    v: float = of_either_sign(1.0, 3.0, "m/s", "v", "speed of the belt")
     contact: ContactLaw = CubicContact(k2=5e3, k_nl=2.5e7)
     friction: FrictionLaw = Coulomb(mu_k=0.5, mu_s=0.7)
 
-    reference: ClassVar[str] = "Z. Li, H. Ouyang, Z. Guan, J. Vibration and Acoustics 138 (2016) 041006"
+    reference = "Z. Li, H. Ouyang, Z. Guan, J. Vibration and Acoustics 138 (2016) 041006"
 
     if TYPE_CHECKING:
 

@@ -1,7 +1,6 @@
 """`MechanicalModel`, the base of models that state energies and contacts; modes, resets and equations follow.
 
-Also the bases that several models share: one mass on a spring, and one mass in the plane that is pressed on a
-belt.
+Also the base that several models share: one mass in the plane that is pressed on a belt.
 """
 
 from __future__ import annotations
@@ -204,12 +203,6 @@ def numbered(*letters: str, count: str, least: int = 1, most: int = 100) -> Any:
         return tuple(f"{letter}{i + 1}" for letter in letters for i in range(number))
 
     return property(coordinates)
-
-
-class SingleMass(MechanicalModel):
-    """Base of the models of one mass on a spring."""
-
-    coordinates = ("x",)
 
 
 class PlanarSlider(MechanicalModel):

@@ -3,7 +3,7 @@
 They are loaded when one of them, or their table, is first asked for: ``fl.list_models("impacts")``.
 
 ``zoo_model``
-    The base of all, and how their parameters are written.
+    The base of all, and why some do not take some analyses.
 ``belt_oscillators``, ``mode_couplings``, ``rotating_systems``, ``bristles_and_states``, ``impacts``,
 ``structures_in_modes``
     The models.

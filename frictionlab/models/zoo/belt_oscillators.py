@@ -7,30 +7,20 @@ from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from random import Random
-from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, HyperbolicDecay
 from frictionlab.components.functions import cos, ramp
 from frictionlab.models.library.dry_friction_oscillators import MassOnBelt
-from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.library.parameters import natural_period, not_negative, of_either_sign, positive
 from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, level_belt
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import (
-    NO_EQUILIBRIUM,
-    OF_WHAT_LASTS,
-    ZooModel,
-    not_negative,
-    of_either_sign,
-    positive,
-)
+from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, of_what_ends
 from frictionlab.validation import check_number
-
-HALT = "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
 
 
 @model
@@ -126,7 +116,7 @@ class ExcitedBeltOscillator(PoppStelter):
 
     about = "a base that moves beside a belt that runs: linear while it slides, stick-slip and chaos below"
     reference = "N. Hinrichs, M. Oestreich, K. Popp, J. Sound and Vibration 216 (1998) 435-459"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM
 
     @property
     def period(self) -> float:
@@ -261,7 +251,7 @@ class DitheredOscillator(ZooModel, MassOnBelt):
 
     about = "a belt that vibrates across its way: less friction along it, and no stick-slip"
     reference = "H. Storck et al., Ultrasonics 40 (2002) 379-383"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """One mass, one contact in the plane."""
@@ -380,7 +370,9 @@ class BrakedOscillator(PoppStelter):
 
     about = "a belt that brakes: silence, then a squeal before it stops"
     reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(OF_WHAT_LASTS, HALT))
+    not_applicable = of_what_ends(
+        "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
+    )
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """The belt's speed is a ramp."""
@@ -519,7 +511,7 @@ class NoisyOscillator(PoppStelter):
 
     about = "noise as many sines on the harmonics of the phase: how much of it friction takes"
     reference = "S. O. Rice, Bell System Technical J. 23 (1944) 282-332"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM
 
     def check(self) -> None:
         """`sines` is from 1 to 100, `seed` at least 0."""

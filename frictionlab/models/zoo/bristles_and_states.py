@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import ClassVar
-
 from frictionlab.components.dynamic_friction import Jenkins, LuGre, RateAndState
 from frictionlab.models.library.dry_friction_oscillators import DenHartog, MassOnBelt
+from frictionlab.models.library.parameters import not_negative, of_either_sign, positive
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import (
-    NO_EQUILIBRIUM,
-    ZooModel,
-    not_negative,
-    of_either_sign,
-    positive,
-)
+from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel
 
 
 @model
@@ -157,4 +148,4 @@ class JenkinsOscillator(ZooModel, DenHartog):
 
     about = "a joint that slips beyond a limit: damping that grows with the amplitude"
     reference = "W. D. Iwan, J. Applied Mechanics 33 (1966) 893-900"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM

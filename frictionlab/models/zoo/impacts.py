@@ -8,17 +8,18 @@ from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.functions import cos, sin
 from frictionlab.components.impact import FrictionalImpact, ImpactLaw, RestitutionImpact
 from frictionlab.models.library.impact_oscillators import BouncingBall
+from frictionlab.models.library.parameters import not_negative, positive
 from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Mechanics, Stop
 from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, not_negative, positive
+from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel
 
 # Lengths of the woodpecker, m: to the spring, from it to the bird, half of the sleeve, its radius, the beak.
 ARM, BIRD, HALF_SLEEVE, RADIUS, BEAK, REACH = 0.01, 0.015, 0.0058, 0.0031, 0.02, 0.0051
@@ -75,7 +76,7 @@ class BallOnTable(ZooModel, BouncingBall):
 
     about = "a ball on a table that vibrates: bounces of one period, period doublings, chaos"
     reference = "P. J. Holmes, J. Sound and Vibration 84 (1982) 173-189"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM
 
     @property
     def period(self) -> float:
@@ -140,7 +141,7 @@ class RockingBlock(ZooModel):
 
     about = "a block that rocks from corner to corner, faster and faster, until it stands"
     reference = "G. W. Housner, Bull. Seismological Society of America 53 (1963) 403-417"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+    not_applicable = MappingProxyType(
         dict.fromkeys(
             ("periodic_orbit", "continue_orbit"), "Every rocking comes to rest, so that none is periodic."
         )
@@ -215,7 +216,7 @@ class RattlingGear(ZooModel):
 
     about = "a gear in its backlash, that strikes one flank and then the other"
     reference = "K. Karagiannis, F. Pfeiffer, Nonlinear Dynamics 2 (1991) 367-387"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType({"eigenvalues": NO_EQUILIBRIUM})
+    not_applicable = NO_EQUILIBRIUM
 
     @property
     def period(self) -> float:
@@ -287,7 +288,7 @@ class NewtonsCradle(ZooModel):
 
     about = "one ball falls, one flies: impacts at one instant, in a sequence"
     reference = "F. Herrmann, M. Seitz, American J. Physics 50 (1982) 977-981"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+    not_applicable = MappingProxyType(
         {
             "eigenvalues": "At rest the balls touch, at the border of all modes.",
             "continue_orbit": "In the end all balls swing as one, with any amplitude: there is no branch.",
@@ -368,7 +369,7 @@ class Woodpecker(ZooModel):
 
     about = "a toy that pecks its way down a pole: impacts, jamming and slip in one period"
     reference = "C. Glocker, F. Pfeiffer, Nonlinear Dynamics 7 (1995) 471-497"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+    not_applicable = MappingProxyType(
         {"eigenvalues": "It has no equilibrium in slip or flight: the toy falls, or hangs in stick."}
     )
 

@@ -7,7 +7,7 @@ from typing import Any
 from frictionlab.components.contact import ContactLaw, CubicContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.functions import cos, sin
-from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.library.parameters import natural_period, not_negative, of_either_sign, positive
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import (
     Belt,
@@ -21,7 +21,7 @@ from frictionlab.models.mechanism import (
     level_belt,
 )
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import ZooModel
 
 
 @model

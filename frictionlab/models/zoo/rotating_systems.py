@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import pi
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, Stribeck
 from frictionlab.components.functions import cos, sin
-from frictionlab.models.library.parameters import natural_period
+from frictionlab.models.library.parameters import natural_period, not_negative, of_either_sign, positive
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import (
     Block,
@@ -22,7 +22,7 @@ from frictionlab.models.mechanism import (
     disc_with_mark,
 )
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, not_negative, of_either_sign, positive
+from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel
 
 
 @model
@@ -78,9 +78,7 @@ class WobblingDisc(ZooModel):
 
     about = "a disc that turns between pads: gyroscopic and circulating forces make it wobble"
     reference = "U. von Wagner, D. Hochlenert, P. Hagedorn, J. Sound and Vibration 302 (2007) 527-539"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("steady_state", "periodic_orbit", "continue_orbit"), LINEAR)
-    )
+    not_applicable = LINEAR
 
     @property
     def period(self) -> float:
@@ -298,7 +296,7 @@ class MotorAndCart(ZooModel):
 
     about = "a motor that drives a cart with dry friction: it turns unevenly, or stops"
     reference = "R. Lima, R. Sampaio, Nonlinear Dynamics 100 (2020) 2215-2224"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
+    not_applicable = MappingProxyType(
         {"eigenvalues": "The inertia changes with the angle, so that no steady rotation is an equilibrium."}
     )
 

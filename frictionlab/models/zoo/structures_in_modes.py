@@ -4,26 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi
-from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 from frictionlab.components.friction import FrictionLaw, HyperbolicDecay
 from frictionlab.components.functions import cos, sin, tan
 from frictionlab.components.impact import ImpactLaw, RestitutionImpact
+from frictionlab.models.library.parameters import not_negative, of_either_sign, positive
 from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Stop
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import (
-    LINEAR,
-    OF_WHAT_LASTS,
-    ZooModel,
-    not_negative,
-    of_either_sign,
-    positive,
-)
-
-ONCE = "The mass runs over the beam once, so that no motion comes back."
+from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, of_what_ends
 
 
 @model
@@ -155,7 +146,7 @@ class MassOnBeam(ZooModel):
 
     about = "a mass that runs over a beam, leaves it and comes back"
     reference = "D. Stancioiu, H. Ouyang, J. E. Mottershead, J. Sound and Vibration 310 (2008) 1128-1147"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(OF_WHAT_LASTS, ONCE))
+    not_applicable = of_what_ends("The mass runs over the beam once, so that no motion comes back.")
 
     def check(self) -> None:
         """`modes` is from 1 to 100."""
@@ -238,9 +229,7 @@ class DiscAndPads(ZooModel):
 
     about = "two modes of a disc that pads separate and friction couples"
     reference = "J. Kang, C. M. Krousgrill, F. Sadeghi, J. Sound and Vibration 316 (2008) 164-179"
-    not_applicable: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("steady_state", "periodic_orbit", "continue_orbit"), LINEAR)
-    )
+    not_applicable = LINEAR
 
     def check(self) -> None:
         """`diameters` is from 1 to 100."""

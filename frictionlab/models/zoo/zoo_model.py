@@ -1,4 +1,4 @@
-"""`ZooModel`, the base of the systems of the literature, and how their parameters are written."""
+"""`ZooModel`, the base of the systems of the literature, and why some do not take some analyses."""
 
 from __future__ import annotations
 
@@ -6,16 +6,24 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from frictionlab.components.component import parameter
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.validation import check_number
 
 MOST_PARTS = 100
-RANGE = 10.0  # a slider goes from a tenth of a positive parameter's default to ten times it
-NO_EQUILIBRIUM = "The force depends on time, so there is no equilibrium."
-LINEAR = "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic."
-# analyses of a state or a motion that lasts
-OF_WHAT_LASTS = ("eigenvalues", "steady_state", "periodic_orbit", "continue_orbit", "bifurcation")
+NO_EQUILIBRIUM = MappingProxyType({"eigenvalues": "The force depends on time, so there is no equilibrium."})
+LINEAR: Mapping[str, str] = MappingProxyType(
+    dict.fromkeys(
+        ("steady_state", "periodic_orbit", "continue_orbit"),
+        "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic.",
+    )
+)
+
+
+def of_what_ends(why: str) -> Mapping[str, str]:
+    """Why no analysis of a state or a motion that lasts applies."""
+    return MappingProxyType(
+        dict.fromkeys(("eigenvalues", "steady_state", "periodic_orbit", "continue_orbit", "bifurcation"), why)
+    )
 
 
 class ZooModel(MechanicalModel):
@@ -35,21 +43,3 @@ class ZooModel(MechanicalModel):
     def check_count(self, name: str, least: int) -> None:
         """Raise ValueError unless a number of parts is an integer for which equations can be derived."""
         check_number(name, getattr(self, name), integer=True, least=least, most=MOST_PARTS)
-
-
-def positive(default: float, unit: str, symbol: str, meaning: str) -> Any:
-    """A parameter above 0, such as a mass; its slider is logarithmic."""
-    around = (default / RANGE, default * RANGE)
-    return parameter(
-        default, unit=unit, symbol=symbol, meaning=meaning, exclusive_minimum=0.0, range=around, log=True
-    )
-
-
-def not_negative(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
-    """A parameter of at least 0, such as a damper; its slider goes up to `most`."""
-    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, minimum=0.0, range=(0.0, most))
-
-
-def of_either_sign(default: float, most: float, unit: str, symbol: str, meaning: str) -> Any:
-    """A parameter of either sign, such as a speed; its slider goes from -`most` to `most`."""
-    return parameter(default, unit=unit, symbol=symbol, meaning=meaning, range=(-most, most))

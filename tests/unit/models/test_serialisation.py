@@ -8,7 +8,8 @@ import pytest
 
 import frictionlab as fl
 from frictionlab.components.component import Component
-from frictionlab.models.mechanical.mechanical_model import PlanarSlider, SingleMass
+from frictionlab.models.library.dry_friction_oscillators import SingleMass
+from frictionlab.models.mechanical.mechanical_model import PlanarSlider
 from frictionlab.models.serialisation import class_path, loaded_class
 from frictionlab.models.zoo.zoo_model import ZooModel
 from tests.helpers.own_models import Chain, Fitted, Wear
