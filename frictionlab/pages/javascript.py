@@ -18,10 +18,9 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-import sympy as sp
-
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
+from frictionlab.lazy_names import sympy as sp
 from frictionlab.models import Model
 from frictionlab.models.mechanical.limits import Limit, limits_of
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -54,7 +53,6 @@ from frictionlab.tape.tape import Tape
 
 MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
 MARK = "\0"  # encloses the places of values in a message
-RELATIONS = {"lt": sp.Lt, "le": sp.Le, "gt": sp.Gt, "ge": sp.Ge, "eq": sp.Eq, "ne": sp.Ne}
 
 
 def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> str:
@@ -312,8 +310,8 @@ def _of_itself(operation: Any) -> Any:
     return lambda self: _Traced(operation(self.formula), self.trace)
 
 
-def _comparison(relation: Any) -> Any:
-    return lambda self, other: _Relation(relation(self.formula, _plain(other)), self.trace)
+def _comparison(relation: str) -> Any:
+    return lambda self, other: _Relation(getattr(sp, relation)(self.formula, _plain(other)), self.trace)
 
 
 for _name in ("add", "sub", "mul", "truediv", "pow"):
@@ -321,5 +319,5 @@ for _name in ("add", "sub", "mul", "truediv", "pow"):
     setattr(_Traced, f"__r{_name}__", _arithmetic(getattr(operator, _name), True))
 for _name in ("neg", "abs"):
     setattr(_Traced, f"__{_name}__", _of_itself(getattr(operator, _name)))
-for _name, _relation in RELATIONS.items():
-    setattr(_Traced, f"__{_name}__", _comparison(_relation))
+for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
+    setattr(_Traced, f"__{_name}__", _comparison(_name.capitalize()))

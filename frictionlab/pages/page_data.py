@@ -9,12 +9,10 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
@@ -23,9 +21,12 @@ from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
 from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_state, new_scratch
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
+from frictionlab.lazy_names import sympy as sp
 from frictionlab.models import Model
+from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
 from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbols import symbol
 from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
     MAX_MODES,
@@ -41,7 +42,7 @@ from frictionlab.pages.scene import (
 from frictionlab.plotting.appearance import colours_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rates import is_free, steady_rates
-from frictionlab.tape.formulas import Formulas, formulas_of
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Program
 from frictionlab.validation import (
@@ -99,7 +100,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
             if is_free(automaton, mode)
         ],
         "rules": rule_data(model, parameters),
-        "friction": _friction_force(model, parameters),
+        "friction": _friction_force(model, tuple(automaton.values)),
         "call": model_call(model),
         "near": _known_equilibrium(model, automaton),
     }
@@ -124,20 +125,24 @@ def _release(model: Shown, automaton: HybridAutomaton) -> list[Any]:
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 
-def _friction_force(model: Shown, parameters: tuple[Any, ...]) -> str:
+def _friction_force(model: Shown, names: tuple[str, ...]) -> str:
     if not isinstance(model, Model) or not has_friction_curve(model):
         return "null"
-    return javascript_of_formulas(friction_formulas(model.structure_key, parameters), [2, len(parameters)])
+    return javascript_of_formulas(friction_formulas(model.structure_key, names), [2, len(names)])
 
 
-@lru_cache(maxsize=64)
-def friction_formulas(key: StructureKey, parameters: tuple[Any, ...]) -> Formulas:
-    """The force of a law of friction and its slope, as formulas of speed, normal force and parameters."""
-    speed, normal_force = sp.symbols("speed normal_force", real=True)
-    force = symbolic_copy(key).friction.kinetic(normal_force, speed)
-    formulas = formulas_of([speed, normal_force, *parameters], [force, 0])
-    slope = _whole_jacobian(formulas, 1)
-    return Formulas(slope.tape, (formulas.outputs[0], *slope.outputs))
+def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:
+    """The force of a law of friction and its slope, as formulas of speed, normal force and the parameters of
+    these names."""
+
+    def derive() -> Formulas:
+        speed, normal_force = sp.symbols("speed normal_force", real=True)
+        force = symbolic_copy(key).friction.kinetic(normal_force, speed)
+        formulas = formulas_of([speed, normal_force, *map(symbol, names)], [force, 0])
+        slope = _whole_jacobian(formulas, 1)
+        return Formulas(slope.tape, (formulas.outputs[0], *slope.outputs))
+
+    return kept_formulas(derivations_of(key), f"friction of {', '.join(names)}", derive)
 
 
 def _colours(program: Program, modes: Sequence[Mode]) -> list[str]:

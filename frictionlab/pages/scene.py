@@ -41,6 +41,7 @@ from frictionlab.components.friction import (
     WeakeningStrengthening,
 )
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
+from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.letters import LATEX
 from frictionlab.models.composition import parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
@@ -292,7 +293,7 @@ def switch_control(model: Any, name: str) -> Data:
 
 def _regimes(model: Model, words: str) -> str:
     """Those of the words that are regimes of the model; "impacts" where none is."""
-    regimes = {part for mode in model.automaton().modes for part in mode.name.split(" | ")}
+    regimes = {part for name in model.automaton().names for part in name.split(" | ")}
     fitting = [word for word in words.split(", ") if any(part.startswith(word) for part in regimes)]
     return ", ".join(fitting) or "impacts"
 
@@ -495,9 +496,11 @@ def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
     if isinstance(model, HybridAutomaton):
         return False
     resting = {rate for name, rate in automaton.rates.items() if name not in automaton.cyclic}
-    mode = next(iter(automaton.modes))
-    velocities = [e for name, e in mode.outputs.items() if name.startswith("relative_velocity")]
-    return any(e.subs({s: 0 for s in e.free_symbols if s.name in resting}) != 0 for e in velocities)
+    draw = np.random.default_rng(0)  # at other numbers by chance: it holds for the structure, not for values
+    states = [0.0 if name in resting else draw.uniform(1.0, 2.0) for name in automaton.state_names]
+    at = [*states, *draw.uniform(1.0, 2.0, len(automaton.values)).tolist()]
+    mode, names = automaton.names[0], [n for n in automaton.outputs if n.startswith("relative_velocity")]
+    return any(output_formulas(automaton, mode, name).numbers(*at)[0] != 0.0 for name in names)
 
 
 def mechanism_data(model: Shown) -> Data | None:

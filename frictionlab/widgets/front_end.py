@@ -19,7 +19,6 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model, automaton_of, values_of
-from frictionlab.models.symbols import symbol
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
 from frictionlab.pages.scene import Data, Shown, friction_points, has_friction_curve, quantity_data
@@ -167,7 +166,7 @@ def friction_data(result: Result) -> Data | None:
     if not isinstance(model, Model) or not has_friction_curve(model):
         return None
     automaton = model.automaton()
-    formulas = friction_formulas(model.structure_key, tuple(map(symbol, automaton.values)))
+    formulas = friction_formulas(model.structure_key, tuple(automaton.values))
     values, known = tuple(automaton.values.values()), result.eigenvalues
     point = None if known is None else known.equilibrium
     last = max((model.parameters[speed] for speed, _ in friction_points(model) if speed), default=0.0)

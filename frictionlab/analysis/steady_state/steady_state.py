@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-import sympy
 from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
@@ -29,6 +28,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.run_events import SectionPoints
 from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.lazy_names import sympy
 from frictionlab.models.model import automaton_of
 from frictionlab.presentation import Drawable, FrozenMapping
 from frictionlab.stability import equilibrium

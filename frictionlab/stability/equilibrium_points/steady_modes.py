@@ -141,7 +141,7 @@ class SteadyMode:
             guards = replace(mode, events=tuple(one for one in mode.events if {*one.reset.jump} != moved))
             return (mode.flow[clock], *others, *_margins(guards))
 
-        formulas, count = self._formulas(f"moved by {clock}", functions), len(self.automaton.states)
+        formulas, count = self._formulas(f"moved by {clock}", functions), len(self.automaton.state_names)
         if formulas.dependences[0] & {*range(count)}:
             return np.array(False)  # a further state of that name
         stands = np.equal(formulas.arrays(*np.zeros(count), *values)[0], 0.0)
