@@ -182,7 +182,8 @@ def check_value(name: str, value: Any, about: Parameter) -> float:
     ValueError
         If it is not finite or out of bounds.
     """
-    number = _finite_number(name, plain_number(value), about)
+    quick = type(value) is float and isfinite(value)
+    number = value if quick else _finite_number(name, plain_number(value), about)
     if about.exclusive_minimum is not None and not number > about.exclusive_minimum:
         raise ValueError(
             _value_message(name, f"greater than {about.exclusive_minimum:g}", number, f"raise {name}", about)
