@@ -78,7 +78,8 @@ class SlidingContacts:
         A law without states.  None: contacts without friction.
     v : float
         Velocity (m/s) with which the counterpart moves along the tangent.  At 0 friction damps motions, but
-        there is no steady sliding, thus no equilibrium nor eigenvalues.
+        there is no steady sliding, thus no equilibrium nor eigenvalues but those in stick, see
+        :meth:`Structure.in_stick`.
     N : float, optional
         Normal force (N) of each contact, where no penetration determines it.
     impact : ImpactLaw, optional
@@ -194,7 +195,17 @@ class SlidingContacts:
             own = ((name, self.parameter(name)) for name in parameters_of(type(law)))
             if inner := {name: values[each] for name, each in own if each in values}:
                 changes[role] = replace(law, **inner)
-        return replace(self, **changes)
+        return self._with(changes)
+
+    def without_friction(self) -> Self:
+        """The same contacts, whose forces are normal."""
+        return self._with({"friction": None, "tangential": None})
+
+    def _with(self, changes: dict[str, Any]) -> Self:
+        copy = object.__new__(type(self))
+        copy.__setstate__(self.__getstate__() | changes)
+        copy._check_laws()
+        return copy
 
     def projected(self, basis: Array) -> Self:
         """The contacts of a structure whose displacements are in the span of a basis (n, r)."""
@@ -236,7 +247,7 @@ class SlidingContacts:
         if not np.all(sign):
             raise ValueError(
                 f"{self.parameter('v')} must not be 0 for steady sliding, got 0.0: give the counterpart a "
-                "speed, or friction=None"
+                "speed, let the contact stick by structure.in_stick(), or take friction=None"
             )
         law, by_force, by_speed = self._friction_formulas
         # the pressure of an open contact is put to any number, as laws may have no slope at 0

@@ -315,6 +315,37 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
 
         return contacts_with_undetermined_friction(self, mode)
 
+    def in_stick(self) -> ReducedStructure:
+        """The structure whose contacts with counterparts at rest, v = 0, stick where they are closed.
+
+        It has the freedoms that these contacts leave: each keeps its tangential displacement at zero, as
+        without load.  Its eigenvalues are those of motions that are too small for the contacts to let go.
+        Which contacts are closed, and that they hold, is found at the values at hand.
+
+        Returns
+        -------
+        ReducedStructure
+            ``basis @ q`` are the displacements of this structure.
+
+        Raises
+        ------
+        ValueError
+            Where there is no equilibrium, or a contact would have to hold by more than its static limit.
+
+        Examples
+        --------
+        Of two masses between springs of 1 N/m, the second is pressed to a wall:
+
+        >>> import frictionlab as fl
+        >>> wall = fl.SlidingContacts([[0.0, 1.0]], N=1.0, v=0.0)
+        >>> pair = fl.Structure([[1.0, 0.0], [0.0, 1.0]], [[2.0, -1.0], [-1.0, 2.0]], contacts=wall)
+        >>> fl.eigenvalues(pair.in_stick()).values.imag.round(6).tolist()  # sqrt(2)
+        [-1.414214, 1.414214]
+        """
+        from frictionlab.structures.stick import structure_in_stick
+
+        return structure_in_stick(self)
+
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
         """Energies and powers along a run with these modes."""
         return StructureBalance(self, automaton, mode_names)
@@ -397,8 +428,8 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
         """The structure with another window, which is right."""
         return self._copied(window=window)
 
-    def projected(self, basis: Array, error: float = np.nan) -> ReducedStructure:
-        """The projection on a basis (n, r), real and orthonormal."""
+    def projected(self, basis: Any, error: float = np.nan) -> ReducedStructure:
+        """The projection on a real basis (n, r), full or sparse."""
         small = object.__new__(ReducedStructure)  # what is right of this one is right of its projection
         for each in fields(Structure):
             part = getattr(self, each.name)
@@ -662,14 +693,15 @@ def _least_eigenvalue(mass: Matrix, scales: Array) -> tuple[float, int]:
 class ReducedStructure(Structure):
     """A structure of r freedoms, whose displacements are those of a large one in the span of a basis.
 
-    It is made by :func:`reduce`.  Parameters, contacts and load are those of the large structure.
+    It is made by :func:`reduce`, or by :meth:`Structure.in_stick`.  Parameters, contacts and load are those
+    of the large structure.
 
     Parameters
     ----------
     full : Structure
         The large one, with n freedoms.
     basis : array (n, r)
-        Orthonormal: ``basis @ q`` are the displacements of the large structure.
+        Orthonormal, or sparse in stick: ``basis @ q`` are the displacements of the large structure.
     error : float
         Largest error of its eigenvalues, as a share, at and between samples of the large structure's; NaN
         where it was not measured.

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import linalg
 
 import frictionlab as fl
 from frictionlab.structures.sliding_equilibrium import Statics, newton_of_many
@@ -307,6 +308,34 @@ def test_a_moving_and_a_resting_counterpart():
     assert np.allclose(run(t)[:, 0], 0.6 * (1.0 - np.cos(t)), rtol=0, atol=1e-13)
     assert np.allclose(run.final_state, [1.2, 0.0], rtol=0, atol=1e-13)
     assert fl.energy_audit(run).error < 1e-12
+
+
+def test_contacts_at_rest_stick_in_the_linear_structure():
+    """A disc slides on the first freedom; of two guides at rest one is open: matrices and statics by hand."""
+    rng, n, F = np.random.default_rng(5), 6, np.array([1.0, 0.5, 0.0, 0.3, 1.0, -0.5])
+    K = (basis := np.linalg.qr(rng.standard_normal((n, n)))[0]) @ np.diag(np.linspace(2.0, 9.0, n)) @ basis.T
+    g, t = np.eye(n)[[0, 4, 5]], rng.standard_normal((3, n))
+    disc = fl.SlidingContacts(t[:1], g[:1], fl.LinearContact(3.0), fl.Coulomb(0.4, 0.5), name="disc")
+    law = fl.Coulomb(0.1, 9.0)
+    guides = fl.SlidingContacts(t[1:], g[1:], fl.LinearContact(5.0), law, v=0.0, name="guide")
+    given = {"contacts": [disc, guides], "load": [("F", F)], "parameters": {"F": 1.0}}
+    structure = fl.Structure(np.eye(n), (K + K.T) / 2, **given)
+    held = structure.in_stick()
+    Z = linalg.null_space(t[1:2])
+    stiffness = K + 3.0 * (np.outer(g[0], g[0]) - 0.4 * np.outer(t[0], g[0])) + 5.0 * np.outer(g[1], g[1])
+    q = Z @ np.linalg.solve(Z.T @ stiffness @ Z, Z.T @ F)
+    assert q[4] > 0.0 > q[5]
+    assert np.allclose(held.basis @ fl.equilibrium(held).q, q, rtol=1e-12)
+    exact = linalg.eigvals(Z.T @ stiffness @ Z)  # -s^2
+    found = fl.eigenvalues(held.replace(F=2.0)).values
+    assert len(found) == 2 * n - 2
+    assert np.abs(-(found[:, None] ** 2) - exact).min(axis=1).max() < 1e-11
+    needed = abs(t[1] @ (stiffness @ q - F)) / (t[1] @ t[1]) / (5.0 * q[4])  # of F_N
+    structure.replace(mu_k_guide=0.0, mu_s_guide=1.001 * needed).in_stick()
+    with pytest.raises(ValueError, match=r"hold by less than their static limits to stick, .* raise mu_s"):
+        structure.replace(mu_k_guide=0.0, mu_s_guide=0.999 * needed).in_stick()
+    with pytest.raises(ValueError, match="v_guide must not be 0"):
+        held.error_bounds()
 
 
 def test_groups_of_contacts():
