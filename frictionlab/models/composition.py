@@ -133,7 +133,7 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
     Raises
     ------
     ValueError
-        If a parameter of a component has a name that is already taken.
+        If a parameter of a component has a name that is already taken, or that of an attribute of the class.
     """
     owners = dict.fromkeys(parameters_of(cls), "")
     taken = {*owners, *components, *structural_fields(cls)}
@@ -144,6 +144,12 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
                 raise ValueError(
                     f"parameter {name!r} of {law} must differ from the model's {name!r}: rename it, or write "
                     f"{role}: object, which makes the law part of the structure"
+                )
+            if hasattr(cls, name):
+                law = type(component).__name__
+                raise ValueError(
+                    f"{name!r} of {cls.__name__} must not hide the parameter of {law}: "
+                    f"write {role} = {law}({name}=...), or rename it"
                 )
             taken.add(name)
             owners[name] = role

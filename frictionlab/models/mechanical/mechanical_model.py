@@ -18,7 +18,6 @@ from frictionlab.models.model import Model, model
 from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import (
     abbreviate,
-    check_choice,
     check_names_among,
     check_number,
     check_text,
@@ -198,7 +197,10 @@ def numbered(*letters: str, count: str, least: int = 1, most: int = 100) -> Any:
     check_number("most", most, integer=True, least=check_number("least", least, integer=True, least=1))
 
     def coordinates(model: Any) -> tuple[str, ...]:
-        check_choice("count", count, structural_fields(type(model)), f"write {count}: int = 3 in the class")
+        if count not in structural_fields(type(model)):
+            raise ValueError(
+                f"count must name an integer of the model, got {count!r}: write {count}: int = 3"
+            )
         number = check_number(count, getattr(model, count), integer=True, least=least, most=most)
         return tuple(f"{letter}{i + 1}" for letter in letters for i in range(number))
 

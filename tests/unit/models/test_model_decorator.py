@@ -254,9 +254,17 @@ def test_a_parameter_is_not_named_like_the_limit_that_the_solver_sets():
         Mine()
 
 
+def test_a_parameter_of_a_law_is_set_in_the_law():
+    """Else model.mu_k was one number, and friction had another."""
+    with pytest.raises(ValueError, match=r"must not hide .* of Coulomb: write friction = Coulomb\(mu_k="):
+        fl.model(anew(fl.MassOnBelt, mu_k=0.4)())()
+
+
 def test_coordinates_are_as_many_as_a_field_says():
     assert fl.ModularChain(masses=2).coordinates == ("u1", "u2", "w1", "w2")
     with pytest.raises(ValueError, match=r"balls must be .*at least 2.*, got 1"):
         fl.NewtonsCradle(balls=1)
-    with pytest.raises(ValueError, match=r"count must be one of 'masses'.*, got 'm'"):
+    with pytest.raises(
+        ValueError, match=r"count must name an integer of the model, got 'm': write m: int = 3"
+    ):
         fl.model(anew(fl.OscillatorChain, coordinates=fl.numbered("x", count="m"))())()
