@@ -69,16 +69,3 @@ def test_a_run_goes_on_from_its_file_as_it_does_without(scene, cut, tmp_path):
     assert ends[0].final_state.tobytes() == ends[1].final_state.tobytes()
     assert ends[0].events.t.tobytes() == ends[1].events.t.tobytes()
     assert ends[0].events.state.tobytes() == ends[1].events.state.tobytes()
-
-
-@pytest.mark.parametrize("scene", MODELS)
-def test_a_run_goes_on_from_the_middle_of_a_file(scene, tmp_path):
-    """From a time within it, and from each of some events."""
-    run = fl.simulate(MODELS[scene], 1.0, progress=False)
-    stored = fl.load(run.save(tmp_path / "whole"))
-    assert stored(0.7).tobytes() == run(0.7).tobytes()
-    assert_balanced(stored)
-    for number in np.linspace(0, len(run.events) - 2, 6).astype(int):
-        one, other = followed(scene, run, number), followed(scene, stored, number)
-        assert one.final_state.tobytes() == other.final_state.tobytes()
-        assert one.events.t.tobytes() == other.events.t.tobytes()

@@ -46,50 +46,36 @@ class CountingPool(ThreadPoolExecutor):
             self.left -= 1
 
 
-def run(function, count, executor, **options):
-    kept = {}
-    complete = run_tasks(
-        function,
-        [(i,) for i in range(count)],
-        keep=kept.__setitem__,
-        name="task {}".format,
-        execution=Execution(executor=executor, progress=False),
-        **options,
-    )
-    return complete, kept
+def run(function, count, executor, results, **options):
+    """Run the tasks, put what they give into `results`, return whether all were done."""
+    about = {"name": "task {}".format, "execution": Execution(executor=executor, progress=False)}
+    return run_tasks(function, [(i,) for i in range(count)], keep=results.__setitem__, **about, **options)
 
 
 def test_many_short_tasks_are_few_chunks_of_which_each_worker_has_two():
+    results = {}
     with CountingPool() as pool:
-        complete, kept = run(abs, 20_000, pool)
-    assert complete
-    assert kept == {i: i for i in range(20_000)}
+        assert run(abs, 20_000, pool, results)
+    assert results == {i: i for i in range(20_000)}
     assert pool.submitted < 100
     assert pool.most <= 4
 
 
 def test_only_the_tasks_asked_for_are_done():
+    results = {}
     with CountingPool() as pool:
-        assert run(abs, 100, pool, todo=range(3, 100, 10)) == (True, {i: i for i in range(3, 100, 10)})
+        assert run(abs, 100, pool, results, todo=range(3, 100, 10))
+    assert results == {i: i for i in range(3, 100, 10)}
 
 
-def test_a_task_that_fails_within_a_chunk_loses_none_before_it():
-    def fails(i):
-        if i == 7_777:
-            raise ZeroDivisionError("oops")
-        return i
+def fails_late(i):
+    if i == 7_777:
+        raise ZeroDivisionError("oops")
+    return i
 
-    kept = {}
-    with CountingPool() as pool, pytest.raises(TaskFailure, match="task 7777 failed with ZeroDivisionError"):
-        run_tasks(
-            fails,
-            [(i,) for i in range(20_000)],
-            keep=kept.__setitem__,
-            name="task {}".format,
-            execution=Execution(executor=pool, progress=False),
-        )
-    assert 7_777 not in kept
-    assert set(range(7_000)) <= set(kept)
+
+def cannot_be_sent(i):
+    return (lambda: i) if i == 7_777 else i
 
 
 class SendingPool(CountingPool):
@@ -99,20 +85,16 @@ class SendingPool(CountingPool):
         return super().submit(lambda: pickle.loads(pickle.dumps(function(*arguments, **keywords))))
 
 
-def test_a_result_that_cannot_be_sent_is_named():
-    def result(i):
-        return (lambda: i) if i == 7_777 else i
-
-    kept = {}
-    with SendingPool() as pool, pytest.raises(TaskFailure, match="task 7777 failed with"):
-        run_tasks(
-            result,
-            [(i,) for i in range(20_000)],
-            keep=kept.__setitem__,
-            name="task {}".format,
-            execution=Execution(executor=pool, progress=False),
-        )
-    assert set(range(7_000)) <= set(kept)
+@pytest.mark.parametrize(
+    ("function", "pool", "error"),
+    [(fails_late, CountingPool, "ZeroDivisionError"), (cannot_be_sent, SendingPool, "")],
+)
+def test_a_task_that_fails_within_a_chunk_is_named_and_loses_none_before_it(function, pool, error):
+    results = {}
+    with pool() as workers, pytest.raises(TaskFailure, match=f"task 7777 failed with {error}"):
+        run(function, 20_000, workers, results)
+    assert 7_777 not in results
+    assert set(range(7_000)) <= set(results)
 
 
 class TwoArguments(Exception):
@@ -131,18 +113,12 @@ def two_arguments(i):
 
 @pytest.mark.slow
 def test_an_error_that_cannot_be_sent_is_that_of_its_task_and_ends_no_pool_of_processes():
-    kept = {}
+    results = {}
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         with pytest.raises(TaskFailure, match="task 5 failed with RuntimeError: TwoArguments: oops"):
-            run_tasks(
-                two_arguments,
-                [(i,) for i in range(10)],
-                keep=kept.__setitem__,
-                name="task {}".format,
-                execution=Execution(executor=pool, progress=False),
-            )
+            run(two_arguments, 10, pool, results)
         assert pool.submit(abs, -1).result() == 1
-    assert set(range(5)) <= set(kept)
+    assert set(range(5)) <= set(results)
 
 
 def test_an_error_that_tells_of_an_executor_is_that_of_its_task():
@@ -153,7 +129,7 @@ def test_an_error_that_tells_of_an_executor_is_that_of_its_task():
         CountingPool() as pool,
         pytest.raises(TaskFailure, match=r"task 0 failed with .*BrokenExecutor: oops"),
     ):
-        run(fails, 1, pool)
+        run(fails, 1, pool, {})
 
 
 def test_after_a_failure_that_does_not_come_again_chunks_grow_again():
@@ -165,8 +141,10 @@ def test_after_a_failure_that_does_not_come_again_chunks_grow_again():
             raise MemoryError
         return i
 
+    results = {}
     with CountingPool() as pool:
-        assert run(fails_once, 40_000, pool) == (True, {i: i for i in range(40_000)})
+        assert run(fails_once, 40_000, pool, results)
+    assert results == {i: i for i in range(40_000)}
     assert pool.submitted < 12_000
 
 
@@ -177,8 +155,10 @@ def test_a_chunk_that_takes_long_is_handed_back(monkeypatch):
         time.sleep(0.005 if i > 50 else 0.0)
         return i
 
+    results = {}
     with CountingPool() as pool:
-        assert run(longer, 80, pool) == (True, {i: i for i in range(80)})
+        assert run(longer, 80, pool, results)
+    assert results == {i: i for i in range(80)}
     assert pool.submitted > 8
 
 
@@ -225,7 +205,7 @@ def test_a_bar_that_stands_still_says_that_no_worker_is_left(monkeypatch):
     bar = SimpleNamespace(update=lambda n: None, set_postfix_str=said.append, close=lambda: None)
     monkeypatch.setattr(module, "progress_bar", lambda **_: bar)
     with Cluster(1) as pool:
-        run(lambda i: time.sleep(0.15), 6, pool)
+        run(lambda i: time.sleep(0.15), 6, pool, {})
     assert said == [module.NO_WORKER, ""]
 
 
