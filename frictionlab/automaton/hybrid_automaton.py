@@ -225,10 +225,10 @@ class HybridAutomaton:
         TypeError
             For an unknown name.
         """
-        known = self.values
+        parameters = self.values
         for name in values:
-            if name not in known:
-                raise unknown_parameter("HybridAutomaton", name, list(known))
+            if name not in parameters:
+                raise unknown_parameter("HybridAutomaton", name, list(parameters))
             if not getattr(values[name], "is_real", False):  # of sympy, such as pi
                 check_number(
                     f"the parameter {name}", values[name], cure=f"give it one, such as replace({name}=1.0)"

@@ -96,22 +96,22 @@ def automaton_of_structure(key: StructureKey) -> HybridAutomaton:
     """The automaton of a structure, without values of the model's parameters."""
     begin = time.perf_counter()
     model = symbolic_copy(key)
-    derived = model.derive()
-    _check_states(model, derived)
+    automaton = model.derive()
+    _check_states(model, automaton)
     seconds = time.perf_counter() - begin
     LOGGER.info("derived the automaton of %s in %.2g s", type(model).__name__, seconds)
-    return derived
+    return automaton
 
 
-def _check_states(model: Model, derived: HybridAutomaton) -> None:
+def _check_states(model: Model, automaton: HybridAutomaton) -> None:
     """Raise ValueError unless an automaton has the model's coordinates first, then their velocities."""
     names = tuple(model.coordinates)
     needed = (*names, *(f"{name}'" for name in names))
-    if derived.coordinates != len(names) or derived.state_names[: len(needed)] != needed:
+    if automaton.coordinates != len(names) or automaton.state_names[: len(needed)] != needed:
         raise ValueError(
             f"the automaton of {type(model).__name__} must begin with the states {', '.join(needed)}, its "
-            f"coordinates and their velocities, got {', '.join(derived.state_names)} with coordinates="
-            f'{derived.coordinates}: name velocities by a prime, as sympy.Symbol("x\'")'
+            f"coordinates and their velocities, got {', '.join(automaton.state_names)} with coordinates="
+            f'{automaton.coordinates}: name velocities by a prime, as sympy.Symbol("x\'")'
         )
 
 
@@ -129,8 +129,8 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     derivations = derivations_of(key)
     outline = _outline(key, derivations)
     if outline is None:
-        derived = automaton_of_structure(key)
-        return replace(derived, parameters=_numbers(values) | dict(derived.parameters))
+        automaton = automaton_of_structure(key)
+        return replace(automaton, parameters=_numbers(values) | dict(automaton.parameters))
     outline, added = outline
     return CachedAutomaton(key, outline, {**values, **added}, derivations)
 
@@ -147,10 +147,10 @@ def _outline(
     parameters that the derivation adds to the model's.  None where it is not cached."""
     about = derivations.get("automaton")
     if about is None:
-        derived = automaton_of_structure(key)
-        if not derivations.keeps or _has_many_modes(derived) or derived.whole is not derived:
+        automaton = automaton_of_structure(key)
+        if not derivations.keeps or _has_many_modes(automaton) or automaton.whole is not automaton:
             return None
-        about = _outline_data(derived)
+        about = _outline_data(automaton)
         derivations.keep("automaton", about)
     names, regimes = tuple(about["modes"]), about["regimes"]
     outline = {
@@ -166,23 +166,23 @@ def _outline(
     return outline, about["parameters"]
 
 
-def _has_many_modes(derived: HybridAutomaton) -> bool:
-    modes = derived.modes
+def _has_many_modes(automaton: HybridAutomaton) -> bool:
+    modes = automaton.modes
     return isinstance(modes, ModesOnDemand) and modes.names.more_than(MOST_CACHED_MODES)
 
 
-def _outline_data(derived: HybridAutomaton) -> dict[str, Any]:
-    modes: Any = derived.modes
+def _outline_data(whole: HybridAutomaton) -> dict[str, Any]:
+    modes: Any = whole.modes
     return {
-        "states": derived.state_names,
-        "modes": tuple(derived.names),
-        "regimes": [[regime.name for regime in part] for part in modes.parts] if derived.on_demand else None,
-        "outputs": derived.outputs,
-        "rotational": derived.rotational_outputs,
-        "parameters": dict(derived.values),
-        "coordinates": derived.coordinates,
-        "cyclic": derived.cyclic,
-        "period": derived.period,
+        "states": whole.state_names,
+        "modes": tuple(whole.names),
+        "regimes": [[regime.name for regime in part] for part in modes.parts] if whole.on_demand else None,
+        "outputs": whole.outputs,
+        "rotational": whole.rotational_outputs,
+        "parameters": dict(whole.values),
+        "coordinates": whole.coordinates,
+        "cyclic": whole.cyclic,
+        "period": whole.period,
     }
 
 

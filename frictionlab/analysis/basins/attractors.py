@@ -278,16 +278,16 @@ class AttractorCatalogue:
         In a mode that an attractor never is in a motion is not on it, as with hysteresis; `modes` (N,) are
         the names of the modes.
         """
-        index, scaled = np.full(len(states), UNDECIDED), states / self._size
+        index, shares = np.full(len(states), UNDECIDED), states / self._size
         for i, tree in enumerate(self._trees):
             if tree is None:
                 continue
-            box = (scaled > tree.mins - 2 * self._rtol) & (scaled < tree.maxes + 2 * self._rtol)
+            box = (shares > tree.mins - 2 * self._rtol) & (shares < tree.maxes + 2 * self._rtol)
             if modes is not None and "modes" in self.attractors[i]:
                 box &= np.isin(modes, self.attractors[i]["modes"])[:, None]
             about = np.flatnonzero(box.all(axis=1) & (index == UNDECIDED))  # faster to test than the tree
             if len(about):
-                distance = tree.query(scaled[about], p=np.inf, distance_upper_bound=self._rtol)[0]
+                distance = tree.query(shares[about], p=np.inf, distance_upper_bound=self._rtol)[0]
                 index[about[distance < self._rtol]] = i
         return index
 

@@ -166,19 +166,19 @@ def label_initial_states(
         "labels": N indices; those beyond the known attractors refer to "found".
     """
     catalogue, states = attractors.copy(), np.array(starts, dtype=float)
-    labels, left = np.full(len(states), UNDECIDED), np.arange(len(states))
+    labels, running = np.full(len(states), UNDECIDED), np.arange(len(states))
     method: Any = options.method  # a Taylor
     group = start_group(automaton, states, method)
     for t in check_times(options.transient):
         advance_group(group, t)
         modes = None if automaton.on_demand else _modes_of_runs(group)
-        states[left], labels[left] = group.runs.states, _labels_of_runs(group, catalogue, modes)
-        goes_on = labels[left] == UNDECIDED
-        group, left = select_runs(group, goes_on), left[goes_on]
-        if not len(left):
+        states[running], labels[running] = group.runs.states, _labels_of_runs(group, catalogue, modes)
+        goes_on = labels[running] == UNDECIDED
+        group, running = select_runs(group, goes_on), running[goes_on]
+        if not len(running):
             break
     modes = None if automaton.on_demand else _modes_of_runs(group)
-    for row, i in enumerate(left):
+    for row, i in enumerate(running):
         mode = None if modes is None else modes[row : row + 1]
         labels[i] = catalogue.reached(states[i : i + 1], mode)[0]
         if labels[i] == UNDECIDED:

@@ -105,9 +105,9 @@ def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> R
         Size of the motion in each state; differences are measured by it.
     tolerance : float
     """
-    scaled = states / np.where(size > 0, size, 1.0)
+    shares = states / np.where(size > 0, size, 1.0)
     lags = range(1, min(len(t) // MIN_PERIODS_SEEN, MAX_LAG) + 1)
-    recurrences = [_recurrence_at_lag(t, scaled, lag) for lag in lags]
+    recurrences = [_recurrence_at_lag(t, shares, lag) for lag in lags]
     repeating = next((r for r in recurrences if is_periodic(r, tolerance)), None)
     if repeating is None:
         return min(recurrences, key=lambda r: r.deviation, default=NO_RECURRENCE)
@@ -214,7 +214,7 @@ def part_decays(samples: Array, size: Array, *, evenly: bool = False) -> bool:
     if parts is None:
         return False
     least, share = MIN_LOSS_SHARE * parts.whole, MIN_RATE_RATIO * evenly
-    shrinking, growing = (parts.squares[:, chosen].sum(axis=1) for chosen in (parts.inside, ~parts.inside))
+    shrinking, growing = (parts.squares[:, some].sum(axis=1) for some in (parts.inside, ~parts.inside))
     return _decreases(shrinking, least, share) or _decreases(growing[::-1], least, share)
 
 
@@ -312,8 +312,8 @@ class Comparison(NamedTuple):
         size, values = state_ranges(states), np.abs(states).max(axis=0, initial=0.0)
         size = np.where(size < AT_REST_RTOL * values, values, size)
         if self.drift is not None:
-            left = size[: self.drift.across.shape[1]]
-            left[left <= self.drift.rounding] = 0.0
+            across = size[: self.drift.across.shape[1]]
+            across[across <= self.drift.rounding] = 0.0
         return size
 
     def resting_parts(self, states: Array) -> list[tuple[Array, float]]:

@@ -315,12 +315,12 @@ def _run_independently(
     )
 
 
-def _groups(left: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method) -> list[Sequence[int]]:
+def _groups(todo: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, which is quicker for models without events."""
     automaton = automaton_of(models[0])
     smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
     size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
-    return [left[i : i + size] for i in range(0, len(left), size)]
+    return [todo[i : i + size] for i in range(0, len(todo), size)]
 
 
 def steady_states_task(
@@ -332,8 +332,8 @@ def steady_states_task(
     if len(models) == 1 or transient == 0.0:
         return [steady_state_task(model, start, options) for model, start in zip(models, starts)]
     ends = ensemble(models, transient, x0=np.array(starts), method=method, progress=False)
-    left = t_max - transient if t_max is not None and t_max > transient else None
-    after = replace(options, transient=0.0, t_max=left)
+    rest = t_max - transient if t_max is not None and t_max > transient else None
+    after = replace(options, transient=0.0, t_max=rest)
     ended = zip(models, starts, ends.states, ends.status)
     return [
         steady_state_task(m, state, after) if status.ok else steady_state_task(m, start, options)

@@ -53,8 +53,8 @@ class Sweep(Drawable):
     def __repr__(self) -> str:
         axes = [f"{name} {span(values)} ({len(values)})" for name, values in self.over.items()]
         axes += [count(len(self.x0), "initial state")] if self.x0 else []
-        left = sum(result is None for result in self.results.ravel())
-        return f"Sweep({self.function} over {shorten(axes)}{f'; {left} without result' if left else ''})"
+        undone = sum(result is None for result in self.results.ravel())
+        return f"Sweep({self.function} over {shorten(axes)}{f'; {undone} without result' if undone else ''})"
 
     def to_array(self) -> NDArray[np.float64]:
         """The results as numbers; NaN for those that are None."""

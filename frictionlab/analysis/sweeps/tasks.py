@@ -90,13 +90,13 @@ def run_tasks(
         Where a task fails, raised from its error, once those already begun are finished and kept; where the
         executor is lost.
     """
-    left = deque(range(len(tasks)) if todo is None else todo)
-    count = len(left)
+    waiting = deque(range(len(tasks)) if todo is None else todo)
+    count = len(waiting)
     bar = progress_bar(total=count, desc=title, shown=execution.progress)
     with InterruptCounter(URGENT_PRESS, bar) as interrupts:
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
-                run = _Run(function, tasks, keep, left, pool, workers, chunk_time, bar)
+                run = _Run(function, tasks, keep, waiting, pool, workers, chunk_time, bar)
                 while not (run.errors or run.executor_error or interrupts.count) and run.submit():
                     run.collect(POLL_TIME)
                 run.cancel()

@@ -155,12 +155,12 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     search = first_mode_equilibria(automaton, sliding)
     got = "none was found" if search.why else "got none"
     unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
-    left = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
+    others = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
     if automaton.on_demand and has_regime(automaton.names, "stick"):
-        left = ["stick of any contact"]
+        others = ["stick of any contact"]
     forced = PHASE in automaton.state_names and sliding
     still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
-    left_out = f" ({shorten(left)} has none that is a single point)" if left and sliding else ""
+    left_out = f" ({shorten(others)} has none that is a single point)" if others and sliding else ""
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, "
         f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters{still}, or simulate its motion"
@@ -188,13 +188,13 @@ def equilibrium_branches(
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
     for i, value in enumerate(at):
-        changed = {parameter: float(value)}
-        searched = all_mode_equilibria(automaton.replace(**changed), is_sliding(model))
+        change = {parameter: float(value)}
+        searched = all_mode_equilibria(automaton.replace(**change), is_sliding(model))
         for mode, x in ((mode, x) for mode, points, _ in searched for x in points.T):
             if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
                 continue
             modes.append(mode)
-            problems.append(_problem_from_equilibrium(model, automaton, mode, x, **changed))
+            problems.append(_problem_from_equilibrium(model, automaton, mode, x, **change))
             branch_states.append(problems[-1].solve(*problems[-1].at({parameter: at})))
     if not problems:
         raise _no_equilibrium_error(model)
@@ -437,9 +437,9 @@ def _sliding_equilibrium(
     """The equilibrium at a penetration; None where double precision cannot solve the static equations."""
     q: Any = np.array(statics.coordinates.arrays(penetration, *values), dtype=float)
     normal, friction = map(float, statics.forces.arrays(penetration, *values))
-    residual, solved = statics.is_static(penetration, normal, q, values, MAX_STATIC_RESIDUAL)
-    if not solved:
+    residual, is_solved = statics.is_static(penetration, normal, q, values, MAX_STATIC_RESIDUAL)
+    if not is_solved:
         return None
-    left = float(residual)
+    share = float(residual)
     state = np.append(q, np.zeros(len(q)))
-    return Equilibrium(state, penetration, normal, friction, left, model, tuple(model.coordinates))
+    return Equilibrium(state, penetration, normal, friction, share, model, tuple(model.coordinates))

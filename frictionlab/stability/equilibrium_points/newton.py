@@ -172,16 +172,16 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
     rounding determines its place.  It is left out.  `scale` (m, 1) is the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
-    noise, moved, terms, distance = _rounding_noise(flow, x, values, scale)
+    noise, shift, terms, distance = _rounding_noise(flow, x, values, scale)
     least, rtol = SCALE_ROUNDING * np.fmax(scale, terms), LAST_STEP_RTOL / NOISE_DISTANCE * distance
     forces = _times(np.abs(flow.jacobian(x, values)), np.abs(x) + least)
     # At a singular matrix a step of zero does not mean a zero: the rates themselves have to vanish.
     balanced = np.abs(flow.rhs(x, values)) <= np.fmax(rtol * forces, SAME_ZERO_FACTOR * noise)
-    converged = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * moved)
+    converged = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * shift)
     converged &= ~_is_pole(flow, x, values)
-    unknown = step + moved
-    zeros = (balanced & converged & (unknown <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
-    return x[:, zeros], unknown[:, zeros]
+    error = step + shift
+    zeros = (balanced & converged & (error <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
+    return x[:, zeros], error[:, zeros]
 
 
 def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:
@@ -288,13 +288,13 @@ def _missed(
     for first in range(0, len(ways), at_once):
         some = ways[first : first + at_once]
         way, here = np.hstack(some), np.tile(x, (1, len(some)))
-        known, at = np.tile(matrices, (len(some), 1, 1)), _repeated(values, 2 * len(some))
+        slopes, at = np.tile(matrices, (len(some), 1, 1)), _repeated(values, 2 * len(some))
         ahead, back = here + way, here - way
         both = np.hstack([ahead, back])
         there, before = np.hsplit(flow.rhs(both, at), 2)
-        missed = np.abs(there - before - _times(known, ahead - back))
+        missed = np.abs(there - before - _times(slopes, ahead - back))
         change = np.subtract(*np.split(flow.jacobian(both, at), 2))
-        curved = np.abs(_times(change, way)) > NONLINEARITY_RTOL * _times(np.abs(known), np.abs(way))
+        curved = np.abs(_times(change, way)) > NONLINEARITY_RTOL * _times(np.abs(slopes), np.abs(way))
         largest = np.abs(change).max(axis=(1, 2), initial=0.0)
         count = len(some)
         yield from zip(np.hsplit(missed, count), np.hsplit(curved, count), np.split(largest, count))
@@ -305,7 +305,7 @@ def _times(matrices: Array, x: Array) -> Array:
     return (matrices @ x.T[:, :, None])[:, :, 0].T
 
 
-def distinct_zeros(x: Array, unknown: Array) -> Array:
+def distinct_zeros(x: Array, error: Array) -> Array:
     """Zeros (m, K), each once, by their distance from the origin; those within their uncertainty are one.
 
     Symmetric zeros have the same distance up to rounding.  The one with the larger first state comes first.
@@ -313,7 +313,7 @@ def distinct_zeros(x: Array, unknown: Array) -> Array:
     distinct: list[int] = []
     for i in np.argsort(np.linalg.norm(x, axis=0), kind="stable"):
         distances = np.abs(x[:, distinct] - x[:, [i]])
-        if (distances > SAME_ZERO_FACTOR * (unknown[:, distinct] + unknown[:, [i]])).any(axis=0).all():
+        if (distances > SAME_ZERO_FACTOR * (error[:, distinct] + error[:, [i]])).any(axis=0).all():
             distinct.append(int(i))
     return x[:, sorted(distinct, key=lambda i: (float(f"{np.linalg.norm(x[:, i]):.9e}"), *-x[:, i]))]
 
@@ -400,21 +400,21 @@ def _within_turn(
 def _zeros_in_boxes(flow: Flow, values: Sequence[float], boxes: RootBoxes, scale: Array) -> Zeros:
     """The zeros near the starts in boxes that hold all of them."""
     ends = _search(lambda at: newton_step(flow, at, values), boxes.starts)
-    zeros, unknown = polish_zeros(flow, ends, values, scale)
+    zeros, error = polish_zeros(flow, ends, values, scale)
     distances = np.abs(zeros[:, None, :] - boxes.starts[:, :, None])
     room = (boxes.room + BOX_RTOL * np.abs(boxes.starts) + BOX_ATOL * scale)[:, :, None]
     near: Any = (distances <= room).all(axis=0)
     met = near.any(axis=1) if zeros.shape[1] else np.zeros(len(boxes.flat), bool)
     # A zero of a higher odd order is where a rate changes its sign, and Newton's method does not reach it.
-    left = boxes.flat & ~met
-    flat, on_jump = boxes.starts[:, left], boxes.starts[:, boxes.on_jump]
+    flats = boxes.flat & ~met
+    flat, on_jump = boxes.starts[:, flats], boxes.starts[:, boxes.on_jump]
     points = distinct_zeros(
         np.hstack([on_jump, zeros, flat]),
         np.hstack(
-            [MACHINE_EPSILON * np.abs(on_jump), unknown, BOX_RTOL * np.abs(flat) + SCALE_ROUNDING * scale]
+            [MACHINE_EPSILON * np.abs(on_jump), error, BOX_RTOL * np.abs(flat) + SCALE_ROUNDING * scale]
         ),
     )
-    doubtful = ~met & ~left & ~boxes.on_jump
+    doubtful = ~met & ~flats & ~boxes.on_jump
     return Zeros(points, "rates come within rounding of zero elsewhere" if doubtful.any() else "")
 
 
@@ -571,6 +571,6 @@ def _is_solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any
     """Where Newton's method has converged, and is not stuck at a singular matrix."""
     size = np.fmax(np.abs(x), scale)
     matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
-    left = np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), size)
+    small = np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), size)
     step = np.abs(_newton_step(matrices, rates))
-    return left.all(axis=0) & (step <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale).all(axis=0)
+    return small.all(axis=0) & (step <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale).all(axis=0)

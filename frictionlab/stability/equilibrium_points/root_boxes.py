@@ -173,8 +173,8 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     held: Any = np.all(solution[1] == 0.0, axis=1)
     if flow.rates.jumps(*map(_rounded, solution[0], held), *values):
         return "rounding decides on which side of a jump the linear rates hold a state"
-    left = np.flatnonzero(~rows)
-    sums, left = _linear_sums(flow, values, left, held)
+    nonlinear = np.flatnonzero(~rows)
+    sums, nonlinear = _linear_sums(flow, values, nonlinear, held)
     if len(sums):
         with_sums = np.vstack([matrix[rows], _sums_of_rows(sums, flow.jacobian(origin, values))])
         solution = _solve_rows(with_sums, -np.append(rates[rows], _sums_of_rows(sums, rates)))
@@ -185,12 +185,12 @@ def _eliminate(flow: Flow, values: Sequence[float]) -> Elimination | str | None:
     # Linear rows may have made columns of the others constant.
     there = [interval(state) if unknowns else state for state in _combined(origin, basis, _whole(unknowns))]
     entries = flow.slopes(there, values)
-    columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in left]
+    columns = [[_column(entries, i, basis[:, k]) for k in range(unknowns)] for i in nonlinear]
     linear = np.array([all(_constant(row[k]) is not None for row in columns) for k in range(unknowns)], bool)
     coefficients = np.array([[_constant(row[k]) for k in np.flatnonzero(linear)] for row in columns], float)
-    coefficients = coefficients.reshape(len(left), int(linear.sum()))
+    coefficients = coefficients.reshape(len(nonlinear), int(linear.sum()))
     combined, _ = _rows_without(coefficients)
-    elimination = Elimination(origin, basis, left, np.flatnonzero(~linear), combined, coefficients)
+    elimination = Elimination(origin, basis, nonlinear, np.flatnonzero(~linear), combined, coefficients)
     everywhere = ReducedFlow(flow, values, elimination).rates(_whole(int((~linear).sum())))
     if not all(np.all(row.contains_zero()) for row in everywhere):
         return None
@@ -207,29 +207,29 @@ def _rounded(state: float, held: bool) -> Any:
 
 
 def _linear_sums(
-    flow: Flow, values: Sequence[float], left: NDArray[np.intp], held: NDArray[np.bool_]
+    flow: Flow, values: Sequence[float], nonlinear: NDArray[np.intp], held: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.intp]]:
     """Sums (s, m) of rows in which all that is nonlinear cancels, and the rows that are left.
 
     Rows that jump where states are not held are no part of them: derivatives do not tell of jumps.
     """
     none, free = np.zeros((0, flow.size)), {*np.flatnonzero(~held)}
-    rows = np.array([i for i in left if not free & flow.rates.step_dependences[i]], dtype=np.intp)
+    rows = np.array([i for i in nonlinear if not free & flow.rates.step_dependences[i]], dtype=np.intp)
     if len(rows) < 2:
-        return none, left
+        return none, nonlinear
     random = np.random.default_rng(0)
     sizes = 10.0 ** random.uniform(-2, 2, size=(flow.size, SAMPLES))
     at = sizes * random.choice([-1.0, 1.0], size=sizes.shape)
     change = np.diff(flow.jacobian(at, values)[:, rows], axis=0)
     change = change[np.isfinite(change).all(axis=(1, 2))]
     if len(change) < SAMPLES // 2:  # a function is defined on one side only, or overflows
-        return none, left
+        return none, nonlinear
     columns = change.transpose(1, 0, 2).reshape(len(rows), -1)
     size = np.abs(columns).max(axis=0)
     cancelled, pivots = _rows_without(columns[:, size > 0] / size[size > 0])
     sums = np.zeros((len(cancelled), flow.size))
     sums[:, rows] = cancelled
-    return sums, np.setdiff1d(left, rows[~pivots])
+    return sums, np.setdiff1d(nonlinear, rows[~pivots])
 
 
 def _sums_of_rows(sums: Array, rows: Array) -> Array:
@@ -279,11 +279,11 @@ def _solve_rows(matrix: Array, right: Array) -> tuple[Array, Array] | None:
     """All solutions x = origin + basis u of linear equations, by elimination with pivots; None if there is
     none."""
     m = matrix.shape[1]
-    used = matrix.any(axis=1)
-    if right[~used].any():
+    filled = matrix.any(axis=1)
+    if right[~filled].any():
         return None
-    rows, units = _scales(matrix[used])
-    a = np.hstack([matrix[used] / rows[:, None] / units, (right[used] / rows)[:, None]])
+    rows, units = _scales(matrix[filled])
+    a = np.hstack([matrix[filled] / rows[:, None] / units, (right[filled] / rows)[:, None]])
     size = np.abs(a[:, m])  # what the right sides are sums of, to tell rounding
     pivots: list[int] = []
     row = 0
@@ -397,8 +397,8 @@ class ReducedFlow:
         if len(self.unknowns) < 2:
             return np.zeros(len(self.unknowns), dtype=bool)
         entries = self.flow.derivative
-        known = [*zip(entries.places, entries.formulas.dependences, strict=True)]
-        bent = {j for (_, j), inputs in known if j in inputs} | {*self.flow.stepped}
+        pairs = [*zip(entries.places, entries.formulas.dependences, strict=True)]
+        bent = {j for (_, j), inputs in pairs if j in inputs} | {*self.flow.stepped}
         return np.array([i not in bent for i in self.unknowns], dtype=bool)
 
     def steps(self, w: float) -> list[float]:
@@ -564,8 +564,8 @@ def _only_poles(reduced: ReducedFlow, boxes: Boxes) -> NDArray[np.bool_]:
     every = np.arange(len(boxes.owners))
     at_low, at_high = (size(every, end) for end in boxes.ends[:, 0])
     at_ends = np.fmax(*(np.where(np.isinf(one), np.nan, one) for one in (at_low, at_high)))
-    poles, left = _without_bounds(reduced, boxes)
-    owners, at = np.tile(left.owners, 2), left.ends[:, 0].ravel()
+    poles, rest = _without_bounds(reduced, boxes)
+    owners, at = np.tile(rest.owners, 2), rest.ends[:, 0].ravel()
     sizes = size(owners, at)
     for i in np.flatnonzero(poles):
         runs = _runs_of_floats(at[owners == i], sizes[owners == i])
@@ -578,7 +578,7 @@ def _without_bounds(reduced: ReducedFlow, boxes: Boxes) -> tuple[NDArray[np.bool
     each of them there are none.  Owners of these are the boxes."""
     possible = np.abs(boxes.ends).max(axis=(0, 1)) > SMALLEST  # smaller states count as zero
     count = len(possible)
-    parts, left = Boxes(boxes.ends, np.arange(count)).take(possible), [boxes.take([])]
+    parts, undecided = Boxes(boxes.ends, np.arange(count)).take(possible), [boxes.take([])]
     while len(parts.owners):
         row = reduced.of(boxes.owners[parts.owners]).rates(_intervals(parts.ends))[0]
         finite = np.broadcast_to(np.isfinite(row.low) & np.isfinite(row.high), parts.owners.shape)
@@ -589,10 +589,10 @@ def _without_bounds(reduced: ReducedFlow, boxes: Boxes) -> tuple[NDArray[np.bool
         low, high = parts.ends[:, 0]
         middle = low + (high - low) / 2
         last = (middle <= low) | (middle >= high)
-        left.append(parts.take(last))
+        undecided.append(parts.take(last))
         halves = [np.stack(two)[:, None] for two in ((low, middle), (middle, high))]
         parts = _joined([Boxes(half, parts.owners).take(~last) for half in halves])
-    return possible, _joined(left)
+    return possible, _joined(undecided)
 
 
 def _runs_of_floats(x: Array, sizes: Array) -> list[Array]:
@@ -633,9 +633,9 @@ def _search(reduced: ReducedFlow) -> RootBoxes:
     smooth = np.setdiff1d(np.arange(first, len(flat)), first + jumping)
     if k == 1 and len(smooth):
         _bracket(reduced, every, smooth, starts, flat)
-    left, doubtful = len(search.undecided.owners), starts[:, first + jumping][:, ~on_jump[first + jumping]]
-    why = f"{left} of {search.spent} boxes stay undecided" if left else ""
-    if doubtful.size and not left:
+    count, doubtful = len(search.undecided.owners), starts[:, first + jumping][:, ~on_jump[first + jumping]]
+    why = f"{count} of {search.spent} boxes stay undecided" if count else ""
+    if doubtful.size and not count:
         why = f"rates may come to zero beside a jump, near {doubtful[reduced.unknowns[0], 0]:.6g}"
     return RootBoxes(starts, room, flat, on_jump, why)
 
@@ -894,8 +894,8 @@ def _bracket(
     between: Any = find_root(rate, tuple(ends))
     root = np.where(rate(centre) == 0, centre, np.where(between.success, between.x, np.nan))
     # A rate that jumps, as beside a pole, comes no nearer to zero than at an end.
-    left = np.abs(rate(root))
-    changes = (left == 0) | (left < np.abs([rate(end) for end in ends]).min(axis=0))
+    residual = np.abs(rate(root))
+    changes = (residual == 0) | (residual < np.abs([rate(end) for end in ends]).min(axis=0))
     for i, x in zip(which[changes], root[changes], strict=True):
         starts[:, i] = reduced.full_states(np.array([[x]]))[:, 0]
         flat[i] = True

@@ -509,14 +509,14 @@ def _polish_roots(
 ) -> Array:
     """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
     does."""
-    left = statics.excess(penetrations, values)
+    excess = statics.excess(penetrations, values)
     for _ in range(most):
-        trial = penetrations - left / statics.slope(penetrations, values)
+        trial = penetrations - excess / statics.slope(penetrations, values)
         rest = statics.excess(trial, values)
-        better = np.abs(rest) < np.abs(left)
+        better = np.abs(rest) < np.abs(excess)
         if not better.any():  # nor would the next step change anything
             break
-        penetrations, left = np.where(better, trial, penetrations), np.where(better, rest, left)
+        penetrations, excess = np.where(better, trial, penetrations), np.where(better, rest, excess)
     return penetrations
 
 
@@ -590,12 +590,12 @@ def _enclosed_roots(statics: Statics, values: Sequence[Any], low: Array, high: A
     rises = statics.excess(high, values) > 0
     x = (low + high) / 2
     for _ in range(MOST_HALVINGS):
-        left = statics.excess(x, values)
-        below = (left > 0) != rises
+        excess = statics.excess(x, values)
+        below = (excess > 0) != rises
         low, high = np.where(below, x, low), np.where(below, high, x)
-        step = x - left / statics.slope(x, values)
+        step = x - excess / statics.slope(x, values)
         inside = (step > low) & (step < high)
-        after = np.where(left == 0, x, np.where(inside, step, (low + high) / 2))
+        after = np.where(excess == 0, x, np.where(inside, step, (low + high) / 2))
         still = np.abs(after - x) <= MACHINE_EPSILON * np.abs(x)
         x = after
         if (still | np.isnan(x)).all():

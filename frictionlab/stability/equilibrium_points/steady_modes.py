@@ -151,16 +151,16 @@ class SteadyMode:
     def regular_at(self, x: Array, values: Sequence[float]) -> SteadyMode:
         """The mode with distances that give other coordinates, where slopes by the first ones vanish at x."""
         m, n = len(x), self.automaton.coordinates
-        given = [place for place in self.following if place < n and place + n in self.following]
+        by_distances = [place for place in self.following if place < n and place + n in self.following]
         distances = Formulas(self.statics.rates.tape, self.statics.rates.outputs[m:])
-        if not given or not distances.outputs:
+        if not by_distances or not distances.outputs:
             return self
         places, formulas = distances.jacobian(range(m))
         slopes = formulas.arrays(*x, *np.zeros(len(distances.outputs)), *values)
         matrix = np.zeros((len(distances.outputs), m))
         for place, slope in zip(places, slopes, strict=True):
             matrix[place] = slope
-        own, all_ = (np.linalg.svd(some, compute_uv=False)[-1] for some in (matrix[:, given], matrix))
+        own, all_ = (np.linalg.svd(some, compute_uv=False)[-1] for some in (matrix[:, by_distances], matrix))
         if own > LEAST_SLOPE * all_:
             return self
         pivots = []
@@ -183,8 +183,8 @@ class SteadyMode:
         """The outputs `SHOWN` at a state (m,); NaN where the mode has no such output."""
 
         def outputs(mode: Mode) -> list[Any]:
-            given = mode.outputs
-            return [next((given[name] for name in names if name in given), sympy.nan) for names in SHOWN]
+            of_mode = mode.outputs
+            return [next((of_mode[name] for name in names if name in of_mode), sympy.nan) for names in SHOWN]
 
         return tuple(map(float, self._formulas("shown", outputs).arrays(*x, *values)))
 

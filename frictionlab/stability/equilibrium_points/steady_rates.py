@@ -121,26 +121,26 @@ def states_by_constraints(
     the law's state.
     """
     n, states = automaton.coordinates, automaton.states
-    left = [sympy.sympify(constraint, strict=True) for constraint in mode.constraints]
+    some = [sympy.sympify(constraint, strict=True) for constraint in mode.constraints]
     clocks = _clock_rates(automaton, mode)
-    distances = [one for one in left if _is_distance(one, states, n, clocks)]
+    distances = [one for one in some if _is_distance(one, states, n, clocks)]
     moving, speeds = (*states[:n], *clocks), (*states[n : 2 * n], *clocks.values())
     rates = [_rate(one, moving, speeds) for one in distances]
-    others = [one for one in left if one not in distances and all(sympy.expand(one - r) for r in rates)]
+    others = [one for one in some if one not in distances and all(sympy.expand(one - r) for r in rates)]
     dependent = _coordinates_by_distances(automaton, distances, preferred, clocks)
-    if len(dependent) == 2 * len(distances) == len(left) - len(others):
-        left = others  # else a distance lacks its rate, or two distances are one
+    if len(dependent) == 2 * len(distances) == len(some) - len(others):
+        some = others  # else a distance lacks its rate, or two distances are one
     else:
         dependent = {}
-    unknown = []
-    for constraint in left:
+    remainder = []
+    for constraint in some:
         place, slope = _law_state(constraint, states, n)
         if place is None:
-            unknown.append(constraint)
+            remainder.append(constraint)
         else:
             rate = -constraint / slope
             dependent[place] = DependentState(states[place] + rate, rate)
-    return ConstrainedStates(dependent, tuple(unknown), tuple(distances))
+    return ConstrainedStates(dependent, tuple(remainder), tuple(distances))
 
 
 def _clock_rates(automaton: HybridAutomaton, mode: Mode) -> dict[Any, Any]:
@@ -173,14 +173,14 @@ def _coordinates_by_distances(
     n, states = automaton.coordinates, automaton.states
     q, v, solutions = states[:n], states[n : 2 * n], {}
     for distance in distances:
-        left = sympy.expand(distance.xreplace({x: one.value for x, one in solutions.items()}))
-        candidates = [x for x in q if x in left.free_symbols and x.name not in automaton.cyclic]
+        equation = sympy.expand(distance.xreplace({x: one.value for x, one in solutions.items()}))
+        candidates = [x for x in q if x in equation.free_symbols and x.name not in automaton.cyclic]
         candidates = [x for x in candidates if x not in solutions]
         if not candidates:
             return {}
-        slopes = {x: _order_of_choice(sympy.diff(left, x), x, states) for x in reversed(candidates)}
+        slopes = {x: _order_of_choice(sympy.diff(equation, x), x, states) for x in reversed(candidates)}
         x = min(slopes, key=lambda x: (q.index(x) not in preferred, slopes[x]))
-        root = _root(left, x)
+        root = _root(equation, x)
         solutions = {
             other: DependentState(*(part.xreplace({x: root.value}) for part in one))
             for other, one in solutions.items()
@@ -248,15 +248,15 @@ def _arguments_of_pieces(functions: Iterable[Any]) -> list[Any]:
 
     The ratio of two derivatives of such a function is a number that sympy does not see.
     """
-    pieces, left = module_of_pieces(), [sympy.sympify(function, strict=True) for function in functions]
+    pieces, waiting = module_of_pieces(), [sympy.sympify(function, strict=True) for function in functions]
     if pieces is None:
-        return left
+        return waiting
     smooth: list[Any] = []
-    while left:
-        function = left.pop(0)
+    while waiting:
+        function = waiting.pop(0)
         parts = function.atoms(pieces.Pieces)
         smooth.append(function.xreplace({part: sympy.Dummy() for part in parts}))
-        left += [argument for part in sorted(parts, key=str) for argument in part.args]
+        waiting += [argument for part in sorted(parts, key=str) for argument in part.args]
     return smooth
 
 
