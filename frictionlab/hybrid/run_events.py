@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span
+from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, unit_of_state
 from frictionlab.validation import abbreviate, is_sequence
 
 MAX_KINDS = 6  # kinds of events that a summary counts
@@ -40,7 +40,8 @@ class Events:
     guard : (E,) names of the event functions that reached zero
     state, before : (E, states) state after and before the reset
     closed : (E,) whether the event closed a Zeno accumulation
-    names, units : names of the states, and their units, "" where they are not known
+    names : names of the states
+    system : the model, which knows their units, or None
     """
 
     t: np.ndarray
@@ -51,7 +52,7 @@ class Events:
     before: np.ndarray
     closed: np.ndarray
     names: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
+    system: Any = None
 
     def __len__(self) -> int:
         return len(self.t)
@@ -99,7 +100,8 @@ class Events:
         about = {name: getattr(self, name) for name in ("source", "target", "guard", "closed")}
         after = dict(zip(self.names, self.state.T, strict=True))
         before = {f"{name} before": column for name, column in zip(self.names, self.before.T, strict=True)}
-        units = dict(zip((*after, *before), (*self.units, *self.units)))
+        own = [unit_of_state(self.system, name) for name in self.names]
+        units = dict(zip((*after, *before), (*own, *own)))
         return dataframe(about | after | before, {"t": self.t}, {"t": "s"} | units)
 
     def __repr__(self) -> str:

@@ -7,6 +7,7 @@ those of a run.  The front end shows them; their data are those of `frictionlab.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any
 
 import traitlets
@@ -16,7 +17,7 @@ from frictionlab.components.component import Parameter, check_value
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.models.composition import parameter_metadata, without
+from frictionlab.models.composition import without
 from frictionlab.models.model import (
     automaton_of,
     nonlinearities_in,
@@ -165,28 +166,31 @@ def _reachable(model: Shown) -> Iterator[Shown]:
     yield model
     if isinstance(model, HybridAutomaton):
         return
-    full = model
-    for restored in restoring_components(model).values():
-        full = full.replace(**restored)
+    full = composed(model)
     yield full
     for role, laws in law_menus(model).items():
         for law in laws.values():
             yield full.replace(**{role: law})
 
 
-def restoring_components(model: Any) -> dict[str, dict[str, Any]]:
-    """Components that restore each nonlinearity a model lacks: the defaults of the model's class."""
+@lru_cache(maxsize=32)
+def composed(model: Any, off: tuple[str, ...] = (), laws: tuple[tuple[str, Any], ...] = ()) -> Any:
+    """A model with all its nonlinearities but those that are `off`, and with these laws, by their roles.
+
+    Those that the model lacks come from the defaults of its class.
+    """
     lacking = {name: one for name, one in nonlinearities_in(model).items() if one.missing(model)}
-    usual = type(model)() if lacking else model
-    return {name: {key: getattr(usual, key) for key in one.without(model)} for name, one in lacking.items()}
+    usual, changes = type(model)() if lacking else model, dict(laws)
+    for name, one in lacking.items():
+        if name not in off:
+            changes |= {key: getattr(usual, key) for key in one.without(model)}
+    # A nonlinearity that the model lacks is already left out by its own components.
+    changes |= without(model, tuple(name for name in off if name not in lacking))
+    return model.replace(**changes)
 
 
-def chosen_model(
-    model: Shown, restoring: Mapping[str, Mapping[str, Any]], controls: Mapping[str, Control]
-) -> Shown:
+def chosen_model(model: Shown, controls: Mapping[str, Control]) -> Shown:
     """The model or automaton that the controls are set to, from the one with which they were made.
-
-    `restoring` is what :func:`restoring_components` gives of that one.
 
     Raises
     ------
@@ -195,16 +199,10 @@ def chosen_model(
     """
     if isinstance(model, HybridAutomaton):
         return model.replace(**{name: controls[name].value for name in model.values})
-    changes: dict[str, Any] = {role: controls[role].value for role in model.roles if role in controls}
-    off = [name for name in model.nonlinearities if not controls[f"switch-{name}"].value]
-    for name, components in restoring.items():
-        if name not in off:
-            changes |= components
-    # A nonlinearity that the initial model lacks is already left out by that model's components.
-    changes |= without(model, tuple(name for name in off if name not in restoring))
-    components = {role: changes.get(role, component) for role, component in model.components.items()}
-    names = parameter_metadata(type(model), components)
-    return model.replace(**changes | {name: controls[name].value for name in names})
+    off = tuple(name for name in model.nonlinearities if not controls[f"switch-{name}"].value)
+    laws = tuple((role, controls[role].value) for role in model.roles if role in controls)
+    chosen = composed(model, off, laws)
+    return chosen.replace(**{name: controls[name].value for name in chosen.parameters})
 
 
 def run_choices(settings: Settings) -> Iterator[Control]:

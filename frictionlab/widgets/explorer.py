@@ -23,9 +23,9 @@ from frictionlab.widgets.panels.standard import (
     select_panels,
 )
 
-from .controls import State, chosen_model, chosen_settings, controls_of, restoring_components, set_state
+from .controls import State, chosen_model, chosen_settings, controls_of, set_state
 from .front_end import FrontEnd, result_data
-from .result import Result, Settings, starting_settings
+from .result import Result, Settings, python_snippet, starting_settings
 from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
 
 if TYPE_CHECKING:
@@ -59,7 +59,6 @@ class Explorer:
         self.settings, self.result = settings, Result(settings)
         self.error: BaseException | None = None
         self.start_model, self.panels = settings.model, panels
-        self._restoring = restoring_components(settings.model)
         self.drawings: dict[str, Drawing] = {}
         self._images: dict[str, bytes] = {}
         self.updates = 0  # computed so far
@@ -81,6 +80,7 @@ class Explorer:
         for name, answer in self._answers.items():
             self.widget.observe(answer, names=name)
         self.widget.stops = in_this_thread(self._stop)
+        self.widget.python = lambda: python_snippet(self.settings)
         self.scheduler.request()
 
     @property
@@ -162,7 +162,7 @@ class Explorer:
         self.widget.computing = True
         asked = self.widget.state
         try:
-            model = chosen_model(self.start_model, self._restoring, self.controls)
+            model = chosen_model(self.start_model, self.controls)
             if isinstance(model, HybridAutomaton) and model.values == values_of(self.settings.model):
                 model = self.settings.model  # an automaton equals none but itself
             settings = chosen_settings(model, self.controls)

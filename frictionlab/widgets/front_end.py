@@ -25,7 +25,7 @@ from frictionlab.pages.scene import Data, Shown, friction_points, has_friction_c
 from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.presentation import tally
-from frictionlab.widgets.result import Array, Result, python_snippet
+from frictionlab.widgets.result import Array, Result
 
 from .sound import listen
 
@@ -73,15 +73,19 @@ class FrontEnd(anywidget.AnyWidget):
         self.run: Any = None
         self.stops: Callable[[], None] = _nothing
         self.opens: Callable[[str, Mapping[str, Any]], None] = _opens_nothing
+        self.python: Callable[[], str] = str
         self.on_msg(self._heard)
 
     def _heard(self, _: Any, content: Any, __: Any) -> None:
-        """Send what the run sounds like, or why it makes no sound; open a scene; or stop."""
+        """Send what the run sounds like, or why it makes no sound, or its Python; open a scene; or stop."""
         if "stop" in content:
             self.stops()
             return
         if "open" in content:
             self.opens(content["open"], content.get("changed", {}))
+            return
+        if "python" in content:
+            self.send({"text": self.python()})
             return
         try:
             sound = listen(self.run)
@@ -134,7 +138,6 @@ def result_data(
             "friction_force": _finite(point.friction_force),
         },
         "friction": friction_data(result) if needs_friction else None,
-        "python": python_snippet(result.settings) if complete else "",
         "complete": complete,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
         "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),
@@ -143,17 +146,28 @@ def result_data(
 
 
 def _without_run(model: Shown) -> Data:
-    return {"structure": quantities_of(model, automaton_of(model)), "finished": True, "status": ""}
+    return {"structure": quantities_of(model), "finished": True, "status": ""}
 
 
-def quantities_of(model: Shown, automaton: HybridAutomaton) -> Data:
-    """What `quantity_data` says of a model and its automaton; it depends on the structure alone."""
+def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
+    """What `quantity_data` says of a model, and the modes of a run with their colours.
+
+    It depends on the structure, and on the modes that the run knows.
+    """
     if isinstance(model, HybridAutomaton):  # found at once, and its modes are not kept alive
-        return quantity_data(model, automaton)
-    key = model.structure_key
+        return _quantities(model, run)
+    key = model.structure_key, run and run.mode_names
     if key not in _QUANTITIES:
-        _QUANTITIES[key] = quantity_data(model, automaton)
+        _QUANTITIES[key] = _quantities(model, run)
     return _QUANTITIES[key]
+
+
+def _quantities(model: Shown, run: Trajectory | None) -> Data:
+    if run is None:
+        return quantity_data(model, automaton_of(model))
+    colours = mode_colours(run)
+    modes = {"modes": list(run.mode_names), "colours": [colours[name] for name in run.mode_names]}
+    return quantity_data(model, run.automaton) | modes
 
 
 def friction_data(result: Result) -> Data | None:
@@ -207,12 +221,11 @@ def facts(result: Result) -> Data:
 
 def sampled_run(run: Trajectory, model: Shown, times: Array, states: Array, modes: Any) -> Data:
     """A run at times (N,), with its states (N, n) and modes (N,) there."""
-    automaton, names, colours = run.automaton, run.mode_names, mode_colours(run)
+    automaton, names = run.automaton, run.mode_names
     columns = {name: states[:, i] for i, name in enumerate(run.names)}
     columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
-    own = quantities_of(model, automaton)
     return {
-        "structure": own | {"modes": list(names), "colours": [colours[name] for name in names]},
+        "structure": quantities_of(model, run),
         "samples": {
             "times": packed(times),
             "modes": packed(modes),

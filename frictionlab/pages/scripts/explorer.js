@@ -45,7 +45,7 @@ class Explorer {
       this.button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
       this.button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
       this.button("copy", "copy as Python", "Copy as Python (c)",
-        () => this.copy(this.engine.python(this.state), "copied as Python")),
+        async () => this.copy(await this.engine.python(this.state), "copied as Python")),
       this.button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
       this.fileMenu(),
       this.button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),

@@ -26,7 +26,17 @@ class PythonEngine {
     } catch { explorer.say("This server does not let a computation be stopped: wait until it is done.", true); }
   }
 
-  python() { return this.model.get("picture").python; }
+  answer(asked) { // of Python: [content, buffers]
+    return new Promise((answered) => {
+      this.answered = (...message) => answered(message);
+      this.model.send(asked);
+    });
+  }
+
+  async python() {
+    const [{ text }] = await this.answer({ python: true });
+    return text;
+  }
 
   result() { // the picture, with its arrays as numbers
     const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture,
@@ -52,15 +62,11 @@ class PythonEngine {
 
   instant(t, { samples }) { return [samples, nearestTime(samples.times, t)]; }
 
-  hear() {
-    return new Promise((heard, refused) => {
-      this.heard = ({ text, rate }, [bytes]) => {
-        if (!bytes) return refused(new RangeError(text));
-        const samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
-        heard({ samples: Float32Array.from(samples, (v) => v / 32767), rate, text });
-      };
-      this.model.send({ hear: true });
-    });
+  async hear() {
+    const [{ text, rate }, [bytes]] = await this.answer({ hear: true });
+    if (!bytes) throw new RangeError(text);
+    const samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
+    return { samples: Float32Array.from(samples, (v) => v / 32767), rate, text };
   }
 }
 
@@ -92,7 +98,7 @@ function render({ model, el }) {
     explorer.follow(asked);
   }
   const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon,
-    "msg:custom": (...message) => engine.heard?.(...message) };
+    "msg:custom": (...message) => engine.answered?.(...message) };
   for (const [name, does] of Object.entries(changes)) model.on(name, does);
   model.set("shown", true);
   model.save_changes();

@@ -57,7 +57,7 @@ def test_an_explorer_of_an_automaton_is_what_solve_computes():
     assert f"({len(run.events)} floor)" in explorer.widget.picture["status"]
     assert words(explorer) == "No equilibrium was found. From your own state this run is over after 2.56 s."
     known = {"automaton": ball()}
-    exec(explorer.widget.picture["python"], known)
+    exec(explorer.widget.python(), known)
     np.testing.assert_array_equal(known["run"].final_state, run.final_state)
 
 
@@ -92,7 +92,7 @@ def test_what_is_told_of_states_has_the_automatons_own_names():
     mode = fl.Mode("on", (sp.S.One, sp.S.Zero))
     for names in ((X, V), sp.symbols("a b")):
         given = fl.HybridAutomaton(names, (mode,), {}, 1)
-        assert quantities_of(given, given)["states"] == [each.name for each in names]
+        assert quantities_of(given)["states"] == [each.name for each in names]
 
 
 def test_a_film_of_an_automaton_shows_its_history():

@@ -291,9 +291,7 @@ def test_the_snippet_gives_the_model_and_the_run_again(scene):
     model = SCENES[scene]
     explorer = made(model, ("response",))
     names = {"Hertz": Hertz}
-    code = re.sub(
-        r"^from \S*test_explorer import Hertz$", "", explorer.widget.picture["python"], flags=re.MULTILINE
-    )
+    code = re.sub(r"^from \S*test_explorer import Hertz$", "", explorer.widget.python(), flags=re.MULTILINE)
     exec(code, names)
     assert names["model"] == explorer.model == model
     assert np.array_equal(names["run"].final_state, explorer.run.final_state)
@@ -306,5 +304,5 @@ def test_the_snippet_has_method_and_initial_state(explorer):
     explorer.controls["start"].value = "own"
     explorer.controls["own"].value = "0.01, 0, 0, 0, 0, 0, 0, 0, 0, 0"
     names = {}
-    exec(explorer.widget.picture["python"], names)
+    exec(explorer.widget.python(), names)
     assert np.array_equal(names["run"].final_state, explorer.run.final_state)
