@@ -6,12 +6,13 @@ A parameter is a field that holds a physical number, with unit, symbol, meaning 
 from __future__ import annotations
 
 import dataclasses
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from inspect import Parameter as Argument
-from inspect import get_annotations, signature
+from inspect import signature
 from math import isfinite
 from numbers import Real
 from types import MappingProxyType
@@ -29,6 +30,14 @@ from frictionlab.validation import (
     plain_number,
     unknown_parameter,
 )
+
+if sys.version_info >= (3, 14):  # where an annotation may name what is defined later
+    from annotationlib import Format
+    from annotationlib import get_annotations as annotations_in
+
+    get_annotations = partial(annotations_in, format=Format.FORWARDREF)
+else:
+    from inspect import get_annotations
 
 METADATA_KEY = "frictionlab parameter"
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from frictionlab.components.component import (
     Component,
     Parameter,
+    get_annotations,
     is_decorated,
     parameters_of,
     structure_of,
@@ -53,7 +54,7 @@ def roles_of(cls: type, names: Mapping[str, Any]) -> dict[str, type]:
         known there.
     """
     fields = {field.name: field for field in dataclasses.fields(cls)}
-    own, known = inspect.get_annotations(cls), getattr(super(cls, cls), "roles", {})
+    own, known = get_annotations(cls), getattr(super(cls, cls), "roles", {})
     roles = {}
     for name in [name for name in own if name in fields] + [
         name for name in fields if name not in own and name not in known

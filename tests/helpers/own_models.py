@@ -58,26 +58,18 @@ class Chain(MechanicalModel):
     spare: object = Fitted(shares=(0.2,), pairs=(("slow", 1),))
     friction: FrictionLaw = Coulomb(mu_k=0.3, mu_s=0.5)
 
-    @property
-    def coordinates(self):
-        """x1, x2, ..."""
-        return tuple(f"x{i + 1}" for i in range(self.masses))
-
-    @property
-    def period(self):
-        """Of one mass, s."""
-        return 4.0
+    coordinates = fl.numbered("x", count="masses")
+    period = 4.0
 
     def mechanics(self, q, v):
         """Springs between neighbours, and from both ends to the walls, or from the first end only."""
-        x, rates = ([getattr(each, name) for name in self.coordinates] for each in (q, v))
-        stretched = [x[0], *(b - a for a, b in pairwise(x))] + ([x[-1]] if self.ends == "fixed" else [])
-        kinetic = sum(w * self.m * rate**2 / 2 for w, rate in zip(self.weights, rates))
+        stretched = [q[0], *(b - a for a, b in pairwise(q))] + ([q[-1]] if self.ends == "fixed" else [])
+        kinetic = sum(w * self.m * rate**2 / 2 for w, rate in zip(self.weights, v))
         load = self.spare.kinetic(1.0, 0.0) + (1.0 if self.wear is Wear.OLD else 0.0)
         return Mechanics(
             kinetic=kinetic,
             potential=sum(self.k * each**2 / 2 for each in stretched),
-            contacts=(Friction(self.v - rates[0], 1.0 + load, self.friction),),
+            contacts=(Friction(self.v - v[0], 1.0 + load, self.friction),),
         )
 
 

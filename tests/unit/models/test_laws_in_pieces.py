@@ -557,7 +557,7 @@ def in_potential(energy, *coordinates):
         lift: float = 0.0
 
         def mechanics(self, q, v):
-            kinetic = sum(getattr(v, name) ** 2 for name in coordinates) / 2
+            kinetic = sum(rate**2 for rate in v) / 2
             return fl.Mechanics(kinetic, energy(self, q))
 
     InPotential.coordinates = coordinates
