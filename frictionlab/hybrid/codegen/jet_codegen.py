@@ -83,6 +83,7 @@ def _registered(name: str) -> None:
     llvm.add_symbol(name, c_address(name, *KERNELS[name]))
 
 
+CONVOLUTIONS_PER_LOOP = 2  # with more, AVX2 has too few registers
 LANE_COUNT = 4
 # Rows of `control`, of LANE_COUNT numbers each; one row more for each guard has its number of leading zeros.
 LEFT, LENGTH, REGULAR, MEASURED, SUITED, TOL, LOG_TOL, GUARD_TOL = range(8)
@@ -351,9 +352,10 @@ class JetWriter(Instructions):
 
     def _prepare_convolutions(self, fours: Any) -> None:
         """Compute what is known of all convolutions before a block, as vectors of the sums for its orders."""
-        four = self.ir.VectorType(self.kind, PARTS)
-        for a, b in convolutions_of(self.function.tape):
-            self.sums[a, b] = self._in_pairs(self._sums_of_known(a, b, fours, 1, four))
+        four, pairs = self.ir.VectorType(self.kind, PARTS), convolutions_of(self.function.tape)
+        for start in range(0, len(pairs), CONVOLUTIONS_PER_LOOP):
+            some = pairs[start : start + CONVOLUTIONS_PER_LOOP]
+            self.sums.update(zip(some, self._known_sums(some, fours, 1, four), strict=True))
 
     def _add_newest(self, at: OrderInLoop) -> None:
         """Add products with the coefficients of this order to the sums for the next orders of the block."""
@@ -366,36 +368,40 @@ class JetWriter(Instructions):
                 following = self._multiply_add(newest, low, following)
             self.sums[a, b] = following
 
-    def _sums_of_known(self, a: int, b: int, fours: Any, least: int, kind: Any) -> Values:
-        """Four partial sums of what is known of a convolution before the block after order 4 `fours`.
+    def _known_sums(self, pairs: list[tuple[int, int]], fours: Any, least: int, kind: Any) -> Values:
+        """What is known of convolutions before the block after order 4 `fours`.
 
         They are for its order number `least`, or for vectors of orders from this one on.
         """
         build, base = self.build, self._ahead(self.J, self.build.shl(fours, self.whole(2)))
-        ahead, behind = self._place(a, base), self._place(b, self.J)
 
         def group(i: Any, sums: Values) -> Values:
             done = build.shl(i, self.whole(2))
-            front, back = self._ahead(ahead, build.neg(done)), self._ahead(behind, done)
-            pairs = [
-                (self._broadcast(front, -n, kind), self._vector(back, least + n, kind)) for n in range(PARTS)
+            front, back = self._ahead(base, build.neg(done)), self._ahead(self.J, done)
+            factors = [
+                (
+                    self._broadcast(self._place(a, front), -n, kind),
+                    self._vector(self._place(b, back), least + n, kind),
+                )
+                for a, b in pairs
+                for n in range(PARTS)
             ]
-            return [self._multiply_add(*pair, part) for pair, part in zip(pairs, sums, strict=True)]
+            return [self._multiply_add(*both, part) for both, part in zip(factors, sums, strict=True)]
 
-        sums = [llvm_constant(self.ir, kind, 0.0)] * PARTS
-        sums = write_loop(build, build.sub(fours, self.whole(1)), sums, group)
+        zeros = [llvm_constant(self.ir, kind, 0.0)] * (PARTS * len(pairs))
+        sums = write_loop(build, build.sub(fours, self.whole(1)), zeros, group)
+        parts = [sums[i : i + PARTS] for i in range(0, len(sums), PARTS)]
+        return [self._with_newest(*pair, four, base, least) for pair, four in zip(pairs, parts, strict=True)]
+
+    def _with_newest(self, a: int, b: int, parts: Values, base: Any, least: int) -> Any:
+        """Four partial sums and the products with the newest coefficients of `b`, up to order 4 of `a`."""
+        build, kind = self.build, parts[0].type
         first, newest = self._place(a, self.J), self._place(b, base)
         for n in range(PARTS + 1 - least):
-            older, newer = (
-                self._broadcast(first, PARTS - n, kind),
-                self._vector(newest, least + n - PARTS, kind),
-            )
-            products = self._first_numbers(build.fmul(older, newer), PARTS - n)
-            sums[n] = build.fadd(products, sums[n])
-        return sums
-
-    def _in_pairs(self, parts: Values) -> Any:
-        return self.build.fadd(self.build.fadd(parts[0], parts[1]), self.build.fadd(parts[2], parts[3]))
+            older = self._broadcast(first, PARTS - n, kind)
+            product = build.fmul(older, self._vector(newest, least + n - PARTS, kind))
+            parts[n] = build.fadd(self._first_numbers(product, PARTS - n), parts[n])
+        return build.fadd(build.fadd(parts[0], parts[1]), build.fadd(parts[2], parts[3]))
 
     def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
         """A coefficient in all places of a vector."""
@@ -431,7 +437,7 @@ class LaneWriter(JetWriter):
     def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._number(0.0)
         if not self.first_block:
-            total = self._in_pairs(self._sums_of_known(a, b, at.fours, at.rest + 1, self.kind))
+            (total,) = self._known_sums([(a, b)], at.fours, at.rest + 1, self.kind)
         return self._with_block(a, b, total, at)
 
     def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
