@@ -204,7 +204,8 @@ class Frequencies:
     Parameters
     ----------
     values : mapping of int to float
-        Hz, by the mode's number, counted from 0 by ascending frequency.
+        Hz, by the mode's number, counted from 0 by ascending frequency, those of 0 Hz too: overdamped modes,
+        further states, a rotation.
     error : float
         Standard deviation, Hz.
     """
@@ -253,7 +254,7 @@ def as_data(data: Any) -> tuple[Any, ...]:
 
 
 def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:
-    """Raise ValueError unless the automaton has the states, modes and eigenfrequencies that were measured.
+    """Raise ValueError unless the automaton has the states and modes that were measured.
 
     Also where records have different time stamps of their starts, as a motion has one.
     """
@@ -269,11 +270,6 @@ def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:
                 check_choice("state", name, automaton.state_names, "name one of them")
         elif isinstance(one, EventTimes):
             check_mode_name(one.target, automaton.names)
-        elif max(one.values, default=0) >= automaton.coordinates:
-            raise ValueError(
-                f"the modes of Frequencies must be below {automaton.coordinates}, the number of coordinates, "
-                f"got {max(one.values)}: they are counted from 0"
-            )
 
 
 def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Array], dict[str, float]]:

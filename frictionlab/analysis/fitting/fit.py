@@ -29,6 +29,7 @@ from frictionlab.analysis.fitting.predictions import (
     FitProblem,
     Misfit,
     Segments,
+    check_frequencies,
     even_segments,
     first_run,
     first_states,
@@ -306,6 +307,7 @@ def _check(
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = automaton_of(model).state_names
     check_data(records, automaton_of(model))
+    check_frequencies(model, records)
     unknown = _names("unknown", unknown)
     for name in unknown:
         check_choice("state", name, states, "name one of them")

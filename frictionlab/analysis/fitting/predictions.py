@@ -16,6 +16,7 @@ from frictionlab.hybrid.solve import end_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
 from frictionlab.presentation import PHASE
+from frictionlab.stability import eigenvalues
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights, of_kind
 
@@ -242,6 +243,18 @@ def _add_event_times(one: EventTimes, moments: Sequence[Any], n: int, add: Any) 
     low, run, flow, piece = moments[-1]
     missing = (low + run.raw.t - one.t[k:]) / one.error
     add(missing, np.zeros((len(missing), n)), np.zeros((len(missing), flow.end.shape[1] - n)), piece)
+
+
+def check_frequencies(model: ModelOrAutomaton, data: Sequence[Any]) -> None:
+    """Raise ValueError unless the modes whose frequencies were measured vibrate where the search begins."""
+    for mode in (mode for one in of_kind(data, Frequencies) for mode in one.values):
+        if not ModeFrequency(mode)(model):
+            values = eigenvalues(model).values
+            first = (len(values) + 1) // 2 - int((values.imag > 0.0).sum())
+            raise ValueError(
+                f"the modes of Frequencies must vibrate where the search begins, got mode {mode} of 0 Hz, "
+                f"overdamped, of a further state or a rotation: count from the first that vibrates, {first}"
+            )
 
 
 def frequency_misfit(

@@ -185,7 +185,8 @@ class ModeFrequency(Quantity):
     Parameters
     ----------
     mode : int or None
-        Counted from 0 by ascending frequency; None takes the mode with the largest growth rate.
+        Counted from 0 by ascending frequency, those of 0 Hz too; None takes the mode with the largest growth
+        rate.
 
     Examples
     --------

@@ -211,6 +211,17 @@ def test_frequencies_determine_springs():
     assert np.isnan(found.times).all()
 
 
+def test_modes_of_0_hz_are_counted_and_have_no_frequency():
+    """A mass of 1 kg beside a filter: mode 0 is the filter, and mode 1 has sqrt(k)/(2 pi) Hz."""
+    k, z = sp.Symbol("k"), sp.Symbol("z")
+    filtered = fl.HybridAutomaton((X, V, z), (fl.Mode("on", (V, -k * X, X - z)),), {k: 3.0}, 1)
+    assert fl.fit(filtered, fl.Frequencies({1: 1 / np.pi}), ["k"])["k"] == pytest.approx(4.0, rel=1e-9)
+    with pytest.raises(ValueError, match=r"got mode 0 of 0 Hz.*count from the first that vibrates, 1"):
+        fl.fit(filtered, fl.Frequencies({0: 1 / np.pi}), ["k"])
+    with pytest.raises(ValueError, match=r"mode must be below 2, the number of modes, got 2"):
+        fl.fit(filtered, fl.Frequencies({2: 1 / np.pi}), ["k"])
+
+
 def test_what_only_a_ratio_enters_is_not_determined():
     """m x'' + c x' + k x = N mu: all four may be doubled."""
     data, _ = record(TRUTH, 20.0, 80)
