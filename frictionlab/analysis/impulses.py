@@ -152,6 +152,7 @@ def _striking(system: LagrangeSystem, i: int, compiled: Any) -> Striking | None:
     if gap is None or law is None or not contact.modes:
         return None
     rubs = isinstance(contact, Friction) or (isinstance(contact, Stop) and contact.rubs)
-    rubbing = rubbing_direction(system, contact) if rubs and law.friction_coefficient != 0 else ()
+    rubs = rubs and (law.has_own_friction or law.friction_coefficient != 0)
+    rubbing = rubbing_direction(system, contact) if rubs else ()
     functions = tuple(map(compiled, normal)), tuple(map(compiled, rubbing))
     return Striking(i, suffix, guard + suffix, compiled(gap), *functions)

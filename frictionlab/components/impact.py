@@ -53,8 +53,13 @@ class ImpactLaw(Component):
 
     @property
     def friction_coefficient(self) -> Any:
-        """Coefficient of friction of the impulses at a rigid contact; 0 where they have no friction."""
+        """Coefficient of Coulomb's friction of the impulses; 0 where they have none, or another."""
         return 0
+
+    @property
+    def has_own_friction(self) -> bool:
+        """Whether a subclass has another :meth:`friction` than Coulomb's, or none."""
+        return type(self).friction not in (ImpactLaw.friction, FrictionalImpact.friction)
 
     def friction(self, impulse: Any, stopping_impulse: Any) -> Any:
         """Tangential impulse (N s) along the relative velocity; none in the paper.
@@ -150,7 +155,7 @@ class FrictionalImpact(RestitutionImpact):
     normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
     from those before it; the two differ only in proportion to the belt's angle, which couples the impulses.
     At stops and in structures both impulses are found together, in the cone and without gain of energy.  A
-    subclass with a :meth:`friction` of its own is asked for it in structures, as at a belt.
+    law with a :meth:`friction` of its own is asked for it everywhere.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_r
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import FrictionalImpact, ImpactLaw
+from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rubbing_impulse
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
@@ -445,7 +445,7 @@ class StructureSystem(LagrangeSystem):
         rubbing: Any = sympy.S.Zero
         if soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
             stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
-            if share == 0 or type(law).friction is not FrictionalImpact.friction:
+            if share == 0 or law.has_own_friction:
                 rubbing = law.friction(impulse, stopping)
             else:
                 mu, by_opening = law.friction_coefficient, share * after / soft

@@ -579,8 +579,8 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     moved = zip(system.q, _pushed(system, w, contact.distance / compliance(system, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
     impulse = law.impulse(-rate, -rate, compliance(system, w))
-    if contact.rubs and law.friction_coefficient != 0:
-        after = _after_rubbing_impact(system, contact, impulse, opening, law.friction_coefficient)
+    if contact.rubs and (law.has_own_friction or law.friction_coefficient != 0):
+        after = _after_rubbing_impact(system, contact, law, impulse, opening)
     else:
         after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
     return Reset(
@@ -589,9 +589,9 @@ def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
 
 
 def _after_rubbing_impact(
-    system: LagrangeSystem, contact: Stop, impulse: Any, opening: Any, mu: Any
+    system: LagrangeSystem, contact: Stop, law: ImpactLaw, impulse: Any, opening: Any
 ) -> dict[Any, Any]:
-    """Velocities after an impact with Coulomb's friction, both impulses at once.
+    """Velocities after an impact with friction, both impulses at once.
 
     The rate of the distance becomes `opening`, what the impact law says, whatever p_T is: p_N = p - b p_T,
     where p is the impulse without friction, and b = W_N^T M^-1 W_T/(W_N^T M^-1 W_N).
@@ -602,7 +602,11 @@ def _after_rubbing_impact(
     share = coupling / soft
     softness = compliance(system, tangent) - coupling * share
     stopping = (contact.relative_velocity - coupling * impulse) / softness
-    rubbing = rubbing_impulse(mu, impulse, -share, stopping, share * opening / softness)
+    if law.has_own_friction:
+        rubbing = law.friction(impulse, stopping)
+    else:
+        mu, by_opening = law.friction_coefficient, share * opening / softness
+        rubbing = rubbing_impulse(mu, impulse, -share, stopping, by_opening)
     changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
     return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
 

@@ -181,9 +181,10 @@ def check_plane(contact: Friction, of: str, interface: Interface) -> tuple[Any, 
             f"the friction law of {what} must have no states, got {type(contact.law).__name__}: its states "
             "would be vectors; take a law such as Coulomb's, or write bristles as further states and loads"
         )
-    if contact.impact is not None and contact.impact.friction_coefficient != 0:
+    law = contact.impact
+    if law is not None and (law.has_own_friction or law.friction_coefficient != 0):
         raise ValueError(
-            f"the impact law of {what} must have no friction, got {type(contact.impact).__name__}: take "
+            f"the impact law of {what} must have no friction, got {type(law).__name__}: take "
             "RestitutionImpact"
         )
     for one in (contact.interface or interface, interface):

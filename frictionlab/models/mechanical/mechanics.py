@@ -173,7 +173,7 @@ class Stop:
 
     With friction the reaction F_N and the friction force F_T follow together from what the contact keeps at
     zero.  Slip ends where these forces no longer exist (Painleve's paradox).  Friction in an impact is that
-    of its law, :class:`FrictionalImpact`; other laws have none.
+    of its law, such as :class:`FrictionalImpact`; other laws may have none.
 
     Impacts of several at one instant are a sequence of single ones, as with small gaps, the greatest first;
     equally great ones act together.

@@ -57,6 +57,27 @@ def test_friction_impulses_are_in_the_cone(slip, rubbed):
     assert p["friction_impulse"][0] == pytest.approx(rubbed, rel=1e-8)
 
 
+class HalfStopping(fl.RestitutionImpact):
+    def friction(self, impulse, stopping_impulse):
+        return stopping_impulse / 2
+
+
+@fl.model
+class ThrownOnSpring(Thrown):
+    """The ground gives way."""
+
+    def mechanics(self, q, v):
+        ground = fl.Friction(-v.x, 50.0 * -q.y, self.friction, penetration=-q.y, impact=self.impact)
+        return fl.Mechanics(3.0 * (v.x**2 + v.y**2) / 2, 3.0 * q.y, contacts=(ground,))
+
+
+@pytest.mark.parametrize("model", [Thrown, ThrownOnSpring])
+def test_friction_of_a_law_of_ones_own_acts_at_every_contact(model):
+    run = fl.simulate(model(impact=HalfStopping(e=0.5)), 1e-6, x0=[0.0, 1e-9, 2.0, -2.0], progress=False)
+    assert run.events.state[0, 2:] == pytest.approx([1.0, 1.0], rel=1e-8)
+    assert fl.impulses(run)["friction_impulse"][0] == pytest.approx(-3.0 * 2.0 / 2, rel=1e-8)
+
+
 def test_what_has_no_masses_has_no_impulses():
     automaton = fl.BouncingBall().automaton()
     with pytest.raises(ValueError, match="run must be of a model that states its masses"):
