@@ -180,12 +180,6 @@ def text_table(rows: Iterable[str], most: int = MAX_ROWS) -> str:
     return "\n".join([*shown, f"... and {len(lines) - most} more"] if len(lines) > most else shown)
 
 
-def markdown_table(head: str, lines: Iterable[str]) -> str:
-    """A table in Markdown."""
-    rule = "|".join("---" for _ in head.split("|"))
-    return "\n".join([f"| {head} |", f"|{rule}|", *(f"| {line} |" for line in lines)])
-
-
 def import_optional(package: str, what: str, extra: str = "data") -> Any:
     """Import a package that comes with an extra.
 

@@ -23,9 +23,8 @@ import numpy as np
 
 import frictionlab as fl
 from chain_and_rod import chain, rod
-from frictionlab.presentation import markdown_table
 from frictionlab.validation import check_choice
-from tables import three_digits
+from tables import markdown_table, three_digits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -31,8 +31,8 @@ from frictionlab.hybrid.methods.one_step import RK4
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
 from frictionlab.models import Model, SliderOnBelt
-from frictionlab.presentation import markdown_table
 from reference_scenes import FULL_GAP_RATE_SLIDER, STIFF_SLIDER
+from tables import markdown_table
 from timing import least_times, warm_up, warm_up_lanes
 
 MU_K = np.round(np.arange(1, 61) * 0.05, 10)

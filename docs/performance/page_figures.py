@@ -32,9 +32,9 @@ from frictionlab.plotting.appearance import (
     VERMILLION,
     YELLOW,
 )
-from frictionlab.presentation import markdown_table
 from reference_scenes import scenes
 from single_costs import NONLINEARITIES, NonlinearityCost
+from tables import markdown_table
 from work_precision import WorkPrecisionRow
 
 MISSED_EVENT_MODEL = SliderOnBelt(mu_k=1.4)  # Eq. (13) as printed: short hops after each landing

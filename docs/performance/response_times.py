@@ -16,7 +16,7 @@ from typing import Any
 
 from frictionlab.models import MassOnBelt, SliderOnBelt
 from frictionlab.pages import export
-from frictionlab.presentation import markdown_table
+from tables import markdown_table
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 SCREEN = {"width": 1280, "height": 900}

@@ -37,12 +37,12 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.solve import solve
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import Model
-from frictionlab.presentation import markdown_table
 from frictionlab.tape.functions import AFFINE, PRODUCT, QUOTIENT, RATE, SQUARE
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Program
 from frictionlab.tape.tape import Tape
 from reference_scenes import FULL_GAP_RATE_SLIDER, ReferenceScene, scenes
+from tables import markdown_table
 from timing import least_times, warm_up
 
 ROOT = Path(__file__).parents[2]

@@ -41,9 +41,9 @@ from frictionlab.models import (
     SliderOnRigidBelt,
 )
 from frictionlab.models.model import require_model
-from frictionlab.presentation import markdown_table
 from frictionlab.stability import eigenvalues, root_locus, stability_changes
 from reference_scenes import FULL_GAP_RATE_SLIDER
+from tables import markdown_table
 from timing import least_times, warm_up
 
 LOOP_STRIDE = 20  # the loop solves one problem in so many and is scaled up

@@ -19,9 +19,8 @@ from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import solve
 from frictionlab.models import SliderOnBelt
-from frictionlab.presentation import markdown_table
 from reference_scenes import ReferenceScene
-from tables import three_digits
+from tables import markdown_table, three_digits
 from timing import warm_up
 
 BASE_METHOD = "frictionlab, tol 1e-15"

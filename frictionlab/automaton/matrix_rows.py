@@ -130,10 +130,6 @@ class MatrixRow(sympy.AtomicExpr):
         """Entries that are not zero, each with its factor."""
         return self.product.terms(self.index)
 
-    def written_out(self) -> Expr:
-        """The sum in sympy's own terms."""
-        return sympy.Add(*(_times(*term) for term in self.terms()))
-
     def _eval_derivative(self, s: Any) -> Expr:
         entries, factors = self.product.matrix[self.index], self.product.factors
         places = [j for j in self.product.places.get(s, ()) if entries[j]]

@@ -92,32 +92,12 @@ class LoweredMode(LoweredTape):
     def _kinds(self) -> frozenset[int]:
         return frozenset(op[0] for op in self.tape.ops)
 
-    @cached_property
-    def flow_slots(self) -> np.ndarray:
-        """(states,)"""
-        return slot_array(self.flow)
-
-    @cached_property
-    def guard_slots(self) -> np.ndarray:
-        """(guards,)"""
-        return slot_array(self.guards)
-
-    @cached_property
-    def constraint_slots(self) -> np.ndarray:
-        """(constraints,)"""
-        return slot_array(self.constraints)
-
 
 @dataclass(frozen=True, eq=False)
 class LoweredReset(LoweredTape):
     """A reset's tape, and the slot of each state's new value."""
 
     out: list[int]
-
-    @cached_property
-    def out_slots(self) -> np.ndarray:
-        """(states,)"""
-        return slot_array(self.out)
 
 
 @lru_cache(maxsize=4096)  # modes that are derived one by one are packed again and again

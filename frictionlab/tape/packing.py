@@ -249,9 +249,9 @@ def _arrays_of_mode(one: LoweredMode, sections: int) -> dict[str, np.ndarray]:
     """What `Code` has of a mode beside its operations and numbers."""
     inputs = one.tape.inputs
     return {
-        "flow": one.flow_slots[None],
-        "guards": one.guard_slots,
-        "constraints": one.constraint_slots,
+        "flow": slot_array(one.flow)[None],
+        "guards": slot_array(one.guards),
+        "constraints": slot_array(one.constraints),
         "lengths": int_array([[len(one.guards), len(one.constraints)]]),
         "sections": slot_array([one.sections or [0] * sections], columns=sections),
         "powers": int_array([one.has(POWER)]),
@@ -391,7 +391,7 @@ class Packer:
             number = self._reset_numbers[id(reset.jump)] = self.reset_out.length
             lowered = lower_reset(reset, self.states)
             self._add_tape(lowered, self.of_resets)
-            self.reset_out.extend(lowered.out_slots[None])
+            self.reset_out.extend(slot_array(lowered.out)[None])
         return number
 
     def _conditions_of(self, modes: ModesOnDemand) -> tuple[LoweredMode, TapeArrays, np.ndarray]:

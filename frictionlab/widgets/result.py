@@ -176,11 +176,6 @@ class Result:
         """Whether the run has been computed."""
         return "run" in self.__dict__
 
-    @property
-    def has_spectrum(self) -> bool:
-        """Whether the spectrum has been computed."""
-        return "spectrum" in self.__dict__
-
     @cached_property
     def eigenvalues(self) -> Eigenvalues | None:
         try:

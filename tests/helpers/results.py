@@ -36,12 +36,6 @@ def short_bifurcation(model):
     return fl.bifurcation(model, "mu_k", [0.2, 0.3, 0.9], transient=5.0, window=5.0, **QUIET)
 
 
-def equilibrium_as_steady_state():
-    found = fl.steady_state(RESTING, "near", transient=2000.0, window=50.0, **QUIET)
-    assert found.kind == "equilibrium"
-    return found
-
-
 def steady_state():
     found = fl.steady_state(STICK_SLIP, transient=50.0, window=20.0, **QUIET)
     assert found.kind == "periodic"
