@@ -188,8 +188,9 @@ class OscillatorChain(PoppStelter):
         """Blocks in a row on a belt, with springs between them."""
         places = [Point(1.4 * i, 0.2, right=name) for i, name in enumerate(self.coordinates)]
         between = [Spring(a.beside(0.3), b.beside(-0.3)) for a, b in pairwise(places)]
-        parts = [part for i, at in enumerate(places) for part in (Block(at), Forces(at, f"_{i + 1}"))]
-        return Mechanism(level_belt("v", -0.8, 1.4 * self.masses - 0.6), *between, *parts)
+        forces = [Forces(at, f"_{i + 1}" if self.masses > 1 else "") for i, at in enumerate(places)]
+        belt = level_belt("v", -0.8, 1.4 * self.masses - 0.6)
+        return Mechanism(belt, *between, *map(Block, places), *forces)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:
         """n masses, n contacts."""

@@ -97,10 +97,8 @@ class HultenOscillator(ZooModel):
     def mechanism(self) -> Mechanism:
         """A mass on a belt below it and one beside it, drawn as two springs."""
         body = Point(0.0, 0.8, right="x", up="y")
-        below, beside = (
-            Spring(Point(0.0, 0.0), body.beside(0.0, -0.2)),
-            Spring(Point(-1.2, 0.8), body.beside(-0.3)),
-        )
+        below = Spring(Point(0.0, 0.0), body.beside(0.0, -0.2))
+        beside = Spring(Point(-1.2, 0.8), body.beside(-0.3))
         return Mechanism(level_belt("", -0.9, 1.1), below, beside, Block(body))
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:

@@ -66,6 +66,11 @@ def test_waves_of_a_ring_have_its_eigenvalues(masses):
     assert sorted_values(fl.eigenvalues(model).values) == pytest.approx(sorted_values(exact), abs=1e-7)
 
 
+def test_a_ring_of_one_mass_is_drawn():
+    """Its forces have no number."""
+    assert "data:image" in fl.animate(fl.simulate(fl.OscillatorChain(masses=1), 1.0), fps=1).to_jshtml()
+
+
 def test_both_layers_of_a_pad_have_the_eigenvalues_of_their_matrices():
     model = fl.DoubleLayerPad(m1=0.7, k2=1.4)
     slope = -(model.mu_s - model.mu_k) / model.v_s * math.exp(-model.v / model.v_s) * model.N
