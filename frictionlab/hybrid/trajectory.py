@@ -378,17 +378,14 @@ class Trajectory(Drawable):
         """
         if self.status is not Status.FINISHED and (words := self._words_for_its_end()):
             return f"it ended at {self.raw.t:g} s with {words}"
-        code, order = self.problem.program.code, self.samples.order
-        exact = self.problem.program.highest_degree < order
-        if exact and not code.limits.size:
-            return None
-        visited = np.bincount(self.raw.step_modes, minlength=len(code.degrees)) > 0
-        if visited[code.limits].any():
+        code, order, codes = self.problem.program.code, self.samples.order, self.raw.event_codes
+        if codes[:, 2].any() and np.isin(codes[:, 1], code.limits).any():
             words = chatter_warning(self.raw, self.automaton.values.get(CHATTER, 0.0))
             if words:
                 return words
-        if exact:
+        if self.problem.program.highest_degree < order:  # the series of polynomials tell
             return None
+        visited = np.bincount(self.raw.step_modes, minlength=len(code.degrees)) > 0
         modes = np.flatnonzero(visited & (code.degrees >= order))
         if not len(modes) or (tol := self._tolerance) is None:
             return None
