@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from html import escape
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.components.component import (
@@ -182,7 +183,7 @@ def refuse_unknown(
     names = [*parameters, *components, *structural_fields(cls)]
     for name in given:
         if name not in names:
-            raise unknown_parameter(cls.__name__, name, names, owner_among_laws(name, cls.roles, components))
+            raise unknown_parameter(cls.__name__, name, names, where_it_is(name, cls, components))
 
 
 def check_component(role: str, base: type, component: object) -> Component:
@@ -229,11 +230,13 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
     return metadata
 
 
-def owner_among_laws(name: Any, roles: Mapping[str, type], components: Mapping[str, Component]) -> str:
-    """The end of a message, which says which law has the parameter; empty where none has."""
+def where_it_is(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
+    """The end of a message: the class has a constant of the name, or a law the parameter; else empty."""
     if not isinstance(name, str):
         return ""
-    for role, base in roles.items():
+    if isinstance(constant := getattr(cls, name, None), Real):
+        return f", but a constant: write {name}: float = {constant!r} in the class"
+    for role, base in cls.roles.items():
         for kind in base.__subclasses__():
             # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
             if is_decorated(kind) and name in parameters_of(kind):

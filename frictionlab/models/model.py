@@ -36,7 +36,6 @@ from .composition import (
     check_component,
     model_signature,
     nonlinearities_of,
-    owner_among_laws,
     parameter_metadata,
     parameter_owners,
     parameter_table,
@@ -46,6 +45,7 @@ from .composition import (
     structural_defaults,
     structural_fields,
     structural_values,
+    where_it_is,
     with_values,
     without,
 )
@@ -511,7 +511,7 @@ def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     known = list(values_of(model))
     if not isinstance(name, str) or name not in known:
-        hint = owner_among_laws(name, model.roles, model.components) if isinstance(model, Model) else ""
+        hint = where_it_is(name, type(model), model.components) if isinstance(model, Model) else ""
         kind = HybridAutomaton if isinstance(model, HybridAutomaton) else type(model)
         raise unknown_parameter(kind.__name__, name, known, hint)
 

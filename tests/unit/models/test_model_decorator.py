@@ -198,6 +198,7 @@ def of_functions(function):
         (a_dataclass, "write @fl.model in place of @dataclass"),
         (a_model_of_a_dataclass, "Base must take parameters of laws: write @fl.model in place of @dataclass"),
         (lambda: anew(m=2.0)()(), "Mine has fields that are not known as parameters: write @fl.model"),
+        (lambda: fl.model(anew(u=0.5)())(u=1), r"Mine has no parameter 'u', but .* write u: float = 0\.5 in"),
         (anew(fl.MassOnBelt, m="x"), r"m must be one real number, got 'x' .* \(its default is 1 kg"),
         (anew(fl.MassOnBelt, m=property(abs)), "m must be one real number, got <property"),
         (lambda: fl.model(anew(friction=3)()), "the default of friction in Mine must be a FrictionLaw"),
