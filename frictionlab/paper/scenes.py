@@ -15,7 +15,6 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from itertools import groupby, pairwise
 from math import pi
 from pathlib import Path
@@ -313,16 +312,14 @@ def sliding_sweep_downwards(setting: Setting) -> Any:
 def steady_state_of(model: SliderOnBelt, setting: Setting, section: Any = STICK_SECTION) -> SteadyState:
     """The steady state of one model from rest, with its run; a figure and its claim share it."""
     model = setting.adapt_model(model)
-    times, tolerance = times_of(model, setting), setting.tolerance
-    return _cached_steady_state(model, times, setting.method, section, tolerance, setting.progress)
+    options: dict[str, Any] = times_of(model, setting)._asdict() | {"tolerance": setting.tolerance}
+    identity = ["one steady state", model.to_dict(), section, setting.method.describe(), options]
 
+    def compute(_: Path | None) -> SteadyState:
+        how: dict[str, Any] = {"method": setting.method, "progress": setting.progress}
+        return steady_state(model, section=section, **options, **how)
 
-@lru_cache(maxsize=32)
-def _cached_steady_state(
-    model: SliderOnBelt, times: Times, method: Method, section: Any, tolerance: float, progress: bool
-) -> SteadyState:
-    options: dict[str, Any] = times._asdict() | {"method": method, "tolerance": tolerance}
-    return steady_state(model, section=section, progress=progress, **options)
+    return _cached(identity, setting, compute)
 
 
 def is_vibration(sweep: Bifurcation) -> NDArray[np.bool_]:
