@@ -73,7 +73,6 @@ from frictionlab.plotting.time_histories import (
     check_run,
     check_run_with_coordinates,
     force_outputs,
-    modes_at,
     plot_contact_forces,
     plot_displacements,
     plot_rates,
@@ -142,7 +141,7 @@ def plot_phase_plane(
     t = sample_times(start, stop, 12001)
     column, n = run.names.index(state), run.automaton.coordinates
     states = run(t)[:, [column, column + n]]
-    here = modes_at(run, t)
+    here = run.modes_at(t)
     lines, turns = [], state in turning_angles(run.automaton)
     for mode, pen_of_mode in mode_lines(run, ax).items():
         x, rate = _masked_states(states, here == mode)

@@ -82,11 +82,6 @@ Window = float | tuple[float, float] | Periods | None
 DEFAULT_WINDOW = MovingPeriods(7.5)  # 0.75 s of the slider on a belt
 
 
-def end_time(run: Trajectory) -> float:
-    """The time that the run reached."""
-    return float(run.raw.t)
-
-
 def check_run_with_coordinates(run: Trajectory) -> None:
     """Raise TypeError unless it is a run, ValueError unless its automaton has coordinates."""
     check_run(run)
@@ -105,7 +100,7 @@ def window_limits(run: Trajectory, window: Window = DEFAULT_WINDOW) -> tuple[flo
         If `run` is not a Trajectory.
     """
     check_run(run)
-    end = end_time(run)
+    end = float(run.raw.t)
     window = plain_number(window)
     if window is None:
         return 0.0, end
@@ -140,7 +135,7 @@ def sample_times(start: float, stop: float, points: int = SAMPLES) -> Array:
 
 def window_text(run: Trajectory, start: float, stop: float) -> str:
     """The window in words, for a title."""
-    end = end_time(run)
+    end = float(run.raw.t)
     if (start, stop) == (0.0, end):
         return f"whole run, {end:.4g} s"
     if stop == end:
@@ -153,7 +148,7 @@ def mode_intervals(run: Trajectory) -> tuple[Array, list[str]]:
 
     Events that lead back into the same mode, such as the re-contacts of chatter, split no interval.
     """
-    events, end = run.events, end_time(run)
+    events, end = run.events, float(run.raw.t)
     if len(events) == 0:
         names = [name for name, seconds in run.time_in_mode.items() if seconds > 0]
         return (np.array([0.0, end]), names) if names else (np.array([0.0]), [])
@@ -164,14 +159,6 @@ def mode_intervals(run: Trajectory) -> tuple[Array, list[str]]:
     modes, starts = modes[lasting], starts[lasting]
     new = np.append([True], modes[1:] != modes[:-1])[: len(modes)]
     return np.append(starts[new], end), modes[new].tolist()
-
-
-def modes_at(run: Trajectory, t: Array) -> np.ndarray:
-    """Name of the mode at each time."""
-    edges, names = mode_intervals(run)
-    if not names:
-        return np.full(len(t), "")
-    return np.array(names)[np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(names) - 1)]
 
 
 def shade_modes(run: Trajectory, ax: Axes, window: Window = DEFAULT_WINDOW) -> list[PolyCollection]:

@@ -42,7 +42,6 @@ from frictionlab.plotting.time_histories import (
     Window,
     check_run,
     check_run_with_coordinates,
-    modes_at,
     plot_displacements,
     window_limits,
 )
@@ -90,7 +89,7 @@ class HistoryPicture:
     @cached_property
     def mode(self) -> Any:
         """Names of the modes, (K,)."""
-        return modes_at(self.run, self.t)
+        return self.run.modes_at(self.t)
 
     def handles(self) -> list[Any]:
         """Legend entries: none beside those of the modes."""

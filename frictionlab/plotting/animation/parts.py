@@ -33,7 +33,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
-from frictionlab.plotting.time_histories import Array, modes_at
+from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import force_symbol, output_unit
 
 if TYPE_CHECKING:
@@ -283,7 +283,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
     }
     loads = {part.force: float(values[part.force][0]) for part in mechanism.parts if isinstance(part, Load)}
     top = max((*map(_size, forces.values()), *map(abs, loads.values())), default=0.0)
-    samples = SampledRun(run, t, values | forces, modes_at(run, t), s, LONGEST / top if top > 0 else 1.0)
+    samples = SampledRun(run, t, values | forces, run.modes_at(t), s, LONGEST / top if top > 0 else 1.0)
     shapes = [shape for part in mechanism.parts for shape in _shapes(part, samples)]
     first, turns = run.automaton.shown_state, any(point.turn for point in points)
     notes = [f"displacements × {s:g}"] * bool(names) + ["angles × 1"] * (turns or not names)
