@@ -2,6 +2,7 @@
 
     python docs/performance/measure.py                               all, some minutes
     python docs/performance/measure.py --scene B --picture b.png     one scene, with its picture
+    python docs/performance/measure.py --scene C --avx2              the same on a processor without AVX-512
     python docs/performance/measure.py --quick --json rows.json
     python docs/performance/measure.py -o docs                       writes performance.md, exact-and-fast.md
     python docs/performance/measure.py -o docs --part Starting       one part of performance.md; others stay
@@ -42,6 +43,7 @@ import pages
 import response_times
 import single_costs
 import stability_costs
+import timing
 import work_precision
 from frictionlab.file_writing import write_text
 from reference_scenes import ReferenceScene, scenes
@@ -57,7 +59,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON, after each scene")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw error against wall time")
     parser.add_argument("--part", action="append", choices=pages.PARTS, help="only this part (repeat)")
+    parser.add_argument("--avx2", action="store_true", help="compile our modes for AVX2, whatever there is")
     chosen = parser.parse_args(arguments)
+    if chosen.avx2:
+        timing.hide_avx512()
     if chosen.scene and chosen.output:
         parser.error("-o needs all scenes: leave --scene out, or take --picture")
     rows: list[WorkPrecisionRow] = []
