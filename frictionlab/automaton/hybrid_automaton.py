@@ -143,6 +143,11 @@ class HybridAutomaton:
         names = self.state_names[: self.coordinates]
         return next((name for name in names if name not in self.cyclic), self.state_names[0])
 
+    def drawn_against(self, name: str) -> str:
+        """The state against which a phase plane draws one: its rate, or the next if none is a coordinate."""
+        names = self.state_names
+        return self.rates[name] if self.coordinates else names[(names.index(name) + 1) % len(names)]
+
     def derived(self) -> HybridAutomaton:
         """The automaton as plain data, with all symbols and modes derived."""
         return self

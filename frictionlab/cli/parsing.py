@@ -12,18 +12,20 @@ import os
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from frictionlab.validation import nearest_name
 
 if TYPE_CHECKING:
-    from frictionlab.models.model import Model
+    from frictionlab.models.model import ModelOrAutomaton
 
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
 DEFAULT_MODEL = "SliderOnBelt"
 SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # values used unless others are given: the paper's cycle is there
+OWN_FILE = re.compile(r"(?P<path>.+\.py)(?::(?P<name>.*))?")
 PICTURE_FORMATS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")
 
 
@@ -146,7 +148,10 @@ def check_writable(path: Path, option: str) -> None:
 
 def add_model_options(group: Any) -> None:
     """Add `--model`, `--set` and `--without`: which model, with which values and nonlinearities."""
-    text = f"of `frictionlab models`, with laws as in Python if you like (default: {DEFAULT_MODEL})"
+    text = (
+        "of `frictionlab models`, with laws as in Python if you like, or a model or automaton of a file of "
+        f"yours, mymodels.py:Crank, which is run (default: {DEFAULT_MODEL})"
+    )
     group.add_argument("--model", metavar="NAME", default=DEFAULT_MODEL, help=text)
     add_values(group)
     text = "leave nonlinearities out: cubic, nonsmooth, geometry, as far as the model has them"
@@ -170,7 +175,11 @@ def model_from_options(args: argparse.Namespace) -> Any:
     """The model with its laws and values; raises ValueError or TypeError as the model does."""
     model = model_of(args.model)
     values = SHOWN.get(args.model, {}) | values_of(args.values)
-    return model.without(*args.without).replace(**values) if args.without else model.replace(**values)
+    if not args.without:
+        return model.replace(**values)
+    if not hasattr(model, "without"):
+        raise ValueError(f"--without needs a model, {args.model!r} is an automaton: leave it out")
+    return model.without(*args.without).replace(**values)
 
 
 def values_of(words: list[str]) -> dict[str, float]:
@@ -190,7 +199,8 @@ def _value_of(word: str) -> tuple[str, float]:
 
 
 def model_of(text: str) -> Any:
-    """The model that a text names: `DenHartog` or `MassOnBelt(friction=Stribeck(v_s=0.1), c=0.1)`.
+    """The model that a text names: `DenHartog`, `MassOnBelt(friction=Stribeck(v_s=0.1), c=0.1)`, or
+    `mymodels.py:Crank`.
 
     Raises
     ------
@@ -200,6 +210,8 @@ def model_of(text: str) -> Any:
     from frictionlab.models.library.catalogue import CLASSICS
     from frictionlab.validation import did_you_mean
 
+    if own := OWN_FILE.fullmatch(text):
+        return _model_of_file(Path(own["path"]), own["name"])
     name, names = text.partition("(")[0].strip().removeprefix("fl."), model_names(CLASSICS)
     if name not in names and name not in (names := model_names()):  # only now the zoo is loaded
         listed = ", ".join(names)
@@ -210,6 +222,50 @@ def model_of(text: str) -> Any:
     except SyntaxError:
         raise ValueError(f"--model must be a name or a call, got {text!r}: close what is open") from None
     return _component(node, text)
+
+
+def _model_of_file(path: Path, name: str | None) -> Any:
+    """The model or automaton of that name in a Python file, which is run; without a name the only one."""
+    from frictionlab.automaton import HybridAutomaton
+    from frictionlab.models import Model
+    from frictionlab.validation import did_you_mean
+
+    module = _run_file(path)
+    found = {
+        key: value
+        for key, value in vars(module).items()
+        if isinstance(value, (Model, HybridAutomaton))
+        or (isinstance(value, type) and issubclass(value, Model) and value.__module__ == module.__name__)
+    }
+    if not found:
+        raise ValueError(
+            f"--model needs a model or an automaton, {path} has none: write a class with @fl.model"
+        )
+    if name is None and len(found) == 1:
+        (name,) = found
+    if name not in found:
+        cure = did_you_mean(name or "", found) or f": write {path}:{next(iter(found))}"
+        names = ", ".join(found)
+        raise ValueError(f"--model must be one of {names} of {path}, got {name or 'no name'}{cure}")
+    chosen: Any = found[name]
+    return chosen() if isinstance(chosen, type) else chosen
+
+
+def _run_file(path: Path) -> Any:
+    """The module that a Python file makes, which may import its neighbours."""
+    if not path.is_file():
+        raise ValueError(f"--model needs an existing file, there is no {str(path)!r}: mend its name")
+    spec = spec_from_file_location(path.stem if path.stem not in sys.modules else f"own_{path.stem}", path)
+    assert spec is not None  # it ends in .py
+    assert spec.loader is not None
+    module = sys.modules[spec.name] = module_from_spec(spec)  # where classes look their annotations up
+    sys.path.insert(0, str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}"
+        raise ValueError(f"--model needs a file that runs, {path} ends in {what}: mend it") from error
+    return module
 
 
 def model_names(topic: str | None = None) -> list[str]:
@@ -244,9 +300,12 @@ def _literal(node: ast.expr, text: str) -> Any:
         raise ValueError(f"{rule}, got {ast.unparse(node)!r} in {text!r}: write numbers out") from None
 
 
-def model_data(model: Model) -> dict[str, Any]:
+def model_data(model: ModelOrAutomaton) -> dict[str, Any]:
     """The entries about a model in the commands' JSON."""
-    return {"model": type(model).__name__, "call": repr(model), "parameters": dict(model.parameters)}
+    from frictionlab.automaton import HybridAutomaton
+
+    values = model.values if isinstance(model, HybridAutomaton) else model.parameters
+    return {"model": type(model).__name__, "call": repr(model), "parameters": dict(values)}
 
 
 def print_json(data: Mapping[str, Any]) -> None:

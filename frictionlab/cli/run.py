@@ -28,7 +28,7 @@ from .stability import equilibrium_lines, stability_data
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
-    from frictionlab.models.model import Model
+    from frictionlab.models.model import ModelOrAutomaton
 
 RUN_DESCRIPTION = """\
 Simulate the 5-degree-of-freedom slider on a moving belt of Liu & Ouyang (2020),
@@ -113,24 +113,27 @@ def _method_settings(method: Any) -> dict[str, Any]:
     return {name: value for name, value in method.describe().items() if name != "name"}
 
 
-def initial_state_from_options(args: argparse.Namespace, model: Model) -> Any:
+def initial_state_from_options(args: argparse.Namespace, model: ModelOrAutomaton) -> Any:
     """The state that --x0 names, or the numbers it holds."""
     from frictionlab.analysis.initial_states import initial_state_of
+    from frictionlab.models.model import Model, automaton_of
 
-    text, n = args.x0, 2 * len(model.coordinates)
+    names, text = automaton_of(model).state_names, args.x0
+    names = names[: 2 * len(model.coordinates)] if isinstance(model, Model) else names
     if "," not in text:
         return initial_state_of(model, text)
     try:
         state = [float(part) for part in text.split(",")]
     except ValueError:
         state = []
-    if len(state) != n or not all(map(math.isfinite, state)):
-        names = [*model.coordinates, *(f"{name}'" for name in model.coordinates)]
-        raise ValueError(f"--x0 must be rest, near or {n} numbers ({', '.join(names)}), got {text!r}")
+    if len(state) != len(names) or not all(map(math.isfinite, state)):
+        raise ValueError(
+            f"--x0 must be rest, near or {len(names)} numbers ({', '.join(names)}), got {text!r}"
+        )
     return state
 
 
-def before(model: Model, method: Any, args: argparse.Namespace) -> str:
+def before(model: ModelOrAutomaton, method: Any, args: argparse.Namespace) -> str:
     """The lines printed before the run: what is run, and what is known without running it."""
     return "\n".join([_job_line(model, method, args), *equilibrium_lines(model)])
 
@@ -141,7 +144,7 @@ def after(run: Trajectory) -> str:
     return "\n".join([f"\nRun: {run.status}", *doubt, *_event_lines(run), *_time_lines(run), _cost_line(run)])
 
 
-def _job_line(model: Model, method: Any, args: argparse.Namespace) -> str:
+def _job_line(model: ModelOrAutomaton, method: Any, args: argparse.Namespace) -> str:
     start = {"rest": "from rest", "near": "from near the equilibrium"}.get(args.x0, f"from {args.x0}")
     return f"{model!r}\n{args.t_end:g} s {start}, {_method_line(method)}"
 
@@ -219,7 +222,7 @@ def _check_options(args: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
 
 
 def _simulate(
-    model: Model, args: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
+    model: ModelOrAutomaton, args: argparse.Namespace, options: dict[str, Any], parser: OneLineParser
 ) -> tuple[Any, KeyboardInterrupt | None]:
     """The run, or None if there is none, and the interruption if ctrl-C has stopped it."""
     from frictionlab.analysis.simulate import simulate

@@ -20,7 +20,7 @@ from .parsing import (
 )
 
 if TYPE_CHECKING:
-    from frictionlab.models.model import Model
+    from frictionlab.models.model import ModelOrAutomaton
     from frictionlab.stability.boundaries.stability_changes import StabilityChange
 
 EIG_DESCRIPTION = """\
@@ -84,15 +84,16 @@ def eig_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     return 0
 
 
-def equilibrium_lines(model: Model) -> Iterator[str]:
+def equilibrium_lines(model: ModelOrAutomaton) -> Iterator[str]:
     """Equilibrium and eigenvalues, or one line that says why there are none."""
+    from frictionlab.models.model import automaton_of
     from frictionlab.stability import equilibrium
     from frictionlab.stability.equilibrium_points.equilibria import contact_forces
 
     try:
         point = equilibrium(model)
         yield "\nSliding equilibrium"
-        for name, value in zip(model.coordinates, point.q, strict=True):
+        for name, value in zip(automaton_of(model).shown_states, point.q, strict=True):
             yield f"  {name:4} {value:+.6f} {unit_of_state(model, name)}"
         forces = [f"{symbol} {value:.4f} {unit}" for symbol, value, unit in contact_forces(point)]
         if math.isfinite(point.penetration):
@@ -105,7 +106,7 @@ def equilibrium_lines(model: Model) -> Iterator[str]:
         yield f"\nNo sliding equilibrium: {error}"
 
 
-def _eigenvalue_lines(model: Model) -> Iterator[str]:
+def _eigenvalue_lines(model: ModelOrAutomaton) -> Iterator[str]:
     from frictionlab.stability import eigenvalues
 
     try:
@@ -124,14 +125,15 @@ def _eigenvalue_lines(model: Model) -> Iterator[str]:
             yield f"  {frequency:14.4f}  {value.real:+17.5f}  {value.real:+.5f}{pair}"
 
 
-def stability_data(model: Model) -> dict[str, Any]:
+def stability_data(model: ModelOrAutomaton) -> dict[str, Any]:
     """Equilibrium and eigenvalues for JSON; raises ValueError where there are none."""
+    from frictionlab.models.model import automaton_of
     from frictionlab.stability import eigenvalues
 
     at_equilibrium = eigenvalues(model)
     point = at_equilibrium.equilibrium
     forces = {"normal_force": point.normal_force, "friction_force": point.friction_force}
-    q = dict(zip(model.coordinates, point.q.tolist(), strict=True))
+    q = dict(zip(automaton_of(model).shown_states, point.q.tolist(), strict=True))
     return {
         "equilibrium": {**q, "penetration": point.penetration, **forces},
         "eigenvalues": at_equilibrium.values.tolist(),
@@ -171,6 +173,6 @@ def _change_line(row: dict[str, Any]) -> str:
     )
 
 
-def _no_change(args: argparse.Namespace, model: Model) -> list[str]:
+def _no_change(args: argparse.Namespace, model: ModelOrAutomaton) -> list[str]:
     between = f"{args.parameter} from {args.low:g} to {args.high:g}"
     return [f"{model!r}", f"  no change of stability with {between}: `frictionlab eig` says which it is"]

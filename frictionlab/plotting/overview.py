@@ -72,6 +72,7 @@ from frictionlab.plotting.time_histories import (
     Window,
     check_run,
     check_run_with_coordinates,
+    check_run_with_two_states,
     force_outputs,
     plot_contact_forces,
     plot_displacements,
@@ -109,13 +110,15 @@ def plot_phase_plane(
 ) -> list[Line2D]:
     """Draw a coordinate against its rate, coloured by mode; an angle that turns modulo a turn.
 
+    Of an automaton without coordinates a state is drawn against the next one.
+
     Parameters
     ----------
     run : Trajectory
     ax : Axes or None
         None draws into a new figure, ``lines[0].axes.figure``.
     name : str or None
-        The coordinate; None takes the first.
+        The coordinate, or state; None takes the first.
     window : float, (float, float) or None
         Seconds at the end, start and end time, or None for the whole run; by default some twenty periods.
     **line
@@ -131,16 +134,16 @@ def plot_phase_plane(
     TypeError
         If `run` is not a Trajectory.
     ValueError
-        For a name that is not a coordinate, or a window outside the run.
+        For a name that is not a coordinate, a run of a single state, or a window outside the run.
     """
-    check_run_with_coordinates(run)
+    check_run_with_two_states(run)
     state: str = run.automaton.shown_state if name is None else name
-    check_choice("name", state, run.names[: run.automaton.coordinates])
+    check_choice("name", state, run.automaton.shown_states)
     start, stop = window_limits(run, window)
     ax = axes_or_new(ax, (5.0, 4.5))
     t = sample_times(start, stop, 12001)
-    column, n = run.names.index(state), run.automaton.coordinates
-    states = run(t)[:, [column, column + n]]
+    against = run.automaton.drawn_against(state)
+    states = run(t)[:, [run.names.index(state), run.names.index(against)]]
     here = run.modes_at(t)
     lines, turns = [], state in turning_angles(run.automaton)
     for mode, pen_of_mode in mode_lines(run, ax).items():
@@ -149,7 +152,7 @@ def plot_phase_plane(
             x, rate = cut_at_turns(x, rate) if turns else (x, rate)
             lines += ax.plot(x, rate, label=mode, **pen_of_mode)
     title = f"Phase plane of {state_label(state)}, {window_text(run, start, stop)}"
-    label_phase_plane(ax, run.source, state, title)
+    label_phase_plane(run, ax, state, title)
     if turns:
         tick_turns(ax.xaxis)
     if isinstance(ax.xaxis.get_major_locator(), MaxNLocator):
@@ -234,9 +237,11 @@ def _label_inside(line: Line2D, way: Array, middle: Array) -> Annotation:
     )
 
 
-def label_phase_plane(ax: Axes, source: Any, name: str, title: str) -> None:
-    """Label the axes with a coordinate and its rate."""
-    x, rate = (state_with_unit(source, each) for each in (name, f"{name}'"))
+def label_phase_plane(run: Trajectory, ax: Axes, name: str, title: str) -> None:
+    """Label the axes with a coordinate and its rate, or with a state and the next."""
+    automaton = run.automaton
+    against = f"{name}'" if automaton.coordinates else automaton.drawn_against(name)
+    x, rate = (state_with_unit(run.source, each) for each in (name, against))
     ax.set(xlabel=x, ylabel=rate)
     set_title(ax, title)
 

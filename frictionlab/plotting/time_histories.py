@@ -89,6 +89,15 @@ def check_run_with_coordinates(run: Trajectory) -> None:
         raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
 
 
+def check_run_with_two_states(run: Trajectory) -> None:
+    """Raise TypeError unless it is a run, ValueError unless it has two states, as a phase plane needs."""
+    check_run(run)
+    if len(run.names) < 2:
+        raise ValueError(
+            f"run must have two states, got {', '.join(run.names)} alone: plot run.t and run.states"
+        )
+
+
 def window_limits(run: Trajectory, window: Window = DEFAULT_WINDOW) -> tuple[float, float]:
     """Start and end of a window: the last seconds or periods, the two times given, or (None) the whole run.
 
@@ -215,7 +224,7 @@ def plot_displacements(
     shade: bool = True,
     **line: Any,
 ) -> list[Line2D]:
-    """Draw all coordinates against time, with the modes shaded behind them.
+    """Draw all coordinates, or states where none is one, against time, with the modes shaded behind them.
 
     Lengths belong to the axis on the left.  Where there are some, an angle (phi, theta, alpha ...) is dashed
     and belongs to an axis on the right, as it has another unit and size.  One that turns is drawn modulo a
@@ -242,7 +251,7 @@ def plot_displacements(
     ax = axes_or_new(ax)
     start, stop = window_limits(run, window)
     t = sample_times(start, stop)
-    states, names = run(t), run.names[: run.automaton.coordinates]
+    states, names = run(t), run.automaton.shown_states
     has_units = bool(unit_of_state(run.source, run.names[0]))
     angles = secondary_axis_angles(names) if has_units else ()
     right = _angle_axis(ax) if angles else ax
@@ -264,7 +273,7 @@ def plot_displacements(
         ax,
         (start, stop),
         shade,
-        "Displacements",
+        "Displacements" if run.automaton.coordinates else "States",
         in_units_of(run.source, coordinate_axis_label(names)) if has_units else "",
     )
     return restyle(lines, line)

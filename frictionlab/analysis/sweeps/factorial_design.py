@@ -291,7 +291,7 @@ class Effects(Drawable):
             return f"Effects({self.quantity}: no switch)"
         rows = [f"Effects({self.quantity}), Shapley value (share of variance):"]
         for name, value, error, share in zip(self.switches, self.shapley, self.shapley_errors, self.shares):
-            rows.append(f"  {name}: {_with_error(value[0], error[0])} ({share[0]:.1%})")
+            rows.append(f"  {name}: {_value_and_share(value[0], error[0], share[0])}")
         text = text_table(rows, most=6)
         more = self.values.shape[1] - 1
         return f"{text}\n  at the first of {more + 1} conditions" if more else text
@@ -330,6 +330,13 @@ class Effects(Drawable):
         }
         effects, places = np.repeat(self.terms, conditions), np.tile(np.arange(conditions), len(self.terms))
         return dataframe(columns, {"effect": effects, "condition": places}, {})
+
+
+def _value_and_share(value: float, error: float, share: float) -> str:
+    if not np.isfinite(value):
+        return "unknown, as a scene lacks it"
+    about = f"{share:.1%}" if np.isfinite(share) else "nothing varies"
+    return f"{_with_error(value, error)} ({about})"
 
 
 def _with_error(value: float, error: float) -> str:

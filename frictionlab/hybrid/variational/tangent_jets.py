@@ -250,8 +250,10 @@ def saltation(program: Program, numbers: Numbers, event: EventCrossing, closes: 
     )
     slot = code.function_slots[event.guard]
     _check_grazing(left.jets[slot], event.dwell)
+    tangents = admissible_tangents(constraint_gradients(program, source, left))
     for other in _other_guards_at_zero(program, source, event.guard, left, event.dwell):
-        if not changes_nothing(program, numbers, other, event.before):
+        together = _met_together(left, slot, code.function_slots[other], tangents)
+        if not together and not changes_nothing(program, numbers, other, event.before):
             raise SaltationError(
                 "two event functions vanish at one instant: neighbours meet only one of them"
             )
@@ -262,7 +264,6 @@ def saltation(program: Program, numbers: Numbers, event: EventCrossing, closes: 
         _check_accumulation(own, jump, before, after)
     gradient, rate = left.gradients[slot], left.jets[slot, 1]
     saltation = Saltation(jump, (after - jump @ before) / rate, gradient)
-    tangents = admissible_tangents(constraint_gradients(program, source, left))
     # The flow after the event keeps the constraints, and that before it those of its own mode.  Rates that
     # contacts hold at zero are rounding errors of the forces, which this leaves out.
     delayed = tangents - np.outer(tangents @ before, gradient @ tangents / rate)
@@ -383,6 +384,13 @@ def _other_guards_at_zero(
     jets = left.jets[code.function_slots[guards]]
     zero = np.abs(jets[:, 0]) < COINCIDENT_EVENT_SHARE * dwell * np.abs(jets[:, 1])
     return guards[zero & (code.function_slots[guards] != code.function_slots[guard])].tolist()
+
+
+def _met_together(left: LinearisedTape, slot: int, other: int, tangents: np.ndarray) -> bool:
+    """Whether all neighbours reach two functions at one instant: on a rigid cam the phase tells both."""
+    delays = [left.gradients[one] / left.jets[one, 1] for one in (slot, other)]
+    apart, terms = np.abs((delays[0] - delays[1]) @ tangents), np.abs(delays) @ np.abs(tangents)
+    return bool(apart.max() <= CONSTRAINT_SHARE * terms.max())
 
 
 def _check_constraints(fixed: np.ndarray, neighbours: np.ndarray, sizes: np.ndarray) -> None:

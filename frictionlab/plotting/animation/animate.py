@@ -41,7 +41,6 @@ from frictionlab.plotting.time_histories import (
     Periods,
     Window,
     check_run,
-    check_run_with_coordinates,
     plot_displacements,
     window_limits,
 )
@@ -65,7 +64,8 @@ FFMPEG_FORMATS = ".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm"
 
 @dataclass(frozen=True, eq=False)
 class HistoryPicture:
-    """The coordinates of a run against time, and the instant, where nothing tells how a system looks."""
+    """The coordinates, or states, of a run against time, and the instant, where nothing tells how a system
+    looks."""
 
     run: Trajectory
     t: Array
@@ -83,8 +83,9 @@ class HistoryPicture:
 
     @cached_property
     def rate(self) -> Array:
-        """Its rate, (K,)."""
-        return self.run(self.t)[:, self.run.names.index(self.run.automaton.rates[self.coordinate])]
+        """Its rate, or the state against which the phase plane shows it, (K,)."""
+        against = self.run.automaton.drawn_against(self.coordinate)
+        return self.run(self.t)[:, self.run.names.index(against)]
 
     @cached_property
     def mode(self) -> Any:
@@ -135,7 +136,6 @@ def picture_of(run: Any, mechanism: Mechanism | None, t: Array, magnify: float |
     """The mechanism of a run, or its time history, at times `t` (K,)."""
     if mechanism is not None:
         return parts(run, mechanism, t, magnify)
-    check_run_with_coordinates(run)
     return HistoryPicture(run, t)
 
 
@@ -191,8 +191,8 @@ def animate(
     Raises
     ------
     ValueError
-        For a run of a structure, or of an automaton without coordinates, a window outside the run, or speeds,
-        rates and factors that are not above zero.
+        For a run of a structure, or of a single state, a window outside the run, or speeds, rates and factors
+        that are not above zero.
 
     Examples
     --------

@@ -39,7 +39,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title
 from frictionlab.plotting.labels import state_label, with_unit
 from frictionlab.plotting.overview import label_phase_plane, plot_phase_plane
-from frictionlab.plotting.time_histories import Array, check_run_with_coordinates
+from frictionlab.plotting.time_histories import Array, check_run_with_two_states
 from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles, within_turn
 from frictionlab.presentation import SI, in_units, state_unit
 from frictionlab.validation import check_choice
@@ -86,20 +86,20 @@ def plot_steady_state(
         One for every mode that occurs, or one cross.
     """
     run = steady.trajectory
-    check_run_with_coordinates(run)
+    check_run_with_two_states(run)
     coordinate: str = run.automaton.shown_state if name is None else name
-    check_choice("name", coordinate, run.names[: run.automaton.coordinates])
+    check_choice("name", coordinate, run.automaton.shown_states)
+    against = run.automaton.drawn_against(coordinate)
     alone, ax = ax is None, axes_or_new(ax)
     if steady.kind == MotionKind.EQUILIBRIUM:
-        column = run.names.index(coordinate)
-        x, rate = run.final_state[[column, column + run.automaton.coordinates]]
+        x, rate = run.final_state[[run.names.index(each) for each in (coordinate, against)]]
         x = within_turn(x) if coordinate in turning_angles(run.automaton) else x
         lines = ax.plot(x, rate, "+", color=ink(ax), markersize=marker_size(9.0), label="equilibrium")
         ax.set(ylim=(rate - 1.0, rate + 1.0))
     else:
         seconds = SHOWN_PERIODS * steady.period if steady.kind == MotionKind.PERIODIC else SHOWN_SECONDS
         lines = plot_phase_plane(run, ax, name=coordinate, window=min(seconds, float(run.raw.t)))
-    label_phase_plane(ax, run.source, coordinate, f"Steady state: {steady.kind}")
+    label_phase_plane(run, ax, coordinate, f"Steady state: {steady.kind}")
     if alone:
         legend_beside(ax)
     return restyle(lines, line)

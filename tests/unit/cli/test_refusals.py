@@ -1,6 +1,10 @@
 """Bad arguments of every command: one line that names the argument and the cure, and code 2."""
 
+import json
+
 import pytest
+
+from frictionlab.cli.command import main
 
 BAD = {
     "run --set mu_k=nan": "mu_k must be a finite number",
@@ -72,6 +76,60 @@ BAD = {
 @pytest.mark.parametrize(("words", "message"), BAD.items(), ids=BAD)
 def test_bad_arguments_end_with_one_line_and_code_2(words, message, refused):
     assert message in refused(*words.split())
+
+
+OWN = """\
+import sympy as sp
+import frictionlab as fl
+from beside import STIFFNESS
+
+
+@fl.model
+class Spring(fl.MechanicalModel):
+    k: float = STIFFNESS
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(v.x**2 / 2, self.k * q.x**2 / 2)
+
+
+x, y, a = sp.symbols("x y a")
+relay = fl.HybridAutomaton((x, y), (fl.Mode("on", (y, -a * x)),), {a: 4.0})
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    files = {"own.py": OWN, "beside.py": "STIFFNESS = 4.0", "bad.py": "import not_there", "none.py": "a = 1"}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def test_a_model_and_an_automaton_of_a_file_of_ones_own(folder, capsys):
+    for name, states in (("Spring", 2), ("relay", 2)):
+        assert main(["eig", "--model", f"{folder}/own.py:{name}", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)["eigenvalues"]
+        assert sorted(abs(one["imag"]) for one in found) == pytest.approx(states * [2.0])
+    page = folder / "relay.html"
+    assert main(["page", "--model", f"{folder}/own.py:relay", "--set", "a=1", "-o", str(page)]) == 0
+    assert "relay" in page.name
+    assert page.stat().st_size > 100_000
+
+
+@pytest.mark.parametrize(
+    ("file", "message"),
+    [
+        ("own.py", "own.py, got no name: write"),
+        ("own.py:Sprng", "got Sprng: did you mean 'Spring'?"),
+        ("no.py:Spring", "needs an existing file, there is no"),
+        ("bad.py", "bad.py ends in ModuleNotFoundError: No module named 'not_there'"),
+        ("none.py:a", "none.py has none: write a class with @fl.model"),
+        ("own.py:relay --without cubic", "is an automaton: leave it out"),
+    ],
+)
+def test_what_a_file_of_ones_own_lacks_is_told(file, message, folder, refused):
+    assert message in refused("page", "--model", *f"{folder}/{file}".split())
 
 
 def test_a_folder_is_no_file(tmp_path, refused):

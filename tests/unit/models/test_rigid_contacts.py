@@ -315,6 +315,33 @@ def test_impulses_of_friction_at_the_tip_of_the_cone(mu, impulse, share, stoppin
     assert formula(mu, impulse, share, stopping) == pytest.approx(p_T, rel=1e-12, abs=0.0)
 
 
+@fl.model
+class Follower(fl.MechanicalModel):
+    """A follower on a rigid cam, with friction in its guide."""
+
+    Omega: float = 10.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.3)
+    coordinates = ("y",)
+
+    def release(self):
+        return {"y": 0.05}
+
+    def mechanics(self, q, v):
+        cam = fl.Stop(q.y - 0.05 * fl.functions.cos(q.phase), fl.PlasticImpact())
+        guide = fl.Friction(-v.y, 10.0, self.friction)
+        spring = 50.0 * q.y**2 + 30.0 * q.y
+        return fl.Mechanics(v.y**2 / 2, spring, contacts=(cam, guide), frequency=self.Omega)
+
+
+def test_the_phase_tells_when_a_follower_on_a_cam_turns():
+    """Friction turns at dead centres, at one with the phase, where all neighbours on the cam meet both."""
+    model = Follower()
+    run = fl.simulate(model, 10.0, progress=False)
+    assert sorted(np.abs(fl.periodic_orbit(model, run).multipliers)) == pytest.approx([0.0, 0.0, 1.0])
+    exponents = fl.lyapunov(model, transient=2.0, t_end=10.0, blocks=4, progress=False).exponents
+    assert exponents == pytest.approx([0.0, -np.inf, -np.inf], abs=1e-3)
+
+
 def woodpecker_by_moreau(t_end, h):
     m_M, J_M, m_S, J_S, c, g = 0.0003, 5e-9, 0.0045, 7e-7, 0.0056, 9.81
     arm = np.array([1.0, 0.01, 0.015])

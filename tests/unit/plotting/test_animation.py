@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import sympy as sp
 from matplotlib import rc_context, rcParams
 from matplotlib.animation import FuncAnimation, writers
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -173,6 +174,22 @@ def test_an_automaton_of_a_model_is_animated_without_the_model():
     run = fl.solve(MODEL.automaton(), 0.05, x0=np.zeros(10), progress=False)
     animation = fl.animate(run, speed=0.05, fps=1)
     assert animation.to_jshtml().count("data:image/png") == 2
+
+
+def test_an_automaton_without_coordinates_is_animated_by_its_states():
+    x, y = sp.symbols("x y")
+    spiral = fl.HybridAutomaton((x, y), (fl.Mode("on", (y - x / 9, -x)),), {}, period=6.0)
+    run = fl.solve(spiral, 12.0, x0=[1.0, 0.5], progress=False)
+    animation, ends = fl.animate(run, window=12.0, fps=1, speed=6.0), []
+    animation._draw_was_started = True  # it is not shown, which matplotlib warns of
+    for frame in (0, 2):
+        animation._func(frame)
+        ends.append(np.ravel(animation._fig.axes[1].lines[-1].get_data()))
+    assert np.allclose(ends, [[1.0, 0.5], run.final_state])
+    assert [ax.get_xlabel() for ax in animation._fig.axes] == ["time (s)", "$x$"]
+    alone = fl.HybridAutomaton((x,), (fl.Mode("on", (-x,)),), {})
+    with pytest.raises(ValueError, match="run must have two states, got x alone"):
+        fl.animate(fl.solve(alone, 1.0, x0=[1.0], progress=False), window=1.0)
 
 
 def test_a_belt_travels_where_no_point_is_displaced():

@@ -1,5 +1,7 @@
 """Ablations of several models with alternatives that are named: scenes, workers, files, answers by name."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -110,6 +112,14 @@ def test_what_moves_the_onset_is_answered_by_name():
     sizes = {name: np.abs(np.diff(table, axis=i)).mean() for i, name in enumerate(switches)}
     assert effects.strongest == max(sizes, key=sizes.__getitem__) != "m"
     assert effects["m"] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_quantity_that_does_not_vary_or_lacks_values_has_no_share_of_a_variance():
+    switches = {"c": [0.0, 0.1]}
+    same = fl.ablation(fl.MassOnBelt(), lambda model: 1.0, switches, **QUIET).effects()
+    assert repr(same).endswith("c: 0 (nothing varies)")
+    lacks = fl.ablation(fl.MassOnBelt(), lambda model: 1.0 if model.c else math.nan, switches, **QUIET)
+    assert repr(lacks.effects()).endswith("c: unknown, as a scene lacks it")
 
 
 def test_what_removes_a_kind_of_motion_is_answered_by_name():

@@ -273,9 +273,12 @@ def test_grazing_and_coincidence_are_refused():
     assert run.events.target.tolist() == ["off"]
     with pytest.raises(ValueError, match="double zero"):
         fl.tangent_flow(run)
-    both = clock(fl.Event("one", 1 - X, ("off",)), fl.Event("other", (1 - X) * (2 + X), ("off",)))
+    events = fl.Event("one", 1 - X, ("off",)), fl.Event("other", (1 - V) * (2 + X), ("off",))
+    both = automaton(fl.Mode("on", (sp.S.One, sp.S.One), events), fl.Mode("off", (sp.S.Zero, sp.S.Zero)))
     with pytest.raises(ValueError, match="two event functions vanish at one instant"):
-        fl.tangent_flow(fl.solve(both, 2.0, x0=[0.0]))
+        fl.tangent_flow(fl.solve(both, 2.0, x0=[0.0, 0.0]))
+    one = clock(fl.Event("one", 1 - X, ("off",)), fl.Event("other", (1 - X) * (2 + X), ("off",)))
+    assert fl.tangent_flow(fl.solve(one, 2.0, x0=[0.0])).matrix == 0.0  # all neighbours meet both at X = 1
     program, numbers = program_of(BELT)
     z = np.array([0.1, 0.2])
     with pytest.raises(ValueError, match="two events at one instant"):
