@@ -25,7 +25,8 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.model import Model, ModelOrAutomaton, values_of
+from frictionlab.models.model import Model, ModelOrAutomaton
+from frictionlab.pages.javascript import JavaScript
 from frictionlab.pages.page_data import (
     chosen_sliders,
     page_laws,
@@ -42,7 +43,6 @@ from frictionlab.pages.scene import (
     law_control,
     name_of,
     panels_of,
-    parameter_controls,
     run_controls,
     scene_data,
     shown_model,
@@ -178,7 +178,7 @@ def page_content(
     models = structures(model, names) | {f"|{law}": each for law, each in list(with_laws.items())[1:]}
     derived = {key: structure_data(each) for key, each in models.items()}
     constants = {"SCENE": scene, "SOLVER": solver}
-    return html_page(scene["title"], constants, f"const STRUCTURES = {_structures(derived)};\n{script}", mark)
+    return html_page(scene["title"], constants, f"const STRUCTURES = {_javascript(derived)};\n{script}", mark)
 
 
 def page_scene(
@@ -195,11 +195,9 @@ def page_scene(
     chosen, ranges = chosen_sliders(model, sliders)
     switches = [switch_control(model, name) for name in names]
     menus = [law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []
-    own = parameter_controls(model, chosen, ranges)
-    known = values_of(model)
-    others = [each for each in controls_of_models(with_laws.values()) if each["name"] not in known]
-    formula = formula_controls([model, *with_laws.values()])
-    controls = [*switches, *menus, *formula, *own, *others, *run]
+    models = [model, *with_laws.values()]
+    numbers = controls_of_models(models, chosen, ranges)
+    controls = [*switches, *menus, *formula_controls(models), *numbers, *run]
     scene = scene_data(model, controls, panels_of(model), title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"
     menu = scene_menu(model, names, presets)
@@ -259,24 +257,15 @@ def _json(data: Any) -> str:
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def _structures(derived: dict[str, dict[str, Any]]) -> str:
-    """The structures as JavaScript: data as JSON, functions as code."""
-    return "{" + ",\n".join(f"{_json(key)}: {_structure(data)}" for key, data in derived.items()) + "}"
-
-
-def _structure(data: dict[str, Any]) -> str:
-    of_functions = ("numbers", "rate", "release", "friction", "outputs", "sliding", "rules")
-    plain = {name: value for name, value in data.items() if name not in of_functions}
-    named, functions = data["outputs"]["names"], ", ".join(data["outputs"]["functions"])
-    outputs = f"{{names: {_json(named)}, functions: [{functions}]}}"
-    modes = (", ".join(f"{name}: {value}" for name, value in mode.items()) for mode in data["sliding"])
-    sliding = ", ".join(f"{{{mode}}}" for mode in modes)
-    rules = f"{{numbers: {data['rules']['numbers']}, words: {_json(data['rules']['words'])}}}"
-    texts = (
-        f"numbers: {data['numbers']}, rate: {data['rate']}, release: {data['release']}, "
-        f"friction: {data['friction']}, outputs: {outputs}, sliding: [{sliding}], rules: {rules}"
-    )
-    return f"{{...{_json(plain)}, {texts}}}"
+def _javascript(data: Any) -> str:
+    """Data as JavaScript: as JSON, but functions as code."""
+    if isinstance(data, JavaScript):
+        return data
+    if isinstance(data, dict):
+        return "{" + ",".join(f"{_json(name)}:{_javascript(value)}" for name, value in data.items()) + "}"
+    if isinstance(data, list):
+        return "[" + ",".join(map(_javascript, data)) + "]"
+    return _json(data)
 
 
 def solver_data(script: str) -> dict[str, Any]:

@@ -55,7 +55,13 @@ MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out 
 MARK = "\0"  # encloses the places of values in a message
 
 
-def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> str:
+class JavaScript(str):
+    """Text that is code; all other text is data."""
+
+    __slots__ = ()
+
+
+def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequence[Any]) -> JavaScript:
     """A JavaScript function of arrays of numbers that returns the values of the expressions.
 
     Parameters
@@ -75,14 +81,15 @@ def javascript_function(arguments: Sequence[Sequence[Any]], expressions: Sequenc
     return javascript_of_formulas(formulas_of(inputs, expressions), list(map(len, arguments)))
 
 
-def javascript_of_formulas(formulas: Formulas, lengths: Sequence[int]) -> str:
+def javascript_of_formulas(formulas: Formulas, lengths: Sequence[int]) -> JavaScript:
     """Formulas as a JavaScript function of arrays of these lengths, which together are the inputs."""
     names = iter(f"v{i}" for i in range(formulas.tape.inputs))
     head = ", ".join(f"[{','.join(next(names) for _ in range(length))}]" for length in lengths)
     tape = formulas.tape
     lines = [f"v{tape.inputs + i}={_operation(tape, i)}" for i in formulas.needed]
     body = f"const {','.join(lines)};" if lines else ""
-    return f"({head}) => {{{body}return [{','.join(f'v{slot}' for slot in formulas.outputs)}];}}"
+    results = ",".join(f"v{slot}" for slot in formulas.outputs)
+    return JavaScript(f"({head}) => {{{body}return [{results}];}}")
 
 
 def _operation(tape: Tape, i: int) -> str:

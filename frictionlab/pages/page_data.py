@@ -27,7 +27,7 @@ from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
-from frictionlab.pages.javascript import javascript_function, javascript_of_formulas, rule_data
+from frictionlab.pages.javascript import JavaScript, javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
     MAX_MODES,
     Shown,
@@ -106,10 +106,10 @@ def structure_data(model: Shown) -> dict[str, Any]:
     }
 
 
-def _rate_of_limit_mode(automaton: HybridAutomaton) -> str:
-    """What the limit of chatter follows from, as a JavaScript function of parameters; null without one."""
+def _rate_of_limit_mode(automaton: HybridAutomaton) -> JavaScript | None:
+    """What the limit of chatter follows from, as a JavaScript function of parameters; None without one."""
     if CHATTER not in automaton.values:
-        return "null"
+        return None
     return javascript_of_formulas(formulas_of_rate(automaton), [len(automaton.parameters)])
 
 
@@ -125,9 +125,9 @@ def _release(model: Shown, automaton: HybridAutomaton) -> list[Any]:
     return [sp.sympify(released.get(name, 0.0), strict=True) for name in names]
 
 
-def _friction_force(model: Shown, names: tuple[str, ...]) -> str:
+def _friction_force(model: Shown, names: tuple[str, ...]) -> JavaScript | None:
     if not isinstance(model, Model) or not has_friction_curve(model):
-        return "null"
+        return None
     return javascript_of_formulas(friction_formulas(model.structure_key, names), [2, len(names)])
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
 from types import MappingProxyType
@@ -70,7 +70,18 @@ KINDS = "a model such as SliderOnBelt, a Structure or a HybridAutomaton"
 MAX_MODES = 64  # with more, a page would have megabytes and take minutes to derive
 MOST_FREEDOMS = 100  # of a structure, with whose square the size of a page grows
 
-PANELS = ("mechanism", "friction", "response", "phase", "forces", "spectrum", "eigenvalues")
+# The panels that the front end draws, in their order, and what each needs of a result but the equilibrium.
+PANELS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "mechanism": ("run",),
+        "friction": ("friction",),
+        "response": ("run",),
+        "phase": ("run",),
+        "forces": ("run",),
+        "spectrum": ("run", "spectrum"),
+        "eigenvalues": (),
+    }
+)
 # What the menu of a role offers, by the kind of law.  A linear contact is what the switch "cubic" leaves.
 LAWS: Mapping[type[Component], Mapping[str, Component]] = MappingProxyType(
     {
@@ -348,14 +359,17 @@ def formula_controls(models: Iterable[Shown]) -> list[Data]:
     return [about | {"needs": points[0][1], "hint": hint}]
 
 
-def controls_of_models(models: Iterable[Shown]) -> Iterator[Data]:
-    """A number for each parameter of any of these models; the first that has it gives its value."""
-    seen: set[str] = set()
+def controls_of_models(models: Iterable[Shown], main: Any = None, ranges: Any = None) -> list[Data]:
+    """A number for each parameter of any of these models; the first that has it gives its value.
+
+    `main` and `ranges` are those of the first model, where they are not the usual ones.
+    """
+    numbers: dict[str, Data] = {}
     for each in models:
-        for about in parameter_controls(each, main_parameters(each)):
-            if about["name"] not in seen:
-                seen.add(about["name"])
-                yield about
+        for about in parameter_controls(each, main or main_parameters(each), ranges):
+            numbers.setdefault(about["name"], about)
+        main = ranges = None
+    return list(numbers.values())
 
 
 def choice(

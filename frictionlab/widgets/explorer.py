@@ -58,7 +58,7 @@ class Explorer:
     ) -> None:
         self.settings, self.result = settings, Result(settings)
         self.error: BaseException | None = None
-        self.start_model, self.panels = settings.model, panels
+        self.start_model, self.panels, self._needed = settings.model, panels, needed_of(panels)
         self.drawings: dict[str, Drawing] = {}
         self._images: dict[str, bytes] = {}
         self.updates = 0  # computed so far
@@ -169,8 +169,7 @@ class Explorer:
             result = self.result if settings == self.settings else Result(settings)
             goes_on = result is self.result and bool(self.progress)
             self._draw(result, goes_on)
-            needed = needed_of(self.panels)
-            picture = result_data(result, self.drawings, *needed, complete=not self.widget.sliding)
+            picture = result_data(result, self.drawings, self._needed, complete=not self.widget.sliding)
         except Exception as error:  # any error of a user's law is shown, not lost in a log
             self._fail(error)
             return

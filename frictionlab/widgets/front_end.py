@@ -6,7 +6,7 @@ travel as binary.  The browser sends the state back when a control is moved.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from typing import Any
 
 import anywidget
@@ -110,21 +110,19 @@ def _opens_nothing(name: str, changed: Mapping[str, Any]) -> None:
 def result_data(
     result: Result,
     drawings: Mapping[str, Drawing],
-    needs_run: bool,
-    needs_spectrum: bool,
-    needs_friction: bool = False,
+    needed: Container[str],
     complete: bool = True,
 ) -> Data:
-    """A result as the front end takes it; without samples where no panel shows the run.
+    """A result as the front end takes it, with what is needed of "run", "spectrum" and "friction".
 
     While a slider moves it is not complete: the spectrum and what the words say of the run are left out.
     """
     model = result.model
-    shown = run_data(result) if needs_run else _without_run(model)
+    shown = run_data(result) if "run" in needed else _without_run(model)
     known = result.eigenvalues  # after the run, whose error names the parameter that has no value
     point = None if known is None else known.equilibrium
-    if needs_run and complete:
-        shown |= facts(result) | {"spectrum": spectrum_data(result) if needs_spectrum else None}
+    if "run" in needed and complete:
+        shown |= facts(result) | {"spectrum": spectrum_data(result) if "spectrum" in needed else None}
     data: Data = {
         "parameters": dict(values_of(model)),
         "coordinate": result.settings.coordinate,
@@ -137,7 +135,7 @@ def result_data(
             "normal_force": _finite(point.normal_force),
             "friction_force": _finite(point.friction_force),
         },
-        "friction": friction_data(result) if needs_friction else None,
+        "friction": friction_data(result) if "friction" in needed else None,
         "complete": complete,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
         "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),

@@ -171,11 +171,6 @@ class Result:
         # Without a progress bar, as a removed one leaves "model not found" on Voila's page.
         return simulate(s.model, s.t_end, x0=s.x0, method=limit_steps(s.method), progress=False)
 
-    @property
-    def has_run(self) -> bool:
-        """Whether the run has been computed."""
-        return "run" in self.__dict__
-
     @cached_property
     def eigenvalues(self) -> Eigenvalues | None:
         try:
@@ -243,20 +238,3 @@ class Result:
         side = np.concatenate([np.ones(len(states) - len(jumps)), np.zeros(len(jumps))])
         order = np.lexsort((side, times))
         return times[order], states[order], modes[order]
-
-    @cached_property
-    def states(self) -> Array:
-        """States (N, 2n) at :meth:`times`."""
-        return self.run(self.times())
-
-    def state(self, name: str) -> Array:
-        """One state at :meth:`times`, e.g. "x1" or "x1'"."""
-        return self.states[:, self.run.names.index(name)]
-
-    @cached_property
-    def modes(self) -> Any:
-        """Names (N,) of the modes at :meth:`times`."""
-        raw, t = self.run.raw, self.times()
-        steps = np.clip(np.searchsorted(raw.step_times[:, 0], t, side="right") - 1, 0, None)
-        codes = raw.step_modes[np.minimum(steps, len(raw.step_modes) - 1)] if len(raw.step_modes) else []
-        return np.array(self.run.mode_names)[codes] if len(codes) else np.full(len(t), "")

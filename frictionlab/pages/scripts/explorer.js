@@ -6,7 +6,6 @@
 // computes while the page lives has stop(explorer).
 const PACES = [1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002];
 const BUSY_AFTER = 300; // milliseconds
-const OF_COORDINATE = ["phase", "spectrum"]; // panels of one coordinate
 const MOST_COMPARED = 2; // coordinates of two scenes in one panel
 const GROUPS = { main: "", structure: "more parameters", run: "how it is run and shown" };
 const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber(pace, 3)} times faster`
@@ -175,9 +174,10 @@ class Explorer {
   }
 
   panel(name) {
-    const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: TITLES[name] ?? name }),
+    const title = PANELS[name]?.title ?? name.replaceAll("_", " ");
+    const canvas = html("canvas", { className: "fl-canvas", role: "img", ariaLabel: title }),
       frame = html("canvas"), over = html("canvas", { className: "fl-over" });
-    const caption = html("figcaption", { textContent: TITLES[name] ?? name.replaceAll("_", " ") }),
+    const caption = html("figcaption", { textContent: title }),
       stack = html("div", { className: "fl-stack" }, [frame, canvas, over]);
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]),
       panel = { name, figure, caption, frame, canvas, over, memory: {}, drawing: null, axes: null };
@@ -347,7 +347,7 @@ class Explorer {
     this.frame();
   }
 
-  drawingOf(name, result) { return PANELS[name] ? PANELS[name](result, this.state) : result.drawings[name]; }
+  drawingOf(name, result) { return PANELS[name] ? PANELS[name].draw(result, this.state) : result.drawings[name]; }
 
   paint(panel, look) {
     if (panel.name === "spectrum" && this.result.spectrum === undefined) return; // it waits until the slider stops
@@ -371,7 +371,7 @@ class Explorer {
 
   compared(name, look, memory) { // what is painted: of two scenes with many coordinates, the chosen one
     const { drawing } = this.panels[name], kept = this.kept?.drawings[name], { coordinate, structure } = this.result;
-    const other = kept && OF_COORDINATE.includes(name) && this.kept.result.coordinate !== coordinate;
+    const other = kept && PANELS[name]?.ofCoordinate && this.kept.result.coordinate !== coordinate;
     if (other) return [drawing, look, memory, null];
     const few = shownStates(structure).length <= MOST_COMPARED;
     if (!kept || name !== "response" || few) return [drawing, look, memory, kept];
@@ -418,15 +418,15 @@ class Explorer {
     }
     if (this.picture) this.paintMechanism(look, samples, i);
     if (this.picture) this.drag?.paint(look);
-    for (const name of ["response", "forces", "phase"]) {
-      const panel = this.panels[name], { axes, over, figure } = panel ?? {};
-      if (!axes || figure.hidden) continue;
+    for (const panel of Object.values(this.panels)) {
+      const { axes, over, figure } = panel, { instant } = PANELS[panel.name] ?? {};
+      if (!instant || !axes || figure.hidden) continue;
       const marked = `${axes.X.at(t)} ${axes.top} ${axes.bottom} ${axes.width} ${look.grey}`;
-      if (name !== "phase" && panel.marked === marked) continue;
+      if (instant === "line" && panel.marked === marked) continue;
       const [c, width] = fit(over);
       if (!width) continue;
       panel.marked = marked;
-      if (name !== "phase") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
+      if (instant === "line") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
         axes.Y.at(samples.column(otherState(structure, coordinate))[i]), structure.colours[samples.modes[i]]);
     }

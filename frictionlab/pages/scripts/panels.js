@@ -147,6 +147,12 @@ function eigenvaluePanel(result) {
     ...(neutral ? { xlim: [-1, 1] } : {}) };
 }
 
-const PANELS = { response, phase, forces, spectrum, eigenvalues: eigenvaluePanel, friction: frictionDrawing };
-const TITLES = { mechanism: "mechanism", response: "time history", phase: "phase plane", forces: "contact forces",
-  spectrum: "spectrum", eigenvalues: "eigenvalues of steady sliding", friction: "friction curve" };
+const PANELS = { // `instant`: how the instant is marked in it; `ofCoordinate`: it shows the one that is chosen
+  mechanism: { title: "mechanism" },
+  response: { title: "time history", draw: response, instant: "line" },
+  phase: { title: "phase plane", draw: phase, instant: "dot", ofCoordinate: true },
+  forces: { title: "contact forces", draw: forces, instant: "line" },
+  spectrum: { title: "spectrum", draw: spectrum, ofCoordinate: true },
+  eigenvalues: { title: "eigenvalues of steady sliding", draw: eigenvaluePanel },
+  friction: { title: "friction curve", draw: frictionDrawing },
+};

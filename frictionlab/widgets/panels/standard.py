@@ -14,7 +14,6 @@ from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 from ..result import Result
 
 Panel = Callable[..., Any]  # of a Result, returns a Drawing; or of a run and axes
-OF_RUN = frozenset(PANELS) - {"eigenvalues", "friction"}  # the panels that need a run
 
 
 def select_panels(asked: Iterable[Any]) -> dict[str, Panel | None]:
@@ -64,7 +63,6 @@ def drawn_on_axes(panel: Panel, result: Result) -> bytes:
     return buffer.getvalue()
 
 
-def needed_of(panels: Mapping[str, Panel | None]) -> tuple[bool, bool, bool]:
-    """Whether panels need a run, its spectrum, and the friction curve."""
-    named = {name for name, panel in panels.items() if panel is None}
-    return bool(named & OF_RUN), "spectrum" in named, "friction" in named
+def needed_of(panels: Mapping[str, Panel | None]) -> frozenset[str]:
+    """What the panels that the front end draws need of a result."""
+    return frozenset(need for name, panel in panels.items() if panel is None for need in PANELS[name])

@@ -35,7 +35,7 @@ def test_beside_a_stable_equilibrium_stands_what_this_run_does():
         f"Steady sliding is stable, but from rest this run sticks, slips and separates at {strongest:.3g} Hz."
     )
     assert words(explorer) == does
-    assert {"stick", "separation"} <= set(explorer.result.modes)
+    assert {"stick", "separation"} <= set(columns(explorer.widget)["mode"])
     explorer.controls["start"].value = "near"
     does = "Steady sliding is stable, and from near the equilibrium this run dies away."
     assert words(explorer) == does
