@@ -22,35 +22,26 @@ def stribeck(v, mu_k=0.3, mu_s=0.6, v_s=0.1):
 
 
 @fl.model
-class Block(fl.MechanicalModel):
+class Block(fl.MassOnBelt):
     """A block on a spring and a belt; rubbed by N = 2."""
 
-    m: float = 0.5
-    k: float = 3.0
-    v: float = 0.2
-    friction: fl.FrictionLaw = BRISTLES
-    coordinates = ("x",)
+    m = 0.5
+    k = 3.0
+    N = 2.0
+    friction = BRISTLES
     period = 2.5
-
-    def mechanics(self, q, v):
-        rubbing = fl.Friction(self.v - v.x, 2.0, self.friction)
-        return fl.Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(rubbing,))
 
 
 @fl.model
-class Fault(fl.MechanicalModel):
+class Fault(fl.MassOnBelt):
     """A spring slider on a fault that creeps."""
 
-    m: float = 100.0
-    k: float = 5e6
-    N: float = 10.0
-    v: float = 1e-3
-    friction: fl.FrictionLaw = fl.RateAndState()
-    coordinates = ("x",)
-
-    def mechanics(self, q, v):
-        rubbing = fl.Friction(self.v - v.x, self.N, self.friction)
-        return fl.Mechanics(self.m * v.x**2 / 2, self.k * q.x**2 / 2, contacts=(rubbing,))
+    m = 100.0
+    k = 5e6
+    N = 10.0
+    v = 1e-3
+    friction = fl.RateAndState()
+    period = 0.1
 
 
 def test_steady_sliding_deflects_the_bristles_by_mu_over_their_stiffness():
