@@ -280,12 +280,13 @@ def _consistent_values(law: Any, method: str, *arguments: Any, of: str = "") -> 
 
     Of a method that returns several values they are those `of` a name.
     """
-    values = np.broadcast_to(_value(law, method, arguments, of), arguments[0].shape)
     symbols = [sp.Symbol(f"argument{i}", real=True) for i in range(len(arguments))]
-    formula = _formula(law, method, *symbols, of=of)
+    formula = _formula(law, method, *symbols, of=of)  # first, as it says what is no formula
+    with np.errstate(all="ignore"):
+        values = np.broadcast_to(_value(law, method, arguments, of), arguments[0].shape)
     for i, row in enumerate(zip(*arguments, strict=True)):
         at = tuple(map(float, row))
-        single = _real(law, method, at, _value(law, method, at, of))
+        single = _real(law, method, at, _number(law, method, at, of))
         if not np.isfinite(single):
             fail(law, f"{method} must give a finite number at {row}", single)
         exact = _real(law, method, at, formula.subs(dict(zip(symbols, at, strict=True))))
@@ -298,6 +299,14 @@ def _consistent_values(law: Any, method: str, *arguments: Any, of: str = "") -> 
 def _value(law: Any, method: str, at: Sequence[Any], of: str) -> Any:
     value = getattr(law, method)(*at)
     return value[of] if of else value
+
+
+def _number(law: Any, method: str, at: Sequence[float], of: str) -> Any:
+    """A method's value at numbers; NaN where it divides by zero."""
+    try:
+        return _value(law, method, at, of)
+    except ZeroDivisionError:
+        return np.nan
 
 
 def _formula(law: Any, method: str, *at: Any, of: str = "") -> Any:

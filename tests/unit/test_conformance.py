@@ -180,6 +180,18 @@ class Slippery(fl.Coulomb):
 
 
 @dataclass(frozen=True, repr=False)
+class Singular(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force / speed
+
+
+@dataclass(frozen=True, repr=False)
+class WithIf(fl.Coulomb):
+    def kinetic(self, normal_force, speed):
+        return self.mu_k * normal_force if speed < 0.1 else 0.5 * self.mu_k * normal_force
+
+
+@dataclass(frozen=True, repr=False)
 class Explosive(fl.ImpactLaw):
     def impulse(self, material_rate, penetration_rate, compliance):
         return 3 * penetration_rate / compliance
@@ -199,6 +211,7 @@ class Explosive(fl.ImpactLaw):
         (Endless(), "static_limit must give a finite number"),
         (Different(), "must give the same for symbols"),
         (Slippery(), "must not exceed static_limit"),
+        (Singular(), r"kinetic must give a finite number at \(.*0\.0.*\)"),
         (Explosive(), "from -1 times that before to 0"),
     ],
     ids=lambda value: type(value).__name__,
@@ -206,6 +219,12 @@ class Explosive(fl.ImpactLaw):
 def test_what_is_wrong_is_named(law, rule):
     with pytest.raises(AssertionError, match=rule):
         fl.testing.check_law(law)
+
+
+@pytest.mark.plain_python
+def test_what_is_no_formula_is_told_before_numbers_fail():
+    with pytest.raises(TypeError, match=r"WithIf.kinetic must be a formula .* write fl.functions.piecewise"):
+        fl.testing.check_law(WithIf())
 
 
 @pytest.mark.plain_python

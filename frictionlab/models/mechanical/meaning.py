@@ -262,7 +262,8 @@ class _Check:
         ):
             if expand_products(given - force * one) != 0:
                 raise ValueError(
-                    f"friction of a Stop of {self.of} must be proportional to F_N, got {given}: {cure}"
+                    f"friction of a Stop of {self.of} must be F_N times a coefficient, got {given}: write it "
+                    f"so, or {cure}"
                 )
             self.powers("the friction law", one, [speed])
 
