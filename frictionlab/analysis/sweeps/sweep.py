@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
+from functools import partial
+from hashlib import sha256
 from itertools import product
 from math import prod
+from numbers import Number
 from pathlib import Path
+from types import CodeType
 from typing import Any, Unpack
 
 import numpy as np
@@ -128,7 +132,7 @@ def sweep(
     resume : path or None
         File in which results are kept as they come; results that it already holds are not computed again.
         They have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
-        name only: use another file for another function, and for other settings inside a function.  The
+        name, its code and the numbers in its closure: use another file where what it calls has changed.  The
         complete file does not depend on the number of workers, nor on how often the sweep was interrupted.
         Results on damaged lines are computed again, with a RuntimeWarning.
     progress : bool
@@ -315,9 +319,33 @@ def check_function(name: str, function: Any, cure: str) -> None:
 
 
 def function_name(function: Callable[..., Any]) -> str:
-    """The name by which files tell functions apart."""
+    """What files know of a function, by which they tell functions apart.
+
+    Of a quantity, or another dataclass, it is its text.  A function of Python's has a name, and digits that
+    follow from its code and from numbers and texts in its closure, its defaults and partial arguments.
+    """
+    if is_dataclass(function):
+        return repr(function)
+    if isinstance(function, partial):
+        return f"{function_name(function.func)} of {_known((*function.args, *function.keywords.items()))}"
     name = getattr(function, "__name__", type(function).__name__)
-    return getattr(function, "__qualname__", name)
+    name, code = getattr(function, "__qualname__", name), getattr(function, "__code__", None)
+    if not isinstance(code, CodeType):
+        return name
+    held = tuple(cell.cell_contents for cell in getattr(function, "__closure__", None) or ())
+    text = _known((code, held, getattr(function, "__defaults__", None)))
+    return f"{name} {sha256(text.encode()).hexdigest()[:12]}"
+
+
+def _known(value: Any) -> str:
+    """A text of numbers, texts and code, and of what holds them; of other objects that of their type."""
+    if isinstance(value, CodeType):
+        return f"{value.co_code.hex()} {value.co_names} {_known(value.co_consts)}"
+    if isinstance(value, tuple):  # a list may be one of results so far
+        return str([*map(_known, value)])
+    if isinstance(value, frozenset):  # its order is another one in each process
+        return str(sorted(map(_known, value)))
+    return repr(value) if value is None or isinstance(value, (Number, str)) else type(value).__name__
 
 
 def own_name(function: Callable[..., Any]) -> str:

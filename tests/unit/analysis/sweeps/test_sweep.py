@@ -2,6 +2,7 @@
 
 import threading
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -137,3 +138,28 @@ def test_a_study_that_fails_names_its_scene():
 
     with pytest.raises(RuntimeError, match=r"the scene without geometry failed with ZeroDivisionError: oops"):
         fl.ablation(MODEL, no_geometry, workers=1, **QUIET)
+
+
+def times(model, factor):
+    return factor * model.F
+
+
+def scaled(factor):
+    return lambda model: factor * model.F
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (lambda m: m.F, lambda m: 2 * m.F),
+        (partial(times, factor=1), partial(times, factor=2)),
+        (scaled(1), scaled(2)),
+        (fl.ModeFrequency(0), fl.ModeFrequency(1)),
+    ],
+)
+def test_a_file_of_another_function_of_that_name_is_refused(one, other, tmp_path):
+    path = tmp_path / "results"
+    first = fl.sweep(MODEL, one, {"F": [200.0]}, resume=path, **QUIET).results
+    assert fl.sweep(MODEL, one, {"F": [200.0]}, resume=path, **QUIET).results == first
+    with pytest.raises(ValueError, match="differs in function: give another path"):
+        fl.sweep(MODEL, other, {"F": [200.0]}, resume=path, **QUIET)

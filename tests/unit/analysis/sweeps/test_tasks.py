@@ -210,10 +210,15 @@ def test_a_bar_that_stands_still_says_that_no_worker_is_left(monkeypatch):
 
 
 def test_shards_are_jobs_of_their_own_and_make_up_the_whole(tmp_path):
-    path, whole = tmp_path / "sweep.jsonl", tmp_path / "whole.jsonl"
-    expected = fl.sweep(MODEL, friction, GRID, resume=whole, **QUIET)
+    path, whole, calls = tmp_path / "sweep.jsonl", tmp_path / "whole.jsonl", []
+
+    def counted(model):
+        calls.append(model)
+        return friction(model)
+
+    expected = fl.sweep(MODEL, counted, GRID, resume=whole, **QUIET)
     for i in (2, 0):
-        part = fl.sweep(MODEL, friction, GRID, shard=(i, 3), resume=path, **QUIET)
+        part = fl.sweep(MODEL, counted, GRID, shard=(i, 3), resume=path, **QUIET)
         done = [k for k, result in enumerate(part.results.ravel()) if result is not None]
         assert done == list(range(i, 14, 3))
     assert sorted(p.name for p in tmp_path.glob("*.jsonl")) == [
@@ -221,13 +226,7 @@ def test_shards_are_jobs_of_their_own_and_make_up_the_whole(tmp_path):
         "sweep.2-of-3.jsonl",
         "whole.jsonl",
     ]
-    calls = []
-
-    def counted(model):
-        calls.append(model)
-        return friction(model)
-
-    counted.__qualname__ = friction.__qualname__
+    calls.clear()
     assert fl.sweep(MODEL, counted, GRID, resume=path, **QUIET).to_dataframe().equals(expected.to_dataframe())
     assert len(calls) == len(range(1, 14, 3))
     assert path.read_bytes() == whole.read_bytes()
