@@ -32,6 +32,7 @@ LEAST_MOTION_RTOL = 1e-6  # least size of the motion of a group of states, as a 
 
 DEFAULT_PERIOD = 0.1  # s, about that of the slider on a belt
 DEAD_BAND = 1e-3  # share of a state's range by which it has to pass the middle to have passed it
+LEAST_TURNS = 3
 ROUND_NUMBER_RTOL = 1e-9  # share by which rounding errors may put a number below the round one it stands for
 HARMONICS_SHOWN = 6.0  # a spectrum shows frequencies up to this multiple of the model's own
 # most periods transformed: they resolve a thousandth of the frequency, more than a figure shows
@@ -116,18 +117,22 @@ def oscillation_period(source: ModelOrAutomaton | None) -> float:
     return getattr(source, "period", None) or DEFAULT_PERIOD
 
 
+def mean_period(times: Array, values: Array) -> float:
+    """Twice the mean time (s) between passes of the middle of the range; inf where there are few."""
+    middle, size = 0.5 * (values.max() + values.min()), np.ptp(values)
+    away = np.abs(values - middle) > DEAD_BAND * size
+    sides = np.sign(values[away] - middle)
+    passes = times[away][1:][sides[1:] != sides[:-1]]
+    return float(2 * (passes[-1] - passes[0]) / (len(passes) - 1)) if len(passes) >= LEAST_TURNS else np.inf
+
+
 def shortest_period(run: Trajectory, of: Iterable[str] | None = None) -> float:
     """Mean time in which the fastest of the states, all or some by name, goes up and down, s.
 
     It is inf where none does twice.
     """
-    states = run.states[:, [run.names.index(name) for name in (run.names if of is None else of)]]
-    middle, size = 0.5 * (states.max(axis=0) + states.min(axis=0)), np.ptp(states, axis=0)
-    turns = 0
-    for column in ((states - middle) / np.where(size > 0.0, size, 1.0)).T:
-        sides = np.sign(column[np.abs(column) > DEAD_BAND])
-        turns = max(turns, int((sides[1:] != sides[:-1]).sum()))
-    return 2.0 * run.raw.t / turns if turns > 2 else np.inf
+    names = run.names if of is None else of
+    return min((mean_period(run.t, run.states[:, run.names.index(name)]) for name in names), default=np.inf)
 
 
 def period_of_run(run: Trajectory) -> float:

@@ -14,11 +14,10 @@ from frictionlab.hybrid.solve import RunOptions, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.stability import eigenvalues
 
-from .motion_scales import DEAD_BAND, SEEN, Array, time_of_rest
+from .motion_scales import SEEN, Array, mean_period, time_of_rest
 
 STEPS = 400  # of the motion that is looked at: some fifty periods where nothing happens
 FOREVER = 1e30  # s: the steps end it
-LEAST_TURNS = 3
 PERIODS_UNTIL_REST = 10.0  # of a motion that comes to rest without turning: all of it is then shown
 RESTED = 0.9  # share of the run by which a motion that comes to rest has done so
 NO_PERIOD = 1.0  # in the automaton's unit of time, where nothing tells one, as in a steady drift
@@ -39,8 +38,9 @@ def _period_of_motion(run: Trajectory) -> float:
     for begin in (len(run.t) // 2, 0):
         times, states = run.t[begin:], run.states[begin:]
         moving = states[:, np.ptp(states, axis=0) > least]
-        if turning := [period for column in moving.T if (period := _mean_period(times, column))]:
-            return min(turning)
+        shortest = min((mean_period(times, column) for column in moving.T), default=np.inf)
+        if shortest < np.inf:
+            return shortest
     rest = time_of_rest(run)
     if 0.0 < rest < RESTED * run.raw.t:
         return rest / PERIODS_UNTIL_REST
@@ -53,14 +53,3 @@ def _period_of_motion(run: Trajectory) -> float:
     # A run of all steps has their length, which grows without bounds.
     length = 0.0 if run.raw.status is Status.STEP_CAP else float(run.raw.t)
     return length or NO_PERIOD
-
-
-def _mean_period(times: Array, values: Array) -> float:
-    """Twice the mean time (s) between passes of the middle of the range; 0.0 where there are few."""
-    middle, size = 0.5 * (values.max() + values.min()), np.ptp(values)
-    away = np.abs(values - middle) > DEAD_BAND * size
-    sides = np.sign(values[away] - middle)
-    passes = times[away][1:][sides[1:] != sides[:-1]]
-    if len(passes) < LEAST_TURNS:
-        return 0.0
-    return float(2 * (passes[-1] - passes[0]) / (len(passes) - 1))

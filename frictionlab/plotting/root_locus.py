@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -93,13 +93,13 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
 
 @dataclass(frozen=True, eq=False)
 class _EquilibriumFrames:
-    """Stands in for a run that slips at an equilibrium for one second: what a picture asks of a run."""
-
-    events: ClassVar[tuple[Any, ...]] = ()
-    time_in_mode: ClassVar[Mapping[str, float]] = {"slip": 1.0}
-    raw: ClassVar[Any] = SimpleNamespace(t=1.0)
+    """Stands in for a run that slips at an equilibrium: what a picture asks of a run."""
 
     equilibrium: Equilibrium
+
+    def modes_at(self, t: Array) -> np.ndarray:
+        """Slip at all times."""
+        return np.full(len(t), "slip")
 
     @property
     def automaton(self) -> Any:
