@@ -296,7 +296,7 @@ class TapeBuilder:
         if is_matrix_row(expr):
             return self._row(expr)
         if expr.is_Add:
-            return _total([self._term(arg) for arg in expr.args])
+            return _total([self._term(arg) for arg in self._with_common_bases(expr.args)])
         if expr.is_Mul:
             return self._mul(expr)
         if expr.is_Pow and expr.base.func is sp.Abs and self.constant(expr.exp) and not self.has_corners:
@@ -405,6 +405,26 @@ class TapeBuilder:
             return {self.slot(rest): factor}
         return self._lower(expr)
 
+    def _with_common_bases(self, summands: Sequence[Expr]) -> Sequence[Expr]:
+        """Summands, with k d + c d^3 as d (k + c d^2) where d is a sum.
+
+        Then a force that occurs in several sums is a slot, of which each has one term, whatever its sign is.
+        """
+        parts = (part for one in summands for part in sp.Mul.make_args(one))
+        if not any(isinstance(part, sp.Pow) and part.base.is_Add for part in parts):
+            return summands
+        others, groups = list(summands), dict[Expr, list[tuple[Expr, Expr, Expr]]]()
+        for one in summands:
+            factor, rest = self._factored(one)
+            base, exponent = rest.as_base_exp()
+            if base.is_Add and exponent.is_Integer and exponent > 0:
+                groups.setdefault(base, []).append((exponent, factor, one))
+        for base, powers in groups.items():
+            if len(powers) > 1:
+                others = [one for one in others if all(one is not of for *_, of in powers)]
+                others.append(_factored_power(base, [(exponent, factor) for exponent, factor, _ in powers]))
+        return others
+
     def _factored(self, expr: Expr) -> tuple[Expr, Expr]:
         """The factors that depend on the parameters alone, and the rest."""
         if expr in self._states or is_matrix_row(expr):
@@ -503,6 +523,14 @@ def _without_signs(factors: Sequence[Expr]) -> Sequence[Expr]:
             rest = [f for f in factors if f is not sign and f is not power]
             return _without_signs([*rest, sign.args[0], size ** (power.exp - 1)])
     return factors
+
+
+def _factored_power(base: Expr, powers: Sequence[tuple[Expr, Expr]]) -> Expr:
+    """A sum of powers (exponent, factor) of a base, as the lowest one times a sum with a positive first."""
+    least, first = min(powers, key=lambda power: power[0])
+    sign = -1 if first.could_extract_minus_sign() else 1
+    rest = sp.Add(*(sign * factor * base ** (exponent - least) for exponent, factor in powers))
+    return sign * (base**least * rest)
 
 
 def _total(parts: Sequence[AffineTerms]) -> AffineTerms:

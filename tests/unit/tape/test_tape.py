@@ -194,6 +194,17 @@ def test_equal_subexpressions_cost_once():
 
 
 @pytest.mark.plain_python
+def test_a_force_of_powers_of_a_sum_is_one_term_where_it_acts():
+    d = 1 + X * Y
+    force = A * d + 2 * d**3
+    mode = fl.Mode("only", (force - X, (Y - A * d - 2 * d**3) / A))
+    program, _ = program_of(fl.HybridAutomaton((X, Y), (mode,), {A: 2.0}))
+    counts = program.tapes[0].counts()
+    assert (counts["product"], counts["square"]) == (2, 1)
+    assert len(program.tapes[0].terms) == 6  # one in d, one in A + 2 d^2, two in each rate
+
+
+@pytest.mark.plain_python
 @pytest.mark.parametrize("function", [sp.gamma(X), sp.Abs(X - A), A**X, sp.Max(X, 0)], ids=str)
 def test_a_function_without_operation_is_named(function):
     with pytest.raises(TapeError, match="no operation for") as error:
