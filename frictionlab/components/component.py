@@ -273,11 +273,13 @@ class Component:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        for name, about in parameters_of(type(self)).items():
-            object.__setattr__(self, name, check_value(name, getattr(self, name), about))
+        known, expressions = parameters_of(type(self)), expressions_of(self)
+        for name in known.keys() - expressions.keys():
+            object.__setattr__(self, name, check_value(name, getattr(self, name), known[name]))
         for name in structure_of(type(self)):
             _check_structure(type(self).__name__, name, getattr(self, name))
-        self.check()
+        if not expressions:
+            self.check()
 
     def check(self) -> None:
         """Raise ValueError where values contradict each other; subclasses may override it."""
@@ -297,6 +299,14 @@ class Component:
     def __repr__(self) -> str:
         values = (f"{f.name}={value_repr(getattr(self, f.name))}" for f in fields(self))
         return f"{type(self).__name__}({', '.join(values)})"
+
+
+def expressions_of(component: Component) -> dict[str, Any]:
+    """Parameters of a law that are expressions, as those of one that is made in `mechanics` may be."""
+    if hasattr(component, "roles"):  # a model's are numbers
+        return {}
+    values = {name: getattr(component, name) for name in parameters_of(type(component))}
+    return {name: value for name, value in values.items() if getattr(value, "free_symbols", None)}
 
 
 def _keep_metadata(cls: type) -> None:

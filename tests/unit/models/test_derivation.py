@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 
 import numpy as np
@@ -277,3 +278,35 @@ def test_masses_that_turn_are_inverted_as_numbers_are():
     state = [a, b, va, vb, *[0.0] * (len(automaton.states) - 4)]
     accelerations = numbers(automaton, automaton.modes[0].flow[2:4], state)
     np.testing.assert_allclose(accelerations, np.linalg.solve(mass, loads), rtol=1e-13)
+
+
+@fl.model
+class PinOnTrack(fl.MechanicalModel):
+    """A pin on a disc whose friction coefficient varies round the track."""
+
+    k: float = 2.0
+    c: float = 0.3
+    mu: float = 0.4
+    a: float = 0.3
+    Omega: float = 0.8
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        mu = self.mu * (1 + self.a * fl.functions.cos(q.phase))
+        rubbing = fl.Friction(3.0 - v.x, 1.5, fl.Coulomb(mu_k=mu, mu_s=2 * mu))
+        dampers = self.c * v.x**2 / 2
+        return fl.Mechanics(
+            v.x**2 / 2, self.k * q.x**2 / 2, dampers, contacts=(rubbing,), frequency=self.Omega
+        )
+
+
+def test_a_coefficient_of_friction_may_be_an_expression_in_mechanics_and_nowhere_else():
+    model = PinOnTrack()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 100.0, progress=False))
+    exact = model.a * model.mu * 1.5 / math.hypot(model.k - model.Omega**2, model.c * model.Omega)
+    x = orbit.trajectory(np.linspace(0.0, orbit.period, 4001))[:, 0]
+    assert np.ptp(x) / 2 == pytest.approx(exact, rel=1e-6)
+    fl.testing.check_model(model)
+    for given in ({"mu_k": sympy.Symbol("b")}, {"friction": fl.Coulomb(mu_k=sympy.Symbol("b"))}):
+        with pytest.raises(TypeError, match="mu_k must be one real number, got b"):
+            fl.MassOnBelt(**given)
