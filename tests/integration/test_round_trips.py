@@ -102,6 +102,12 @@ def test_a_copy_is_the_same(name, way):
     np.testing.assert_equal(public(other), public(given))
 
 
+def test_an_automaton_from_the_cache_is_pickled_with_its_period():
+    given = MODEL.automaton()
+    object.__setattr__(given.derived(), "period", 2.0)  # as a derivation may state it
+    assert pickle.loads(pickle.dumps(given)).period == 2.0
+
+
 def test_every_public_result_is_tested():
     """Each class of the package's names that can be drawn."""
     drawable = {name for name in fl.__all__ if hasattr(getattr(fl, name), "drawn_by")} - NO_RESULTS
