@@ -16,7 +16,7 @@ from frictionlab.analysis.basins.attractors import (
     name_attractors,
 )
 from frictionlab.analysis.basins.tasks import run_basin_tasks
-from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of, with_phase_in_turn
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
@@ -370,7 +370,9 @@ def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array
     base = np.zeros(len(state_names)) if own else initial_state_of(model, x0)
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [state_names.index(name) for name in names]] = points
-    return np.array([_complete_state(x0(start.copy()), state_names) for start in starts]) if own else starts
+    if own:
+        starts = np.array([_complete_state(x0(start.copy()), state_names) for start in starts])
+    return with_phase_in_turn(model, starts)
 
 
 def _complete_state(x0: Any, names: tuple[str, ...]) -> Array:

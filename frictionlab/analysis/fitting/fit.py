@@ -38,7 +38,7 @@ from frictionlab.analysis.fitting.predictions import (
     motion_misfit,
     run_for,
 )
-from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.initial_states import initial_state_of, with_phase_in_turn
 from frictionlab.models.model import (
     ModelOrAutomaton,
     automaton_of,
@@ -431,7 +431,7 @@ def _starts(problem: FitProblem, pieces: Segments, x: Array) -> Array:
     start = problem.start.copy()
     start[list(problem.unknown)] = x[count : count + len(problem.unknown)]
     later = x[count + len(problem.unknown) :].reshape(-1, len(start)) * pieces.size
-    return np.vstack([start, later])
+    return with_phase_in_turn(problem.model, np.vstack([start, later]))
 
 
 def _result(problem: FitProblem, solution: _Solution, pieces: Segments | None) -> Fit:
@@ -441,6 +441,8 @@ def _result(problem: FitProblem, solution: _Solution, pieces: Segments | None) -
     scales = np.concatenate([problem.scales, sizes])
     values = solution.x.copy()
     values[: len(problem.names)] *= problem.scales
+    if pieces is not None:
+        values[len(problem.names) :] = _starts(problem, pieces, solution.x)[0, list(problem.unknown)]
     slopes = solution.misfit.slopes.copy()
     slopes[:, : len(problem.names)] /= problem.scales
     covariance, rank, undetermined = covariance_of(slopes, names, scales)

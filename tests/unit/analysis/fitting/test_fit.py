@@ -420,3 +420,17 @@ def test_what_does_not_fit_says_so():
     assert found.warning in repr(found)
     assert found.warning in found.summary()
     assert fl.fit(TRUTH, data, ["k"], segments=1).warning is None
+
+
+def test_a_phase_begins_anew_after_a_turn():
+    """A search from 6.1 for the phase 0.4 stopped at a turn, and a run from beyond it ended at once."""
+    model, turn, times = fl.ImpactOscillator(), 2 * np.pi, np.linspace(0.1, 9.0, 60)
+    names = model.automaton().state_names
+    one, other = (fl.simulate(model, 9.0, x0={"phase": p}, progress=False) for p in (0.4 + 2 * turn, 0.4))
+    assert one.status.ok
+    np.testing.assert_allclose(one.final_state, other.final_state, atol=1e-9)
+    data = fl.TimeRecord(times, {names[0]: other(times)[:, 0]}, error=1e-3)
+    found = fl.fit(model, data, ["k"], x0={"phase": 6.1}, unknown=["phase"], segments=4)
+    assert found["phase at 0"] == pytest.approx(0.4, abs=1e-6)
+    grid, quick = ("phase", [0.4, 0.4 + turn]), {"transient": 30.0, "window": 10.0, "progress": False}
+    assert len({*fl.basins(model, grid, ("x", [-0.1]), **quick).labels.ravel()}) == 1
