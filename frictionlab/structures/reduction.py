@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 Point = Mapping[str, float]  # values of some parameters
 EXACT = 1e-9  # length that may be left of unit vectors beside a basis which has them
 CLOSE = 1e-7  # share of the largest singular value: directions of which modes have less are left out
+TOGETHER = 64  # displacements that are solved for at once
+BLOCK = 4096  # rows that are multiplied at once
 LEFT_OUT = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)  # the same, tried until a tolerance is reached
 LEAST_TOL, MOST_TOL = 1e-10, 0.1  # of eigenvalues
 STIFF_SHARE = 1e-6  # of the largest compliance of contacts: responses of less are left out
@@ -236,8 +238,11 @@ def _smallest(
     """
     vectors, sizes = proper_orthogonal(structure, samples)
     fixed = contact_responses(structure)
-    full = structure.projected(extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
-    known = [*samples, *(Sample.of(full, point) for point in between)]
+    known = [*samples]
+    if between:
+        full = structure.projected(extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
+        known += [Sample.of(full, point) for point in between]
+        del full  # its basis is large
     for share in LEFT_OUT:
         small = structure.projected(extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
         error = 0.0
@@ -247,7 +252,8 @@ def _smallest(
                 break
         else:
             break
-    return structure.projected(small.basis, error)
+    object.__setattr__(small, "error", error)  # of this structure, which nothing else knows yet
+    return small
 
 
 def reduced(structure: Structure, samples: Sequence[Sample], left_out: float = CLOSE) -> ReducedStructure:
@@ -281,29 +287,37 @@ def contact_responses(structure: Structure) -> Array:
     rows = [part for one in structure.contacts for part in (one.normal, one.tangential) if part is not None]
     if not rows:
         return np.zeros((structure.size, 0))
-    forces = sparse.vstack(rows).T.toarray()
+    forces: Any = sparse.vstack(rows, format="csr")
     stiffness = structure.pencil.K.real.tocsc()
     solve = factorised(stiffness)
     if solve is None:
         raise ValueError(
             "K and the contacts must hold all freedoms, got a singular stiffness: add supports or contacts"
         )
-    responses = solve(forces)
-    compliance = forces.T @ responses
+    responses = np.zeros((structure.size, forces.shape[0]))  # large, so that there is one of it
+    for i in range(0, len(responses.T), TOGETHER):
+        responses[:, i : i + TOGETHER] = solve(forces[i : i + TOGETHER].T.toarray())
+    compliance = forces @ responses
     values, mixes = np.linalg.eigh(0.5 * (compliance + compliance.T))
     chosen = values > STIFF_SHARE * values[-1]
-    responses = responses @ (mixes[:, chosen] / np.sqrt(values[chosen]))
+    mixes = mixes[:, chosen] / np.sqrt(values[chosen])
+    for some in np.array_split(responses, range(BLOCK, structure.size, BLOCK)):
+        some[:, : mixes.shape[1]] = some @ mixes
+    responses = responses[:, : mixes.shape[1]]
     return extended(np.zeros((structure.size, 0)), responses, EXACT)
 
 
 def extended(basis: Array, vectors: Array, tol: float) -> Array:
     """An orthonormal basis (n, r) and what vectors (n, k) add to it, but for less than `tol`."""
     sizes = np.linalg.norm(vectors, axis=0)
-    vectors = vectors[:, sizes > 0.0] / sizes[sizes > 0.0]
-    left = vectors - basis @ (basis.T @ vectors)
-    left -= basis @ (basis.T @ left)
-    parts: Any = linalg.qr(left, mode="economic", pivoting=True)
+    left = np.asfortranarray(vectors[:, sizes > 0.0])
+    left /= sizes[sizes > 0.0]
+    for _ in range(2 * (basis.shape[1] > 0)):
+        left -= basis @ (basis.T @ left)
+    parts: Any = linalg.qr(left, mode="economic", pivoting=True, overwrite_a=True)
     new = parts[0][:, np.abs(np.diagonal(parts[1])) > tol]
+    if not basis.shape[1]:
+        return new
     # A direction of which little was left is not orthogonal to the basis, to rounding.
     new, _ = np.linalg.qr(new - basis @ (basis.T @ new))
     return np.hstack([basis, new])

@@ -428,7 +428,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
         """The structure with another window, which is right."""
         return self._copied(window=window)
 
-    def projected(self, basis: Any, error: float = np.nan) -> ReducedStructure:
+    def projected(self, basis: Any) -> ReducedStructure:
         """The projection on a real basis (n, r), full or sparse."""
         small = object.__new__(ReducedStructure)  # what is right of this one is right of its projection
         for each in fields(Structure):
@@ -438,7 +438,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
             elif each.name == "contacts":
                 part = tuple(one.projected(basis) for one in part)
             object.__setattr__(small, each.name, part)
-        for name, value in (("full", self), ("basis", basis), ("error", error)):
+        for name, value in (("full", self), ("basis", basis), ("error", np.nan)):
             object.__setattr__(small, name, value)
         return small
 

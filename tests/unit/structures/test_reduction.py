@@ -1,6 +1,7 @@
 """`fl.reduce`: the eigenvalues of a reduced structure against those of the large one."""
 
 import pickle
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 import frictionlab as fl
 from frictionlab.structures import eigenvalue_bounds
 from frictionlab.structures.quadratic_pencil import QuadraticPencil
+from frictionlab.structures.reduction import contact_responses
 from tests.helpers.finite_elements import unsymmetric_chain
 from tests.unit.structures.test_sliding_contacts import beam_under_pads
 
@@ -192,6 +194,22 @@ def test_a_shift_at_which_the_slope_is_zero_has_no_bound():
     value = -1.0 / (1.0 - eigenvalue_bounds.ASIDE)
     assert value + eigenvalue_bounds.ASIDE * abs(value) == -1.0
     assert np.isinf(bounds_of(1.0, 2.0, 5.0, [value], [[1.0]])).all()
+
+
+def test_responses_of_many_contacts_are_held_few_times():
+    """With all the work on them they took ten times their own memory."""
+    n, places = 3000, np.arange(10, 2990, 20)
+    springs = sparse.diags_array([-np.ones(n - 1), 2.1 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    rows = [fl.relative_rows([(i + j, -1) for i in places], n) for j in (0, 1)]
+    pads = fl.SlidingContacts(*rows, fl.LinearContact(k2=1.0), penetration=1.0)
+    chain = fl.Structure(sparse.eye_array(n), springs, contacts=pads, load=np.ones(n), window=(0.0, 0.1))
+    assert len(fl.equilibrium(chain).normal_forces) == len(places)
+    tracemalloc.start()
+    responses = contact_responses(chain)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert responses.shape == (n, 2 * len(places))
+    assert peak < 5 * responses.nbytes
 
 
 @pytest.mark.slow
