@@ -161,9 +161,14 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     forced = PHASE in automaton.state_names and sliding
     still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
     left_out = f" ({shorten(others)} has none that is a single point)" if others and sliding else ""
+    # Modes of an elastic-plastic law have no constraints: that in which it sticks is among those searched.
+    elastic = "; the spring of an elastic-plastic law that sticks may rest at any deflection: write it into "
+    elastic = (
+        f"{elastic}the potential for its eigenvalues" if search.why and has_regime(modes, "stick") else ""
+    )
     return ValueError(
-        f"{what} must have a mode with an equilibrium inside its guards, "
-        f"{got} in {', '.join(modes)}{unsure}{left_out}: change its parameters{still}, or simulate its motion"
+        f"{what} must have a mode with an equilibrium inside its guards, {got} in {', '.join(modes)}{unsure}"
+        f"{left_out}: change its parameters{still}, or simulate its motion{elastic}"
     )
 
 

@@ -48,6 +48,26 @@ def test_within_its_limit_it_is_a_spring():
     assert audit.error < 1e-14
 
 
+@fl.model
+class Joint(fl.MechanicalModel):
+    """Masses on cubic springs, of which the element holds one with little force."""
+
+    friction: fl.FrictionLaw = ELEMENT
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        rubbing = fl.Friction(-v.y, 0.02, self.friction)
+        springs = q.x**2 / 2 + q.x**4 / 4 + q.y**4 / 4 + (q.x - q.y) ** 2 - q.x
+        return fl.Mechanics((v.x**2 + v.y**2) / 2, springs, contacts=(rubbing,))
+
+
+def test_where_a_joint_sticks_its_spring_may_rest_anywhere():
+    with pytest.raises(
+        ValueError, match="may rest at any deflection: write it into the potential for its eig"
+    ):
+        fl.eigenvalues(Joint())
+
+
 def test_its_state_is_that_of_the_stop_operator():
     """z = min(max(z + dv_r, -mu N/k), mu N/k) from one turning point of the motion to the next."""
     run = fl.simulate(Driven(), 8.0, sections={"turn": "x'"}, progress=False)
