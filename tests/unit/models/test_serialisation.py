@@ -1,4 +1,4 @@
-"""Classes in files: those of the library by their public name, one's own by module and name."""
+"""Classes in files: those of the library by their public name, one's own by module and name; their keywords."""
 
 import copy
 import pickle
@@ -7,9 +7,11 @@ from dataclasses import fields
 import pytest
 
 import frictionlab as fl
-from frictionlab.components.component import Component
+from frictionlab.components.component import Component, parameters_of
+from frictionlab.models.library import parameters
 from frictionlab.models.library.dry_friction_oscillators import SingleMass
 from frictionlab.models.mechanical.mechanical_model import PlanarSlider
+from frictionlab.models.model import Model
 from frictionlab.models.serialisation import class_path, loaded_class
 from frictionlab.models.zoo.zoo_model import ZooModel
 from tests.helpers.own_models import Chain, Fitted, Wear
@@ -76,3 +78,17 @@ def test_a_component_knows_its_structure_and_pickles_no_notes():
     for same in (pickle.loads(pickle.dumps(model)), copy.copy(model), copy.deepcopy(model)):
         assert vars(same).keys() == {each.name for each in fields(model)}
         assert (same, same.structure_key) == (model, key)
+
+
+def taken(model):
+    """Names of the parameters of a model, of its roles, and of all laws that may take these."""
+    laws = [law for base in model.roles.values() for law in (base, *derived(base))]
+    return {*model.roles, *(name for kind in (model, *laws) for name in parameters_of(kind))}
+
+
+@pytest.mark.parametrize("row", fl.list_models("classics").rows, ids=lambda row: row.call)
+def test_they_are_all_and_no_others(row):
+    model = getattr(fl, row.call.partition("(")[0])
+    assert issubclass(model, Model)
+    hints = parameters.__dict__[f"{model.__name__}Keywords"].__annotations__
+    assert set(hints) == taken(model)
