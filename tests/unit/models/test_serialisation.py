@@ -1,4 +1,4 @@
-"""Classes in files: those of the library by their public name, one's own by module and name; their keywords."""
+"""Classes in files, by their public name or by module and name; keywords that type checkers know."""
 
 import copy
 import pickle
