@@ -35,7 +35,16 @@ OUTPUT_UNITS = {
     **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
 SI = "m", "N"  # units of length and of force
-ROTATIONAL_UNITS = {"m": "rad", "m/s": "rad/s", "N": "N m"}  # of a contact whose bodies turn
+# Units of a contact whose bodies turn, and of its laws, by those of one whose bodies slide.
+ROTATIONAL_UNITS = {
+    "m": "rad",
+    "m/s": "rad/s",
+    "s/m": "s/rad",
+    "1/m": "1/rad",
+    "N": "N m",
+    "N/m": "N m",
+    "N s/m": "N m s",
+}
 FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
 REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction

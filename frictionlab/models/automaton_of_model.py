@@ -135,6 +135,16 @@ def automaton_of_model(model: Model) -> HybridAutomaton:
     return CachedAutomaton(key, outline, {**values, **added}, derivations)
 
 
+def rotational_outputs_of(key: StructureKey) -> tuple[str, ...]:
+    """Outputs of contacts whose bodies turn, without values of the parameters."""
+    outline = _outline(key, derivations_of(key))
+    return (
+        automaton_of_structure(key).rotational_outputs
+        if outline is None
+        else outline[0]["rotational_outputs"]
+    )
+
+
 def _numbers(values: Mapping[str, float]) -> dict[Symbol, float]:
     return {symbol(name): value for name, value in values.items()}
 

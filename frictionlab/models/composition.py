@@ -34,6 +34,7 @@ from frictionlab.components.contact import (
     LinearContact,
     SlidingOnly,
 )
+from frictionlab.presentation import ROTATIONAL_UNITS
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
 
 if TYPE_CHECKING:
@@ -162,10 +163,9 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
 
 def parameter_unit(model: ModelOrAutomaton, name: str) -> str:
     """Unit of a parameter of a model; "" for a parameter of an automaton, which has no metadata."""
-    components = getattr(model, "components", None)
-    if components is None:
+    if getattr(model, "components", None) is None:
         return ""
-    about = parameter_metadata(type(model), components).get(name)
+    about = parameters_of_model(model).get(name)
     return about.unit if about else ""
 
 
@@ -235,6 +235,19 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
     return metadata
 
 
+def parameters_of_model(model: Any) -> dict[str, Parameter]:
+    """The same of a model; the laws of contacts whose bodies turn have units of angles and moments."""
+    about = parameter_metadata(type(model), model.components)
+    if not any(name.startswith("relative_velocity") for name in model.rotational_outputs):
+        return about
+    own = parameters_of(type(model))
+    return about | {
+        name: dataclasses.replace(each, unit=ROTATIONAL_UNITS.get(each.unit, each.unit))
+        for name, each in about.items()
+        if name not in own
+    }
+
+
 def where_it_is(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
     """The end of a message: the class has a constant of the name, or a law the parameter; else empty."""
     if not isinstance(name, str):
@@ -292,7 +305,7 @@ class ParameterTable:
 def parameter_table(model: Model) -> ParameterTable:
     """The table of a model's parameters."""
     components = model.components
-    about, owner = parameter_metadata(type(model), components), parameter_owners(type(model), components)
+    about, owner = parameters_of_model(model), parameter_owners(type(model), components)
     names = {"": "structure"} | {role: type(component).__name__ for role, component in components.items()}
     rows = (
         ParameterRow(

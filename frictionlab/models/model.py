@@ -27,7 +27,7 @@ from frictionlab.components.component import (
 )
 from frictionlab.letters import symbol_of
 from frictionlab.models.mechanical.mechanics import SlidingStatics
-from frictionlab.presentation import PHASE, TIME
+from frictionlab.presentation import PHASE, TIME, is_angle
 from frictionlab.validation import abbreviate, unknown_parameter
 
 from .composition import (
@@ -36,9 +36,9 @@ from .composition import (
     check_component,
     model_signature,
     nonlinearities_of,
-    parameter_metadata,
     parameter_owners,
     parameter_table,
+    parameters_of_model,
     refuse_positional,
     refuse_unknown,
     roles_of,
@@ -329,7 +329,9 @@ class Model(Component):
     @property
     def rotational_outputs(self) -> tuple[str, ...]:
         """Outputs of contacts whose bodies turn: they are in rad, rad/s and N m in place of m, m/s and N."""
-        return self.automaton().rotational_outputs
+        from .automaton_of_model import rotational_outputs_of
+
+        return rotational_outputs_of(self.structure_key) if any(map(is_angle, self.coordinates)) else ()
 
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.
@@ -480,7 +482,7 @@ def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
 def parameters_about(model: ModelOrAutomaton) -> Mapping[str, Parameter]:
     """What is known of each parameter of a model by name; of an automaton its symbols' letters and signs."""
     if isinstance(model, Model):
-        return parameter_metadata(type(model), model.components)
+        return parameters_of_model(model)
     return {each.name: _about_symbol(each, value) for each, value in automaton_of(model).parameters.items()}
 
 

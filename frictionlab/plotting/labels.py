@@ -12,7 +12,7 @@ from typing import Any
 
 from frictionlab.components.component import Parameter
 from frictionlab.letters import ANGLE_LETTERS
-from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.composition import parameters_of_model
 from frictionlab.models.model import Model, ModelOrAutomaton
 from frictionlab.presentation import TIME, is_angle, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import FrozenAutomaton
@@ -130,4 +130,4 @@ def _parameter_metadata(model: ModelOrAutomaton, name: str) -> Any:
         return Parameter(symbol="t", unit="s", meaning="time")
     if not isinstance(model, Model):
         return None
-    return parameter_metadata(type(model), model.components).get(name)
+    return parameters_of_model(model).get(name)

@@ -57,7 +57,11 @@ def test_a_contact_that_turns_without_a_lever_has_moments():
     point = fl.equilibrium(model)
     assert repr(point).endswith(f"M_N {model.T:.4g} N m, M_T {-model.c_m * (25.0 - point.state[2]):.4g} N m)")
     assert fl.simulate(fl.RockingBlock(), 0.1).to_dataframe().attrs["units"]["distance"] == "rad"
-    assert fl.FroudePendulum().rotational_outputs == ()  # its shaft has a radius
+    units = {row.name: row.unit for row in model.describe()}
+    assert (units["v_s"], units["k"]) == ("rad/s", "N m")
+    pendulum = fl.FroudePendulum()  # its shaft has a radius
+    assert pendulum.rotational_outputs == ()
+    assert {row.name: row.unit for row in pendulum.describe()}["v_s"] == "m/s"
 
 
 def test_phase_plane_holds_every_sample_in_the_colour_of_its_mode(run):
