@@ -100,9 +100,10 @@ def tangent_flow(run: Trajectory, *, progress: bool = True) -> TangentFlow:
     Raises
     ------
     ValueError
-        Where the derivative does not exist or is not known: at a grazing event, two events at one instant, an
-        accumulation of chatter or of impacts with friction that was closed, an end without admissible mode,
-        or a run of another method.  The message says when and why.
+        Where the derivative does not exist or is not known: at a grazing event, two events at one instant
+        that neighbours meet one after the other, an accumulation of chatter or of impacts with friction that
+        was closed, an end without admissible mode, or a run of another method.  The message says when and
+        why.
 
     Examples
     --------

@@ -9,7 +9,8 @@ directions side by side, so that they are computed together.
 A neighbouring motion reaches the guard g at another time, jumps there by the reset R, and flows on with f+
 instead of f-.  To first order S = DR + (f+ - DR f-) (grad g)^T / (grad g . f-).  Only the values of R on
 g = 0 matter: S is the same whatever R is elsewhere.  Tangent vectors keep the constraints of the mode that
-ends.  After S they must all keep the constraints of the mode that begins.
+ends.  After S they must all keep the constraints of the mode that begins.  Two guards that all of them
+reach at one instant are as one: on a rigid cam the phase tells both.
 
 An event may leave mode, rates and tangent vectors as they are, as where a phase begins anew.  This is no
 event of the motion.  S is the unit matrix then, whatever else happens at that instant.  Source: Leine &
