@@ -150,7 +150,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     """The error for a model or an automaton of which none was found; it says whether it has none."""
     refuse_time(model, "an equilibrium")
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
-    modes = [each.name for each in steady_modes(automaton, sliding)] or ["no mode"]
+    modes = {each.name: each.in_words for each in steady_modes(automaton, sliding)}
     what = type(model).__name__ if sliding else "the automaton"
     search = first_mode_equilibria(automaton, sliding)
     got = "none was found" if search.why else "got none"
@@ -164,11 +164,12 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     # Modes of an elastic-plastic law have no constraints: that in which it sticks is among those searched.
     elastic = "; the spring of an elastic-plastic law that sticks may rest at any deflection: write it into "
     elastic = (
-        f"{elastic}the potential for its eigenvalues" if search.why and has_regime(modes, "stick") else ""
+        f"{elastic}the potential for its eigenvalues" if search.why and has_regime([*modes], "stick") else ""
     )
     return ValueError(
-        f"{what} must have a mode with an equilibrium inside its guards, {got} in {', '.join(modes)}{unsure}"
-        f"{left_out}: change its parameters{still}, or simulate its motion{elastic}"
+        f"{what} must have a mode with an equilibrium inside its guards, {got} in "
+        f"{', '.join(modes.values()) or 'no mode'}{unsure}{left_out}: change its parameters{still}, or "
+        f"simulate its motion{elastic}"
     )
 
 

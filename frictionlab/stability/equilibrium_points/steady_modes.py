@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.modes_on_demand import ModeNames, ModesOnDemand, Regime
+from frictionlab.automaton.modes_on_demand import NO_PARTS, ModeNames, ModesOnDemand, Regime
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import Derivations
 from frictionlab.stability.equilibrium_points.borders import distances_from_borders
@@ -72,6 +72,11 @@ class SteadyMode:
     automaton: HybridAutomaton = field(compare=False)
     preferred: tuple[int, ...] = ()
     idle: tuple[int, ...] = ()
+
+    @property
+    def in_words(self) -> str:
+        """Its name; but "only" would read as an adverb."""
+        return "its only mode" if self.name == NO_PARTS else self.name
 
     def derive(self) -> Mode:
         """The mode."""
@@ -329,10 +334,10 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
         points = np.zeros((len(automaton.state_names), 0))
         if not mode.holds or _allows_rest(automaton, mode.derive()):
             zeros = _zeros_of_mode(mode, key.values)
-            why = why or (f"in {mode.name} {zeros.why}" if zeros.why else "")
+            why = why or (f"in {mode.in_words} {zeros.why}" if zeros.why else "")
             points = zeros.points[:, mode.admits(zeros.points, key.values)]
             if not why and any(_is_of_line(mode.flow, x, key.values) for x in points.T):
-                why = f"in {mode.name} one is of a line of equilibria"
+                why = f"in {mode.in_words} one is of a line of equilibria"
         searched.append(ModeEquilibria(mode, points, why))
         if points.size and first:
             break

@@ -290,7 +290,8 @@ def test_no_equilibrium(model):
         lambda m: fl.critical_value(m, "c", (0, 1)),
     ):
         with pytest.raises(
-            ValueError, match="must have a mode with an equilibrium inside its guards, got none in only"
+            ValueError,
+            match="an equilibrium inside its guards, got none in its only mode: change",
         ):
             ask(model)
 

@@ -129,8 +129,8 @@ def test_what_is_not_known_is_said():
     free = fl.HybridAutomaton(many, (fl.Mode("only", rates),), {}, 0)
     found = fl.equilibria(free)
     assert not found.complete
-    assert "none was found, others are not excluded: in only 5 states enter nonlinearly" in repr(found)
-    with pytest.raises(ValueError, match="none was found in only by a search that cannot exclude one"):
+    assert "others are not excluded: in its only mode 5 states enter nonlinearly" in repr(found)
+    with pytest.raises(ValueError, match="none was found in its only mode by a search that cannot"):
         fl.equilibrium(free)
     endless = equilibria([V, sympy.Rational(1, 2) - sympy.sin(3 * X / 2) - V])  # X is no angle
     assert not endless.complete
@@ -253,7 +253,7 @@ def test_a_rate_that_comes_to_zero_beside_a_jump(rate, exact, jump):
     """Floats do not tell whether it gets there."""
     found = equilibria([rate], (X,), 0)
     assert sorted(float(e.q[0]) for e in found) == pytest.approx(exact, rel=1e-12)
-    assert found.why.startswith("in only rates may come to zero beside a jump")
+    assert found.why.startswith("in its only mode rates may come to zero beside a jump")
     assert found.why.endswith(jump)
 
 
