@@ -13,7 +13,8 @@ polynomial.
 
 The Taylor polynomial has a solvent, a p x p matrix A.  The exact eigenvalues are those of A but for what the
 remainder moves them; the theorems of Bauer and Fike and of Elsner bound that.  By Rouche's theorem exactly p
-eigenvalues lie in a disc around the shift.
+eigenvalues lie in a disc around the shift.  Where eigenvalues coalesce A is much larger than they are, so all
+is scaled along its Schur vectors, and a generalised vector takes the place of one that depends on others.
 
 Two of the norms are those of n x n matrices with the inverse in them.  They are bounded by images of random
 vectors: the component of a complex normal vector along any direction is less than t with a probability of at
@@ -34,7 +35,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+from scipy import linalg, sparse
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse.csgraph import connected_components
 
@@ -141,9 +142,12 @@ class _Bordered:
         if solve is None:
             return None
         weights = _weights(pencil)
-        parts: Any = np.linalg.qr(weights[:, None] * (vectors / np.linalg.norm(vectors, axis=0)))
-        basis, sizes = parts[0], np.abs(np.diagonal(parts[1]))
-        if sizes.min() <= DEPENDENT * sizes.max():
+        basis = _orthonormal(weights[:, None] * vectors)
+        if basis is None:  # a vector and a generalised one, where eigenvalues coalesce
+            some = np.random.default_rng(0).standard_normal(vectors.shape)
+            generalised = solve(_slope(pencil, shift) @ (some / weights[:, None]))
+            basis = _orthonormal(weights[:, None] * vectors, weights[:, None] * generalised)
+        if basis is None:
             return None
         fixed: Any = basis.conj().T * weights
         columns = solve(_slope(pencil, shift) @ (basis / weights[:, None]))
@@ -242,16 +246,21 @@ def _near_shift(
     order, p = len(terms) - 1, len(terms[0])
     unscale: Any = np.linalg.inv(terms[1])
     A, left_over = _solvent(terms, unscale)
+    T = _nearly_normal(A)
+    back: Any = np.linalg.inv(T)
+    A, unscale = back @ A @ T, back @ unscale
     size = float(np.linalg.norm(A, 2))
     r = 2.0 * size  # the disc's radius
     growth = r * norms.inverse_slope + r**2 * norms.inverse_mass
-    bent = sum(k * r ** (k - 1) * float(np.linalg.norm(unscale @ terms[k], 2)) for k in range(2, order + 1))
+    bent = sum(
+        k * r ** (k - 1) * float(np.linalg.norm(unscale @ terms[k] @ T, 2)) for k in range(2, order + 1)
+    )
     if not (growth < 1.0 and bent < 1.0):  # also where one overflows
         return None
     rest = r**order * last + r ** (order + 1) * norms.inverse_mass * before
     rest *= (r * norms.left_slope + r**2 * norms.left_mass) / (1.0 - growth)
     rest += r ** (order + 1) * norms.left_mass * before + left_over + rounding
-    rest *= float(np.linalg.norm(unscale, 2)) / (1.0 - bent)
+    rest *= float(np.linalg.norm(unscale, 2) * np.linalg.norm(T, 2)) / (1.0 - bent)
     if not rest < size:
         return None
     exact, mixes = np.linalg.eig(A)
@@ -272,6 +281,32 @@ def _solvent(terms: Sequence[ComplexArray], unscale: ComplexArray) -> tuple[Comp
         if np.linalg.norm(step) <= MACHINE_EPSILON * size or size > 2.0 * first:  # that is no solvent
             break
     return A, float(np.linalg.norm(value))
+
+
+def _orthonormal(*vectors: Any) -> Any:
+    """An orthonormal basis (n, p) of p vectors, with further ones where these depend on each other.
+
+    None where there are not as many directions.
+    """
+    unit = [part / np.linalg.norm(part, axis=0) for part in vectors]
+    parts: Any = linalg.qr(np.hstack(unit), mode="economic", pivoting=len(unit) > 1)
+    p = unit[0].shape[1]
+    sizes = np.abs(np.diagonal(parts[1]))[:p]
+    return parts[0][:, :p] if sizes.min() > DEPENDENT * sizes.max() else None
+
+
+def _nearly_normal(A: ComplexArray) -> ComplexArray:
+    """T, by which the off-diagonal entries of Schur's form of A are no larger than the diagonal ones.
+
+    Where eigenvalues coalesce they would be, and the norm of A much larger than its eigenvalues.
+    """
+    parts: Any = linalg.schur(A, output="complex")
+    triangle, rotation = parts
+    largest = np.abs(np.diagonal(triangle)).max()
+    beside = np.abs(np.triu(triangle, 1)).max(initial=0.0)
+    if beside <= largest:
+        return np.eye(len(A), dtype=complex)
+    return rotation * (largest / beside) ** np.arange(len(A))
 
 
 def _slope(pencil: QuadraticPencil, s: complex) -> Matrix:

@@ -183,6 +183,23 @@ def bounds_of(M, C, K, values, vectors):
     return eigenvalue_bounds.eigenvalue_bounds(pencil, values, vectors, np.arange(len(values)))
 
 
+@pytest.mark.parametrize("n", [2, 30])
+@pytest.mark.parametrize("beside", [0.0, 1e-12, 1e-8, -1e-8])
+def test_modes_that_coalesce_have_bounds(n, beside):
+    """Of s^4 + 3 s^2 + 2 + mu^2 = 0, where the modes of Hoffmann et al. meet at mu = 1/2."""
+    K, mu = np.diag(np.r_[2.0, 1.0, np.linspace(4.0, 40.0, n - 2)]), 0.5 + beside
+    K[0, 1], K[1, 0] = mu, -mu
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((n, n)))[0]
+    springs = np.diag(K.diagonal())
+    found = fl.eigenvalues(fl.Structure(np.eye(n), springs, circulatory=K - springs))
+    own = np.flatnonzero(np.abs(found.values - 1j * np.sqrt(1.5)) < 0.1)
+    bounds = bounds_of(np.eye(n), np.zeros((n, n)), turn @ K @ turn.T, found.values, turn @ found.shapes)[own]
+    exact = 1j * np.sqrt(1.5 + np.array([1.0, -1.0]) * np.sqrt(0.25 - mu**2 + 0j))
+    assert len(own) == 2
+    assert (np.abs(found.values[own, None] - exact).min(axis=1) <= bounds).all()
+    assert bounds.max() < 1e-6
+
+
 def test_a_value_at_zero_has_a_bound():
     """Two free masses in a viscous fluid, of whose common motion, with s = 0 and -1, the shape is rough."""
     bounds = bounds_of(np.eye(2), np.eye(2), [[1, -1], [-1, 1]], [0.0, -1.0], [[1.0, 1.0], [1.001, 1.001]])
