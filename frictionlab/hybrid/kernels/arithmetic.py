@@ -6,6 +6,7 @@ Intrinsics of numba, for use in a @kernel; without numba they are plain arithmet
 from __future__ import annotations
 
 import ctypes
+import math
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,15 @@ def _plain_log2(x):
     exponent = float((bits >> FRACTION_BITS) & SIGN_AND_EXPONENT_MASK) - EXPONENT_BIAS
     part = bits_to_float((bits & MANTISSA_BITS) | BITS_OF_ONE) - 1.0
     return exponent + (part + _plain_correction(part, LOG2_COEFFICIENTS))
+
+
+def _plain_step(log_tol, order, sizes, before, end):
+    best = math.inf
+    for p, size in ((order - 1, before), (order, end)):
+        if size > 0.0:
+            room = log_tol - _plain_log2(size)
+            best = min(best, max((room + _plain_log2(each)) / (p - m) for m, each in enumerate(sizes)))
+    return best
 
 
 def _plain_exp2(x):
@@ -222,6 +232,35 @@ def spread(ir: Any, build: Any, number: Any) -> Any:
     return vector
 
 
+def step_of_terms(ir: Any, build: Any, log_tol: Any, order: Any, sizes: list[Any], ends: list[Any]) -> Any:
+    """Instructions of :func:`log2_step_of_terms`."""
+    number, half = ir.DoubleType(), ir.IntType(32)
+
+    def vector(values: list[Any]) -> Any:
+        result = ir.Constant(ir.VectorType(number, len(values)), ir.Undefined)
+        for i, value in enumerate(values):
+            result = build.insert_element(result, value, half(i))
+        return result
+
+    def greater(a: Any, b: Any) -> Any:
+        return build.select(build.fcmp_ordered(">", b, a), b, a)
+
+    starts = llvm_instructions.write_log2(ir, build, vector([*sizes, sizes[-1]]))
+    lasts = llvm_instructions.write_log2(ir, build, vector(ends))
+    best = infinite = number(math.inf)
+    for place, back in enumerate((1, 0)):
+        room = build.fsub(log_tol, build.extract_element(lasts, half(place)))
+        lower = ir.Constant(starts.type, [-float(back + m) for m in (0, 1, 2, 2)])
+        powers = build.fadd(spread(ir, build, build.sitofp(order, number)), lower)
+        steps = build.fdiv(build.fadd(spread(ir, build, room), starts), powers)
+        each = [build.extract_element(steps, half(m)) for m in range(len(sizes))]
+        longest = greater(each[0], greater(each[1], each[2]))
+        moves = build.fcmp_ordered(">", ends[place], number(0.0))
+        longest = build.select(moves, longest, infinite)
+        best = build.select(build.fcmp_ordered("<", longest, best), longest, best)
+    return best
+
+
 def _intrinsics() -> tuple[Any, ...]:
     from llvmlite import ir
     from numba import types
@@ -314,7 +353,21 @@ def _intrinsics() -> tuple[Any, ...]:
         write_loop(builder, rows, [], write_row)
         return context.get_dummy_value()
 
+    def step(context, builder, signature, arguments):
+        log_tol, order, sizes, before, end = arguments
+        numbers = [builder.extract_value(sizes, i) for i in range(len(signature.args[2]))]
+        return step_of_terms(ir, builder, log_tol, order, numbers, [before, end])
+
     number, whole = types.float64, types.int64
+
+    @intrinsic
+    def log2_step_of_terms(typing_context, log_tol, order, sizes, before, end):
+        """Logarithm of the longest step h with c_p h^p <= tol c_m h^m, for some m of 0, 1, 2 for both p.
+
+        The last terms c_p, for p of `order` - 1 and `order`, are `before` and `end`; if both are zero, it is
+        infinite.  Not all `sizes` c_m may be zero.
+        """
+        return number(number, whole, sizes, number, number), step
 
     @intrinsic
     def write_panel(typing_context, terms, slots, first, column, count, k, J, out, rows):
@@ -366,13 +419,13 @@ def _intrinsics() -> tuple[Any, ...]:
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
     sums = sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel
-    return call, call_step, *sums, *of_one
+    return call, call_step, *sums, log2_step_of_terms, *of_one
 
 
 _PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change, _plain_states, _plain_panel
-_PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_log2, _plain_exp2
+_PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_step, _plain_log2, _plain_exp2
 _MADE = _PLAIN if NUMBA is None else _intrinsics()
 call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel = _MADE[
-    :-2
+    :-3
 ]
-log2, exp2 = _MADE[-2:]
+log2_step_of_terms, log2, exp2 = _MADE[-3:]

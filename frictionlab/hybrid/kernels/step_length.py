@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from frictionlab.compilation.decorators import inlined, kernel
-from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2
+from frictionlab.hybrid.kernels.arithmetic import PARTS, exp2, log2, log2_step_of_terms
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     has_series,
@@ -85,16 +85,12 @@ def log2_group_step(code, order, log_tol, first, last, J):
     # Rates may not be finite, though all later terms are zero.
     if not (size1 < math.inf and before < math.inf and end < math.inf):
         return -math.inf
-    start0, start1, start2 = log2(size0), log2(size1), log2(size2)
-    zero = not (size0 > 0.0 or size1 > 0.0 or size2 > 0.0)
+    if size0 > 0.0 or size1 > 0.0 or size2 > 0.0:
+        return log2_step_of_terms(log_tol, order, (size0, size1, size2), before, end)
     best = math.inf
     for p, size in ((order - 1, before), (order, end)):
         if size > 0.0:
-            room = log_tol - log2(size)
-            longest = max((room + start0) / p, max((room + start1) / (p - 1), (room + start2) / (p - 2)))
-            if zero:
-                longest = log2_step_from_later_terms(room, p, first, last, J)
-            best = min(best, longest)
+            best = min(best, log2_step_from_later_terms(log_tol - log2(size), p, first, last, J))
     return best
 
 
