@@ -224,7 +224,8 @@ def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:
     """The coordinates' part (..., n, m) of vectors (..., m, m), the largest entry of each column 1."""
     part = vectors[..., :n, :]
     largest = np.take_along_axis(part, np.abs(part).argmax(axis=-2)[..., None, :], axis=-2)
-    return part / largest
+    with np.errstate(invalid="ignore"):  # vectors of no equilibrium are zero
+        return part / largest
 
 
 def participation_factors(left: ComplexArray, right: ComplexArray, n: int) -> Array:

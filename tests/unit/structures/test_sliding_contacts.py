@@ -330,6 +330,7 @@ def test_contacts_at_rest_stick_in_the_linear_structure():
     found = fl.eigenvalues(held.replace(F=2.0)).values
     assert len(found) == 2 * n - 2
     assert np.abs(-(found[:, None] ** 2) - exact).min(axis=1).max() < 1e-11
+    assert np.isnan(fl.root_locus(held, "v_disc", [0.0, 1.0]).values[0]).all()  # in stick all would rest
     needed = abs(t[1] @ (stiffness @ q - F)) / (t[1] @ t[1]) / (5.0 * q[4])  # of F_N
     structure.replace(mu_k_guide=0.0, mu_s_guide=1.001 * needed).in_stick()
     with pytest.raises(ValueError, match=r"hold by less than their static limits to stick, .* raise mu_s"):
