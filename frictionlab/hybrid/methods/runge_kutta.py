@@ -69,9 +69,12 @@ def failed_guard(code, numbers, mode, z, J):
 def select_mode_by_values(system, queue, guard, z, scratch):
     """First target whose conditions hold by their values; those that the event made zero do.
 
-    So slip is entered after a re-contact, whatever the penetration rate.
+    So slip is entered after a re-contact, whatever the penetration rate.  The guard itself is negative where
+    no reset makes it zero, as at a border: what it is a condition of does not go on.
     """
     set_zeros_by_construction(system.code, guard, 0, scratch)
+    if system.code.resets[guard, 0] < 0:
+        scratch.structural_zeros[system.code.function_classes[guard]] = 0
     if queue is not None:
         rounding = Rounding(z, COEFFICIENT_ROUNDING)
         return select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)

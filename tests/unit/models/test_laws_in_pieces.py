@@ -496,6 +496,29 @@ def test_other_methods_find_the_borders(method):
     assert motion.events.t == pytest.approx([math.pi / 4], abs=1e-6)
 
 
+@fl.model
+class BeltToAndFro(fl.MechanicalModel):
+    """A mass on a belt whose speed changes its sign with the phase."""
+
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        speed = functions.piecewise(q.phase, (math.pi,), (0.5, -0.5))
+        rubbing = fl.Friction(speed - v.x, 1.0, self.friction)
+        return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, contacts=(rubbing,), frequency=1.0)
+
+
+def test_steps_of_the_paper_go_on_where_a_border_reverses_a_belt():
+    """The side that is left counted as one to enter, for its guard is zero: events without end."""
+    runs = [
+        fl.simulate(BeltToAndFro(), 7.0, method=method, progress=False)
+        for method in ("taylor", fl.RK4(step=1e-2, max_events=100))
+    ]
+    assert runs[1].events.target.tolist() == runs[0].events.target.tolist()
+    assert runs[1].final_state == pytest.approx(runs[0].final_state, abs=1e-7)
+
+
 @pytest.mark.parametrize(
     ("force", "name"),
     [
