@@ -99,6 +99,7 @@ def test_a_structure_has_the_bits_of_simulate(browser, tmp_path):
     springs = 200 * np.eye(n) - 100 * np.eye(n, k=1) - 100 * np.eye(n, k=-1)
     structure = fl.Structure(np.eye(n), springs, fl.RayleighDamping(0.01, 1e-4), contacts=pads)
     page = opened(browser, exported(structure, tmp_path / "structure.html", t_end=3.0))
+    assert page.title() == "Structure"
     check_same_bits(page, structure, {}, end=3.0)
     found = check_same_bits(page, structure.replace(mu_k=0.1), {"mu_k": 0.1}, end=3.0)
     assert found["times"]
