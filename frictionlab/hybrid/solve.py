@@ -374,8 +374,8 @@ def problem_of(
         return Problem(program, numbers, x0, t_end, number, chatter=chatter)
 
     def derive(combinations: Sequence[tuple[int, ...]]) -> tuple[Program, Numbers]:
-        modes: Any = automaton.modes
         for combination in combinations:
+            modes: Any = automaton.modes  # not before one is asked for: it loads sympy
             modes.mode(combination)
         return program_of(automaton, *(recording or ()), complete=False, combinations=combinations)
 

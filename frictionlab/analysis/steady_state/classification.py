@@ -41,6 +41,7 @@ from frictionlab.presentation import Kind
 MIN_PERIODS_SEEN = 3  # periods that the window has to contain at least
 AT_ONCE_SHARE = 1e-3  # of the longest time between crossings: one that follows sooner is no other crossing
 MAX_LAG = 500  # largest number of crossings in a period
+SHORTER_PERIOD = 0.75  # share of a period: periods of one motion are multiples of the shortest
 NEAR_RECURRENCE_RTOL = 1e-3
 # factor from each third of the window to the next by which the deviation shrinks where the motion still
 # settles
@@ -472,10 +473,15 @@ def _classify(of: Comparison, section: Section | None, tolerance: float) -> Moti
     forced = _section_recurrence(of, phase_returns(run), tolerance)[1]
     if is_periodic(forced, tolerance) or (is_near(forced) and not is_periodic(returns, tolerance)):
         returns = forced
-    elif section == STICK and not is_periodic(returns, tolerance):
-        # Where the slider only just reaches the belt's speed, rounding decides whether stick begins.
+    elif section == STICK and not (returns.lag == 1 and is_periodic(returns, tolerance)):
+        # Where the slider only just reaches the belt's speed, rounding decides whether stick begins, in each
+        # period anew: by chance the onsets seem to repeat after several.
         turns, other = _section_recurrence(of, of.turning_points(), tolerance)
-        if is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS:
+        if not is_periodic(returns, tolerance):
+            shorter = is_periodic(other, tolerance) or len(states) < MIN_CROSSINGS
+        else:
+            shorter = is_periodic(other, tolerance) and other.period < SHORTER_PERIOD * returns.period
+        if shorter:
             states, returns = turns, other
     kind = kind_of_motion(of, states, returns, tolerance)
     period = returns.period if kind == MotionKind.PERIODIC else np.nan
