@@ -235,10 +235,14 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
     return metadata
 
 
-def parameters_of_model(model: Any) -> dict[str, Parameter]:
-    """The same of a model; the laws of contacts whose bodies turn have units of angles and moments."""
+def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Parameter]:
+    """The same of a model; the laws of contacts whose bodies turn have units of angles and moments.
+
+    Of models that differ in their laws one, `moving_as`, tells how the bodies of all move.
+    """
     about = parameter_metadata(type(model), model.components)
-    if not any(name.startswith("relative_velocity") for name in model.rotational_outputs):
+    outputs = (moving_as or model).rotational_outputs
+    if not any(name.startswith("relative_velocity") for name in outputs):
         return about
     own = parameters_of(type(model))
     return about | {

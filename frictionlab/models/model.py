@@ -479,10 +479,15 @@ def values_of(model: ModelOrAutomaton) -> Mapping[str, float]:
     return model.parameters if named else automaton_of(model).values
 
 
-def parameters_about(model: ModelOrAutomaton) -> Mapping[str, Parameter]:
-    """What is known of each parameter of a model by name; of an automaton its symbols' letters and signs."""
+def parameters_about(
+    model: ModelOrAutomaton, moving_as: ModelOrAutomaton | None = None
+) -> Mapping[str, Parameter]:
+    """What is known of each parameter of a model by name; of an automaton its symbols' letters and signs.
+
+    `moving_as` is a model that differs in its laws alone, whose automaton is at hand.
+    """
     if isinstance(model, Model):
-        return parameters_of_model(model)
+        return parameters_of_model(model, moving_as)
     return {each.name: _about_symbol(each, value) for each, value in automaton_of(model).parameters.items()}
 
 

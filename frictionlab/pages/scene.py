@@ -269,9 +269,9 @@ def number(name: str, about: Parameter, value: float, group: str, bounds: Any = 
     }
 
 
-def parameter_controls(model: Shown, main: Iterable[str], ranges: Any = None) -> list[Data]:
+def parameter_controls(model: Shown, main: Iterable[str], ranges: Any, moving_as: Shown) -> list[Data]:
     """A number for each parameter; those of `main` come first, the others are folded away."""
-    about, values, ranges = parameters_about(model), values_of(model), ranges or {}
+    about, values, ranges = parameters_about(model, moving_as), values_of(model), ranges or {}
     chosen = list(main)
     ordered = [*chosen, *(name for name in values if name not in chosen)]
     numbers = {
@@ -365,8 +365,10 @@ def controls_of_models(models: Iterable[Shown], main: Any = None, ranges: Any = 
     `main` and `ranges` are those of the first model, where they are not the usual ones.
     """
     numbers: dict[str, Data] = {}
+    first: Shown | None = None
     for each in models:
-        for about in parameter_controls(each, main or main_parameters(each), ranges):
+        first = first or each
+        for about in parameter_controls(each, main or main_parameters(each), ranges, first):
             numbers.setdefault(about["name"], about)
         main = ranges = None
     return list(numbers.values())

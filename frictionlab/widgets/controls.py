@@ -154,7 +154,7 @@ def model_controls(model: Shown) -> Iterator[Control]:
     rules: dict[str, Parameter] = {}
     models = list(_reachable(model))
     for each in models:
-        rules = {**parameters_about(each), **rules}
+        rules = {**parameters_about(each, model), **rules}
     for about in formula_controls(models):
         yield Control(about)
     for about in controls_of_models(models):
