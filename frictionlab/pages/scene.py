@@ -269,7 +269,9 @@ def number(name: str, about: Parameter, value: float, group: str, bounds: Any = 
     }
 
 
-def parameter_controls(model: Shown, main: Iterable[str], ranges: Any, moving_as: Shown) -> list[Data]:
+def parameter_controls(
+    model: Shown, main: Iterable[str], ranges: Any = None, moving_as: Shown | None = None
+) -> list[Data]:
     """A number for each parameter; those of `main` come first, the others are folded away."""
     about, values, ranges = parameters_about(model, moving_as), values_of(model), ranges or {}
     chosen = list(main)
