@@ -1,7 +1,8 @@
 """The mechanism of a model as data, which animations, the live canvas and the explorer draw.
 
 Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far it moves for one
-metre is chosen when it is drawn, so that the largest displacement is well visible::
+metre is chosen when it is drawn, so that the largest displacement is well visible.  A number may depend on
+parameters, by arithmetic and `fl.functions` as in laws, so that an exported page can draw it too::
 
     @property
     def mechanism(self):
@@ -188,12 +189,12 @@ def disc_with_mark(angle: str, radius: float, x: float = 0.0, y: float = 0.0) ->
     return Block(Point(x, y), 2 * radius, 2 * radius, disc=True), Block(mark, 0.2, 0.2, disc=True)
 
 
-def inclined_end(angle: float) -> tuple[float, float]:
+def inclined_end(angle: Any) -> tuple[Any, Any]:
     """The fixed end of a spring that leads down to a body at this angle."""
-    return -1.6 * float(functions.cos(angle)), 1.6 * float(functions.sin(angle))
+    return -1.6 * functions.cos(angle), 1.6 * functions.sin(angle)
 
 
-def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
+def body_on_belt(*springs: tuple[Any, Any], speed: str = "v") -> Mechanism:
     """A body on its contact spring on a belt; its coordinates are x along the belt and y into it.
 
     `springs` has for each further spring the place of its fixed end, relative to the body.
@@ -204,7 +205,7 @@ def body_on_belt(*springs: tuple[float, float], speed: str = "v") -> Mechanism:
     return Mechanism(Belt(speed), contact, *held, Block(body), Forces(body))
 
 
-def _held(body: Point, x: float, y: float) -> tuple[Any, ...]:
+def _held(body: Point, x: Any, y: Any) -> tuple[Any, ...]:
     across = 0.15 / (x * x + y * y) ** 0.5
     ends = ((body.x + x - s * y * across, body.y + y + s * x * across) for s in (1, -1))
     return Wall(*ends), Spring(Point(body.x + x, body.y + y), body)

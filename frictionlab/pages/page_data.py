@@ -25,7 +25,7 @@ from frictionlab.lazy_names import sympy as sp
 from frictionlab.models import Model
 from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
-from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import symbol
 from frictionlab.pages.javascript import JavaScript, javascript_function, javascript_of_formulas, rule_data
 from frictionlab.pages.scene import (
@@ -34,6 +34,7 @@ from frictionlab.pages.scene import (
     has_friction_curve,
     law_menus,
     main_parameters,
+    mechanism_data,
     model_call,
     name_of,
     own_law,
@@ -101,6 +102,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         ],
         "rules": rule_data(model, parameters),
         "friction": _friction_force(model, tuple(automaton.values)),
+        "mechanism": _mechanism(model, parameters),
         "call": model_call(model),
         "near": _known_equilibrium(model, automaton),
     }
@@ -129,6 +131,41 @@ def _friction_force(model: Shown, names: tuple[str, ...]) -> JavaScript | None:
     if not isinstance(model, Model) or not has_friction_curve(model):
         return None
     return javascript_of_formulas(friction_formulas(model.structure_key, names), [2, len(names)])
+
+
+def _mechanism(model: Shown, parameters: Sequence[Any]) -> dict[str, Any] | None:
+    """The picture's parts, and a function of the parameters for the numbers that depend on these.
+
+    In the parts such a number is a list of its place.
+
+    Raises
+    ------
+    ValueError
+        Where the model's `mechanism` takes no symbols.
+    """
+    if not isinstance(model, Model):
+        return None
+    numbers: list[Any] = []
+
+    def placed(field: Any) -> Any:
+        if isinstance(field, dict):
+            return {name: placed(each) for name, each in field.items()}
+        if not hasattr(field, "free_symbols"):
+            return field
+        numbers.append(field)
+        return [len(numbers) - 1]
+
+    try:
+        parts = [placed(part) for part in mechanism_data(symbolic_copy(model.structure_key)) or ()]
+    except (TypeError, AttributeError) as error:
+        if not wants_number(error):
+            raise
+        raise ValueError(
+            f"mechanism of {name_of(model)} must take symbols too, so that its picture in a page follows the "
+            f"parameters, and fails with them ({error}): write it with + - * / ** and fl.functions, without "
+            "if, min, max, math or numpy"
+        ) from error
+    return {"parts": parts, "numbers": javascript_function([parameters], numbers)} if parts else None
 
 
 def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import is_dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -192,7 +192,7 @@ def scene_data(
         "period": float(rounded_period(model)),
         "highest": float(highest_frequency(model)),
         "windows": windows(model),
-        "mechanism": mechanism_data(model),
+        "mechanism": mechanism_in(model) is not None,
         "challenges": challenge_data(model),
         "sound": {"signal": tone.signal, "pitch": float(tone.pitch)},
     }
@@ -521,19 +521,22 @@ def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
     return any(output_formulas(automaton, mode, name).numbers(*at)[0] != 0.0 for name in names)
 
 
-def mechanism_data(model: Shown) -> Data | None:
+def mechanism_data(model: Shown) -> list[Data] | None:
     """The model's picture as data: what its parts are, and the fields of each."""
     mechanism = mechanism_in(model)
-    return None if mechanism is None else {"parts": [_part(part) for part in mechanism.parts]}
+    return None if mechanism is None else [_part(part) for part in mechanism.parts]
 
 
 def _part(part: Any) -> Data:
-    fields = {
-        name: Point(*value) if isinstance(value, tuple) else value for name, value in vars(part).items()
-    }
-    return {"part": type(part).__name__} | asdict(replace(part, **fields), dict_factory=_stated)
+    return {"part": type(part).__name__} | _stated(part)
 
 
-def _stated(fields: Iterable[tuple[str, Any]]) -> Data:
+def _stated(fields: Any) -> Data:
     """The fields that say something: no names that are empty, no parts that are missing."""
-    return {name: value for name, value in fields if value != "" and value is not None and value is not False}
+    said = {name: field for name, field in vars(fields).items() if not _is_missing(field)}
+    points = {name: Point(*field) if isinstance(field, tuple) else field for name, field in said.items()}
+    return {name: _stated(field) if is_dataclass(field) else field for name, field in points.items()}
+
+
+def _is_missing(field: Any) -> bool:
+    return field is None or field is False or field == ""

@@ -21,7 +21,14 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model, automaton_of, values_of
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
-from frictionlab.pages.scene import Data, Shown, friction_points, has_friction_curve, quantity_data
+from frictionlab.pages.scene import (
+    Data,
+    Shown,
+    friction_points,
+    has_friction_curve,
+    mechanism_data,
+    quantity_data,
+)
 from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.presentation import tally
@@ -224,6 +231,7 @@ def sampled_run(run: Trajectory, model: Shown, times: Array, states: Array, mode
     columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
     return {
         "structure": quantities_of(model, run),
+        "mechanism": mechanism_data(model),
         "samples": {
             "times": packed(times),
             "modes": packed(modes),

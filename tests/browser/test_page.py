@@ -130,6 +130,20 @@ def test_a_scene_that_is_kept_has_the_colours_of_now(page):
     assert light[0] == light[1] != dark[0] == dark[1]
 
 
+PLACES = """(l1) => {
+  explorer.state = { ...SCENE.initial, l1 };
+  explorer.compute(false);
+  const [samples] = explorer.shownSample();
+  return Array.from(explorer.picture.row(samples, 0).all);
+}"""
+
+
+def test_the_wheels_of_the_belt_are_where_their_parameters_say(page):
+    far, near = (page.evaluate(PLACES, l1) for l1 in (0.2, 0.1))
+    assert [far[16], near[16]] == pytest.approx([-1.0, -0.5], abs=0.1)
+    assert page.evaluate(PLACES, 0.2) == far
+
+
 AUTOMATA = {
     "ball": (automata.ball(), [1.0, 0.0], "e", 0.7, "floor"),
     "belt": (automata.coulomb(0.2, 1.0, 0.5), [0.0, 0.0], "mu_k", 0.4, "v_r"),

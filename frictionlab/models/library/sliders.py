@@ -4,7 +4,7 @@ and one mass in the plane on a linear or a nonlinear contact spring, which it ma
 
 from __future__ import annotations
 
-from math import atan2, hypot, pi
+from math import pi
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
 BELT_RANGE, RIGID_BELT_RANGE = (1e3, 1e6), (1e3, 1e5)  # N/m, of springs of SliderOnBelt, SliderOnRigidBelt
 WHEEL = 0.2  # radius of the belt's wheels in the picture of SliderOnBelt; the farther wheel is at 1
 NEAREST_WHEEL = 0.25  # a wheel in that picture, even where its distance is zero
+LEAST_DISTANCE = 1e-9  # m: both wheels are drawn near where both distances are zero
 
 
 @model
@@ -144,8 +145,11 @@ class SliderOnBelt(MechanicalModel):
     def mechanism(self) -> Mechanism:
         """Fig. 1 of the paper: the slider on its contact spring, on the belt that tilts about two wheels."""
         slider, corner = Point(0.0, 0.95, right="x1", up="y1"), (-1.1, 2.0)
-        far = max(self.l1, self.l2) or 1.0
-        x1, x2 = -max(self.l1 / far, NEAREST_WHEEL), max(self.l2 / far, NEAREST_WHEEL)
+        far = functions.maximum(functions.maximum(self.l1, self.l2), LEAST_DISTANCE)
+        x1, x2 = (
+            -functions.maximum(self.l1 / far, NEAREST_WHEEL),
+            functions.maximum(self.l2 / far, NEAREST_WHEEL),
+        )
         left, right = self._wheel(x1), self._wheel(x2)
         belt = Belt("v", left, right, WHEEL)
         law = ", ".join(f"${about.symbol}$" for about in parameters_of(type(self.contact)).values())
@@ -167,12 +171,12 @@ class SliderOnBelt(MechanicalModel):
         load = Load(slider.beside(0.14, 0.15), "F")
         return Mechanism(*walls, belt, *springs, Block(slider, 0.4, 0.3), Forces(slider), load)
 
-    def _wheel(self, x: float) -> Point:
+    def _wheel(self, x: Any) -> Point:
         """The centre of a wheel, which the tilt of the belt takes along."""
         if "phi" not in self.coordinates:
             return Point(x, -WHEEL, right="x2", up="y2")
-        away = hypot(x, WHEEL)
-        tilt = Turn("-phi", away, away, start=atan2(-WHEEL, x), linear=True)
+        away, start = functions.sqrt(x**2 + WHEEL**2), functions.arctan(x / WHEEL) - pi / 2
+        tilt = Turn("-phi", away, away, start, linear=True)
         return Point(0.0, 0.0, right="x2", up="y2", turn=tilt)
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:

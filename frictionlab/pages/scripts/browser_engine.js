@@ -82,6 +82,7 @@ class BrowserEngine {
       struck: this.strikes(run, start), ...facts,
       spectrum: dragging ? undefined : this.spectrum(run, heardState({ structure, coordinate })),
       equilibrium: known && this.equilibriumData(known, run), eigenvalues: known && eigenvaluesAt(known, run.values),
+      mechanism: structure.mechanism && mechanismAt(structure.mechanism, run.values),
       friction: structure.friction && this.frictionOf(known, run), complete: !dragging, drawings: {},
         milliseconds: run.milliseconds,
     };
@@ -215,6 +216,16 @@ function ownState(text, structure = null, released = []) { // further states beg
     refuse(`have ${states.length} numbers, got ${values.length}: ${states.join(", ")}`);
   }
   return values;
+}
+
+function mechanismAt({ parts, numbers }, values) { // where a number depends on parameters, its place stands in a list
+  const found = numbers(values);
+  const filled = (each) => {
+    if (Array.isArray(each)) return found[each[0]];
+    if (typeof each !== "object") return each;
+    return Object.fromEntries(Object.entries(each).map(([name, field]) => [name, filled(field)]));
+  };
+  return parts.map(filled);
 }
 
 function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them

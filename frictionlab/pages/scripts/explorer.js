@@ -338,7 +338,7 @@ class Explorer {
 
   redraw() {
     const look = this.look(), { result, kept } = this,
-      drawn = (one) => (this.panels.mechanism && one.samples ? pictureOf(this.scene.mechanism, one, look) : null);
+      drawn = (one) => (this.panels.mechanism && one.samples ? pictureOf(one, look) : null);
     this.picture = drawn(result);
     if (kept) kept.picture = drawn(kept.result); // in the colours of now
     for (const name of this.scene.panels) if (name !== "mechanism") this.paint(this.panels[name], look);

@@ -1,13 +1,13 @@
 // The index of a folder of pages: a card for each scene, with a sketch of its mechanism at rest in straight springs.
-function sketch({ mechanism: about, parameters, states }, root, canvas) {
+function sketch({ mechanism: parts, parameters, states }, root, canvas) {
   const read = (name) => getComputedStyle(root).getPropertyValue(`--fl-${name}`).trim();
   const look = { dark: root.dataset.theme === "dark", ink: read("ink"), paper: read("paper"), grey: read("grey"),
     pale: read("pale"), letters: 11 };
   const names = [...states, "penetration", "normal_force", "friction_force"];
   const samples = samplesByName(Float64Array.of(0), Int32Array.of(0), names, names.map(() => Float64Array.of(0)));
   const structure = { states, modes: [""], colours: [look.grey] };
-  const unlabelled = about.parts.map((part) => ({ ...part, label: "" }));
-  const picture = pictureOf({ parts: unlabelled }, { samples, structure, parameters }, look);
+  const mechanism = parts.map((part) => ({ ...part, label: "" }));
+  const picture = pictureOf({ samples, structure, parameters, mechanism }, look);
   const [c, width, height] = fit(canvas);
   picture.draw(c, width, height, picture.scene, picture.row(samples, 0));
 }

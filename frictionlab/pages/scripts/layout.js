@@ -13,10 +13,10 @@ function roundDown125(x) {
   return [5, 2, 1].map((d) => d * power).find((v) => v <= x * (1 + 1e-9)) ?? power;
 }
 
-// The picture of a result as {scene, draw, row(samples, i), note, bodies}, or null; `about` is the mechanism as data.
-function pictureOf(about, result, look) {
-  if (!about) return null;
-  const { samples, structure, parameters: p } = result, { parts } = about;
+// The picture of a result as {scene, draw, row(samples, i), note, bodies}, or null
+function pictureOf(result, look) {
+  const { samples, structure, parameters: p, mechanism: parts } = result;
+  if (!parts) return null;
   const points = parts.flatMap((part) => Object.values(part)).filter((value) => value?.x !== undefined);
   const names = new Set(points.flatMap(({ right, up }) => [right, up]).filter(Boolean).map(bare));
   const value = (data, name, i) => data.byName[name]?.[i] ?? p[name] ?? 0;

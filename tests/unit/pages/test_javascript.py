@@ -1,6 +1,7 @@
 """Expressions as JavaScript, run by node where it is installed with the tests."""
 
 import json
+import math
 import shutil
 import subprocess
 from pathlib import Path
@@ -8,8 +9,12 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
+import frictionlab as fl
+from frictionlab.models.mechanism import Mechanism, Wall
 from frictionlab.pages.export import text_of
 from frictionlab.pages.javascript import javascript_function
+from frictionlab.pages.page_data import structure_data
+from frictionlab.pages.scene import mechanism_data
 from frictionlab.tape.formulas import formulas_of
 
 A, B = sp.symbols("a b", positive=True)
@@ -82,6 +87,50 @@ def test_functions_are_calls_of_the_kernels():
     assert "F.real_power(v0,v1)" in text
     assert "**" not in text
     assert "math" not in text
+
+
+@pytest.mark.parametrize(
+    ("model", "moved"),
+    [
+        (fl.SliderOnBelt(), {"l1": 0.1}),
+        (fl.SliderOnBelt(), {"l1": 0.0, "l2": 0.0}),
+        (fl.SliderOnBelt().without("geometry"), {"l2": 0.02}),
+        (fl.ModeCoupling(), {"a2": 2.0}),
+        (fl.SliderOnRigidBelt(), {"a": 0.3}),
+        (fl.StrutPad(), {"theta": 0.5}),
+    ],
+    ids=lambda given: type(given).__name__ if isinstance(given, fl.Model) else "-".join(given),
+)
+def test_a_page_draws_the_mechanism_of_the_parameters_that_are_set(model, moved):
+    data, there = structure_data(model), model.replace(**moved)
+    assert mechanism_data(there) != mechanism_data(model)
+    values = [there.parameters.get(name, 0.0) for name in data["parameters"]]
+    about = f"{{parts: {json.dumps(data['mechanism']['parts'])}, numbers: {data['mechanism']['numbers']}}}"
+    shown = f"console.log(JSON.stringify(mechanismAt({about}, {json.dumps(values)})))"
+    functions = (
+        f"{FUNCTIONS.read_text()} Object.assign(F, {{ sin: Math.sin, cos: Math.cos, atan: Math.atan }});"
+    )
+    drawn = run_in_node(f"{functions} {text_of('browser_engine.js')} {shown}")
+    assert list(_leaves(drawn)) == pytest.approx(list(_leaves(mechanism_data(there))), abs=1e-14)
+
+
+def _leaves(data):
+    for name, field in enumerate(data) if isinstance(data, list) else data.items():
+        yield name
+        yield from _leaves(field) if isinstance(field, (dict, list)) else (field,)
+
+
+def test_a_mechanism_that_takes_no_symbols_is_refused_by_a_page():
+    @fl.model
+    class Rod(fl.FreeCoulomb):
+        l: float = 0.2
+
+        @property
+        def mechanism(self):
+            return Mechanism(Wall((0.0, 0.0), (math.hypot(self.l, 1.0), 0.0)))
+
+    with pytest.raises(ValueError, match=r"mechanism of Rod must take symbols too.*fl\.functions"):
+        structure_data(Rod())
 
 
 def test_names_that_javascript_cannot_read_are_renamed():

@@ -88,6 +88,15 @@ def test_a_model_without_a_mechanism_is_explored_without():
     assert "mechanism" not in explorer.widget.scene["panels"]
 
 
+def test_the_mechanism_follows_the_parameters_that_it_depends_on():
+    explorer = fl.explore(panels=("mechanism",))
+    [belt] = [part for part in explorer.widget.picture["mechanism"] if part["part"] == "Belt"]
+    explorer.controls["l1"].value = 0.1
+    [moved] = [part for part in explorer.widget.picture["mechanism"] if part["part"] == "Belt"]
+    radii = [one["start"]["turn"]["right"] for one in (belt, moved)]
+    np.testing.assert_allclose(radii, [np.hypot(1.0, 0.2), np.hypot(0.5, 0.2)])
+
+
 def test_the_slope_of_the_friction_curve_is_said_as_a_damper():
     model = fl.MassOnBelt(friction=fl.Stribeck(mu_k=0.5, mu_s=1.0), c=0.1, v=0.3, N=2.0)
     explorer = fl.explore(model, panels=["friction"])
