@@ -32,9 +32,13 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from tempfile import mkdtemp
 
 import growth
 import many_runs
@@ -43,11 +47,12 @@ import pages
 import response_times
 import single_costs
 import stability_costs
-import timing
 import work_precision
 from frictionlab.file_writing import write_text
 from reference_scenes import ReferenceScene, scenes
 from work_precision import WorkPrecisionRow
+
+PRELOADED = "LD_PRELOAD"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -59,10 +64,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON, after each scene")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw error against wall time")
     parser.add_argument("--part", action="append", choices=pages.PARTS, help="only this part (repeat)")
-    parser.add_argument("--avx2", action="store_true", help="compile our modes for AVX2, whatever there is")
+    parser.add_argument(
+        "--avx2", action="store_true", help="hide AVX-512 from all tools (Linux on Intel, cc)"
+    )
     chosen = parser.parse_args(arguments)
-    if chosen.avx2:
-        timing.hide_avx512()
+    if chosen.avx2 and PRELOADED not in os.environ:
+        _restart_without_avx512()
     if chosen.scene and chosen.output:
         parser.error("-o needs all scenes: leave --scene out, or take --picture")
     rows: list[WorkPrecisionRow] = []
@@ -80,6 +87,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
             pages.draw_scenes(chosen.output, rows)
             print("Written:", pages.write_exact_and_fast(chosen.output, rows, switched))
     measure_parts(chosen.part or pages.PARTS, chosen.quick, chosen.output)
+
+
+def _restart_without_avx512() -> None:
+    """Begin this process anew with a library before all others that hides AVX-512: see its source."""
+    library = Path(mkdtemp(), "without_avx512.so")
+    source = Path(__file__).with_name("without_avx512.c")
+    subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", library, source], check=True)
+    os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {PRELOADED: str(library)})
 
 
 def measure_scenes(

@@ -17,18 +17,6 @@ from frictionlab.hybrid.solve import solve
 from frictionlab.tape.packing import program_of
 
 
-def hide_avx512() -> None:
-    """Have LLVM compile our modes as on a processor with AVX2 only; heyoka has an LLVM of its own."""
-    import llvmlite.binding as llvm
-
-    kept = {
-        name: has and not name.startswith(("avx512", "evex512", "amx"))
-        for name, has in llvm.get_host_cpu_features().items()
-    }
-    hidden = type(llvm.get_host_cpu_features())(kept)
-    llvm.get_host_cpu_features, llvm.get_host_cpu_name = (lambda: hidden), (lambda: "x86-64-v3")
-
-
 def warm_up(automaton: HybridAutomaton, method: Method) -> None:
     """Compile what is missing, so that no mode is native code in one run and interpreted in the next."""
     solve(automaton, 1e-9, x0=np.zeros(len(automaton.states)), method=method, progress=False)
