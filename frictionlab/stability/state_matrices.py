@@ -191,14 +191,14 @@ def unstable_pairs(spectra: ComplexArray) -> NDArray[np.int_]:
 
 
 def eigenvalue_distances(spectra: ComplexArray, others: ComplexArray) -> Array:
-    """Distances (N, m, m) of each eigenvalue of N spectra (N, m) to each of N others."""
-    return np.abs(spectra[:, :, None] - others[:, None, :])
+    """Distances (..., m, m) of each eigenvalue of spectra (..., m) to each of others."""
+    return np.abs(spectra[..., :, None] - others[..., None, :])
 
 
 def equal_eigenvalues(spectra: ComplexArray) -> NDArray[np.bool_]:
-    """Which eigenvalues (N, m, m) of N spectra (N, m) are equal but for rounding; none equals itself."""
-    equal = eigenvalue_distances(spectra, spectra) <= EQUAL_RTOL * growth_scales(spectra)[:, :, None]
-    return equal & ~np.eye(spectra.shape[1], dtype=bool)
+    """Which eigenvalues (..., m, m) of spectra (..., m) are equal but for rounding; none equals itself."""
+    equal = eigenvalue_distances(spectra, spectra) <= EQUAL_RTOL * growth_scales(spectra)[..., :, None]
+    return equal & ~np.eye(spectra.shape[-1], dtype=bool)
 
 
 def eigenvalue_order(values: ComplexArray) -> NDArray[np.intp]:

@@ -9,8 +9,9 @@ halving intervals; in each the change is solved for.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -332,7 +333,10 @@ def _gaps(problem: EquilibriumProblem, curve: CriticalCurve, low: float, high: f
 
 def critical_change(changes: tuple[StabilityChange, ...]) -> StabilityChange | None:
     """The first change between no growing mode and one or more; None without one."""
-    return next((c for c in changes if 0 in c.unstable), None)
+    for change in changes:
+        if 0 in change.unstable:
+            return change
+    return None
 
 
 class CriticalPoints(NamedTuple):
@@ -375,16 +379,13 @@ def _single_changes(
     """Solve the lines on which there is one change, by flutter; returns which of them these are."""
     count = len(points.values)
 
-    def spectra(line: Any, at: Array) -> Any:
-        lines = np.asarray(line, dtype=int)
-        return problem.spectra({**{name: column[lines] for name, column in fixed.items()}, parameter: at})
-
-    changes, resolved = _resolved_sign_changes(spectra, *(np.full(count, bound) for bound in bounds))
+    spectra = _spectra_on_lines(problem, parameter, fixed, count)
+    changes, resolved = _resolved_sign_changes(spectra, bounds, count)
     alone = np.bincount(changes.line, minlength=count) == 1
     held = (resolved & alone)[changes.line]  # of the changes
-    line, ends = changes.line[held], (changes.low[held], changes.high[held])
+    line, ends = changes.line[held], (changes.still[held], changes.growing[held])
     roots = find_root(
-        lambda at, line: spectra(line, at)[:, 0].real, ends, args=(line.astype(float),), maxiter=ROOT_STEPS
+        lambda at, line: spectra(line.astype(int), at)[:, 0].real, ends, args=(line,), maxiter=ROOT_STEPS
     ).x
     line, roots = line[np.isfinite(roots)], roots[np.isfinite(roots)]
     at, side = spectra(line, roots), SIDE_RTOL * (bounds[1] - bounds[0])
@@ -402,24 +403,31 @@ def changes_on_lines(
     """The changes on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
     count = max((len(column) for column in fixed.values()), default=1)
 
-    def evaluate(line: Indices, at: Array) -> Any:
-        return problem.spectra({**{name: column[line] for name, column in fixed.items()}, parameter: at})
-
-    low, high = (np.full(count, bound) for bound in bounds)
-    brackets = _bracket_sign_changes(evaluate, low, high)
+    evaluate = _spectra_on_lines(problem, parameter, fixed, count)
+    brackets = _bracket_sign_changes(evaluate, bounds, count)
     roots = _roots(evaluate, brackets, bounds)
     real = _is_there_beyond(evaluate, brackets, roots, bounds) & ~_only_touches(evaluate, brackets, roots)
-    columns: Any = (column[real] for column in brackets)
-    brackets, roots = Brackets(*columns), roots[real]
+    brackets, roots = brackets.select(real), roots[real]
     changes = _describe_changes(evaluate, brackets, roots, bounds)
     for i, line in enumerate(brackets.line):
         if changes[i].kind == StabilityKind.FOLD:
             at = {name: column[[line]] for name, column in fixed.items()}
             if _goes_on(problem, changes[i].value, parameter, at, bounds):
                 changes[i] = replace(changes[i], kind=StabilityKind.BORDER)
-    return [
-        tuple(c for c, line in zip(changes, brackets.line, strict=True) if line == i) for i in range(count)
-    ]
+    ends = np.searchsorted(brackets.line, np.arange(count + 1))
+    return [tuple(changes[first:last]) for first, last in pairwise(ends)]
+
+
+def _spectra_on_lines(
+    problem: EquilibriumProblem, parameter: str, fixed: Mapping[str, Array], count: int
+) -> Evaluate:
+    """The function that gives spectra, of indices of L lines and values of the parameter."""
+    columns = np.reshape([*fixed.values()], (len(fixed), count))
+
+    def evaluate(line: Indices, at: Array) -> ComplexArray:
+        return problem.spectra({**dict(zip(fixed, columns[:, line])), parameter: at})
+
+    return evaluate
 
 
 def _goes_on(
@@ -439,18 +447,16 @@ def _goes_on(
 def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> Array:
     if not brackets.line.size:
         return np.zeros(0)
-    still, growing = brackets.sides
-    outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - growing), *bounds)
-    start, shift = _starts(evaluate, brackets, still, outside)
+    start, shift = _starts(evaluate, brackets, bounds)
 
     def rate(at: Array, line: Any, rank: Any, shift: Any) -> Array:
         return eigenvalue_at_rank(evaluate(line.astype(int), at), rank.astype(int)).real - shift
 
     root = find_root(
-        rate, (start, growing), args=(brackets.line, brackets.rank, shift), maxiter=MAX_ROOT_STEPS
+        rate, (start, brackets.growing), args=(brackets.line, brackets.rank, shift), maxiter=MAX_ROOT_STEPS
     )
     # Where there is no root, the equilibrium ends.
-    return np.where(np.isfinite(root.x), root.x, 0.5 * (brackets.low + brackets.high))
+    return np.where(np.isfinite(root.x), root.x, 0.5 * (brackets.still + brackets.growing))
 
 
 def _is_there_beyond(
@@ -476,12 +482,11 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     touches = np.zeros(len(roots), dtype=bool)
     if len(roots) < 2:
         return touches
-    still, growing = brackets.sides
-    regain = still > 0.5 * (brackets.low + brackets.high)
+    regain = brackets.still > brackets.growing
     pairs = (brackets.line[1:] == brackets.line[:-1]) & (brackets.rank[1:] == brackets.rank[:-1])
     first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
     line, rank, start, width = brackets.line[first], brackets.rank[first], roots[first], np.diff(roots)[first]
-    ends = growing[first], growing[first + 1]
+    ends = brackets.growing[first], brackets.growing[first + 1]
     outside = [
         eigenvalue_at_rank(evaluate(line, np.clip(start + share * width, *ends)), rank).real
         for share in OUTSIDE_TOUCH_SHARES
@@ -496,30 +501,32 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     return touches
 
 
-def _starts(evaluate: Evaluate, brackets: Brackets, still: Array, outside: Array) -> tuple[Array, Array]:
+def _starts(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> tuple[Array, Array]:
     """One end of the search for each root, and the growth rate that is solved for.
 
     In general the mode decays at this end, and the growth rate that is solved for is zero.  The end may lie
     outside the bracket, since the growth rate is as good as zero near a root.  Without damping no mode
-    decays.  Then the end is `still`, and the growth rate is the least that counts as growth.
+    decays.  Then the end is that where the mode does not grow, and the growth rate is the least that counts
+    as growth.
     """
-    start, shift = still.copy(), np.full(still.shape, np.nan)
-    for at, spectra in zip(outside, _spectra_at(evaluate, brackets.line, outside)):
-        scale = eigenvalue_at_rank(growth_scales(spectra), brackets.rank)
-        decays = np.isnan(shift) & (eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * scale)
-        start[decays], shift[decays] = at[decays], 0.0
-    return start, np.where(np.isnan(shift), NEUTRAL_RTOL * scale, shift)
+    still = brackets.still
+    outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - brackets.growing), *bounds)
+    spectra = _spectra_at(evaluate, brackets.line, outside)
+    scale = eigenvalue_at_rank(growth_scales(spectra), brackets.rank)
+    decays = eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * scale
+    nearest = outside[decays.argmax(axis=0), np.arange(len(still))]
+    some = decays.any(axis=0)
+    return np.where(some, nearest, still), np.where(some, 0.0, NEUTRAL_RTOL * scale[-1])
 
 
-def _spectra_at(evaluate: Evaluate, line: Indices, points: Any) -> ComplexArray:
+def _spectra_at(evaluate: Evaluate, line: Indices, points: Array) -> ComplexArray:
     """Spectra (k, L, m) at k points (k, L) of each line."""
-    points = np.array(list(points))
     return evaluate(np.tile(line, len(points)), points.ravel()).reshape(*points.shape, -1)
 
 
 def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:
-    """The eigenvalue with the `rank`-th largest growth rate of each row."""
-    return np.take_along_axis(spectra, rank[:, None], axis=1)[:, 0]
+    """The eigenvalue (..., N) with the `rank`-th largest growth rate of each of N spectra (..., N, m)."""
+    return spectra[..., np.arange(len(rank)), rank]
 
 
 def _describe_changes(
@@ -527,218 +534,185 @@ def _describe_changes(
 ) -> list[StabilityChange]:
     if not brackets.line.size:
         return []
-    _, growing = brackets.sides
-    step = growing - roots
+    step = brackets.growing - roots
     # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
     inside = roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step)
-    ends = (np.full(len(roots), bound) for bound in bounds)
-    spectra = _spectra_at(evaluate, brackets.line, [inside, roots, *ends])
+    low, high = (np.full_like(roots, bound) for bound in bounds)
+    spectra = _spectra_at(evaluate, brackets.line, np.array([inside, roots, low, high]))
     # Just inside: at the root itself all growth rates may be zero, or a real eigenvalue part of a pair.
-    critical, at_root = (eigenvalue_at_rank(each, brackets.rank) for each in spectra[:2])
+    critical, at_root = eigenvalue_at_rank(spectra[:2], brackets.rank)
     size = np.nanmax(np.abs(spectra[1:]), axis=(0, 2))
     # A growth rate that is not small at its root jumps there, because the equilibrium ends.
     smooth = np.abs(at_root.real) <= FOLD_RATE_AT_ROOT * size
     smooth &= np.abs(critical.real) <= FOLD_RATE_INSIDE * size
-    before, after = brackets.at_low, brackets.at_high
-    lost = (growth_rates(before) > 0).sum(axis=1) < (growth_rates(after) > 0).sum(axis=1)
-    rows = zip(roots, critical, ~smooth, lost, unstable_pairs(before), unstable_pairs(after))
-    return [
-        _change(float(root), value, bool(jump), bool(loss), a, b) for root, value, jump, loss, a, b in rows
-    ]
+    below, above = (growth_rates(brackets.spectra) > 0).sum(axis=-1)
+    columns = roots, critical, ~smooth, below < above, unstable_pairs(brackets.spectra).T
+    return list(map(_change, *(column.tolist() for column in columns)))
 
 
-def _change(
-    root: float, critical: complex, jump: bool, loss: bool, before: Any, after: Any
-) -> StabilityChange:
+def _change(root: float, critical: complex, jump: bool, loss: bool, unstable: list[int]) -> StabilityChange:
     smooth = StabilityKind.FLUTTER if critical.imag else StabilityKind.DIVERGENCE
     kind = StabilityKind.FOLD if jump else smooth
     frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
-    direction = "loss" if loss else "regain"
-    return StabilityChange(root, float(frequency), kind, direction, (int(before), int(after)))
+    return StabilityChange(root, frequency, kind, "loss" if loss else "regain", (unstable[0], unstable[1]))
 
 
 class Intervals(NamedTuple):
-    """Intervals of lines."""
+    """N intervals of lines."""
 
-    line: Indices  # index of the line
-    low: Array  # its ends
-    high: Array
-    at_low: ComplexArray  # the spectra there, the largest growth rate first
-    at_high: ComplexArray
+    line: Indices  # (N,) index of the line
+    ends: Array  # (2, N)
+    spectra: ComplexArray  # (2, N, m) at the ends, the largest growth rate first
 
-    # items of a tuple are its fields; here they are the intervals, as in an array
-    def __getitem__(self, index: Any) -> Intervals:  # type: ignore[override]
-        parts: Any = tuple(self)  # as a plain tuple, since indexing this class would call this method again
-        return Intervals(*(part[index] for part in parts))
+    def select(self, some: Any) -> Intervals:
+        """Some of the intervals."""
+        return Intervals(self.line[some], self.ends[:, some], self.spectra[:, some])
 
 
 class Brackets(NamedTuple):
-    """Intervals in which one growth rate changes its sign."""
+    """N intervals in each of which one growth rate changes its sign."""
 
-    line: Indices  # index of the line
-    low: Array  # its ends
-    high: Array
-    at_low: ComplexArray  # the spectra there
-    at_high: ComplexArray
-    rank: Indices  # the growth rate's index among the sorted
+    line: Indices  # (N,) index of the line
+    rank: Indices  # (N,) the growth rate's index among the sorted
+    still: Array  # (N,) the end where the mode does not grow
+    growing: Array  # (N,) that where it does
+    spectra: ComplexArray  # (2, N, m) at the lower and the upper end
 
-    @property
-    def sides(self) -> tuple[Array, Array]:
-        """The ends where the mode does not grow, and those where it does."""
-        before, after = (eigenvalue_at_rank(end, self.rank).real for end in (self.at_low, self.at_high))
-        rises = after > before
-        return np.where(rises, self.low, self.high), np.where(rises, self.high, self.low)
+    def select(self, some: Flags) -> Brackets:
+        """Some of the brackets."""
+        rows = self.line[some], self.rank[some], self.still[some], self.growing[some]
+        return Brackets(*rows, self.spectra[:, some])
 
 
-def _bracket_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> Brackets:
-    """All changes of sign on lines from `low` to `high` (L,), by line and ascending parameter.
-
-    `evaluate` takes indices of lines and values of the parameter and gives sorted spectra; NaN where there
-    is no equilibrium.
-    """
-    pieces = _grid(evaluate, low, high, GRID_POINTS)
+def _bracket_sign_changes(evaluate: Evaluate, bounds: tuple[float, float], count: int) -> Brackets:
+    """All changes of sign within bounds on L lines, by line and ascending parameter."""
+    pieces = _grid(evaluate, bounds, count, GRID_POINTS)
     most = MAX_INTERVAL_FACTOR * len(pieces.line)
-    brackets, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
+    single, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
     clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
-    brackets.append(_brackets_of(clusters[_sign_changes(clusters.at_low, clusters.at_high).any(axis=1)]))
-    return _sort_brackets(brackets)
+    return _brackets([*single, clusters.select(_sign_changes(clusters.spectra).any(axis=1))])
 
 
-def _resolved_sign_changes(evaluate: Evaluate, low: Array, high: Array) -> tuple[Brackets, Flags]:
+def _resolved_sign_changes(
+    evaluate: Evaluate, bounds: tuple[float, float], count: int
+) -> tuple[Brackets, Flags]:
     """As :func:`_bracket_sign_changes` with fewer spectra, and on which lines (L,) these are all changes.
 
     The first intervals are long.  If growth rates come near zero in one, or two eigenvalues near each other,
     it may hide a change.  It is halved, up to a limit.  A line on which such an interval is left is not
     resolved.
     """
-    pieces = _grid(evaluate, low, high, COARSE_POINTS)
-    brackets, unclear = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
-    resolved = np.ones(len(low), dtype=bool)
+    pieces = _grid(evaluate, bounds, count, COARSE_POINTS)
+    single, unclear = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
+    resolved = np.ones(count, dtype=bool)
     resolved[unclear.line] = False
-    return _sort_brackets(brackets), resolved
+    return _brackets(single), resolved
+
+
+def _grid(evaluate: Evaluate, bounds: tuple[float, float], count: int, points: int) -> Intervals:
+    """The intervals between so many points, the same on all lines."""
+    low, high = bounds
+    at = np.tile(low + (high - low) * np.linspace(0.0, 1.0, points), (count, 1))
+    line = np.repeat(np.arange(count)[:, None], points, axis=1)
+    spectra = evaluate(line.ravel(), at.ravel()).reshape(count, points, -1)
+    ends = np.array([at[:, :-1], at[:, 1:]]).reshape(2, -1)
+    at_ends = np.array([spectra[:, :-1], spectra[:, 1:]]).reshape(*ends.shape, -1)
+    return Intervals(line[:, 1:].ravel(), ends, at_ends)
 
 
 def _refined(
     evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
-) -> tuple[list[Brackets], Intervals]:
-    """Halve intervals until each has no change or a single one; the changes, and the intervals left over."""
-    brackets: list[Brackets] = []
+) -> tuple[list[Intervals], Intervals]:
+    """Halve intervals until each has no change or a single one; those with one, and those left over."""
+    singles: list[Intervals] = []
     for _ in range(halvings):
-        middle = 0.5 * (pieces.low + pieces.high)
+        middle = 0.5 * (pieces.ends[0] + pieces.ends[1])
         at_middle = evaluate(pieces.line, middle)
-        clear, single = _classify_intervals(pieces, at_middle)
-        brackets.append(_brackets_of(pieces[single & ~clear]))
-        pieces = _halve(pieces, middle, at_middle, ~clear & ~single)
+        clear, single = _classify_intervals(pieces.spectra, at_middle)
+        singles.append(pieces.select(single))
+        unclear = ~clear & ~single
+        line, (low, high), (at_low, at_high) = pieces.select(unclear)
+        middle, at_middle = middle[unclear], at_middle[unclear]
+        ends = np.array([[low, middle], [middle, high]]).reshape(2, -1)
+        spectra = np.array([[at_low, at_middle], [at_middle, at_high]])
+        pieces = Intervals(np.tile(line, 2), ends, spectra.reshape(*ends.shape, spectra.shape[-1]))
         if not pieces.line.size or len(pieces.line) > most:
             break
-    return brackets, pieces
+    return singles, pieces
 
 
-def _grid(evaluate: Evaluate, low: Array, high: Array, count: int) -> Intervals:
-    share = np.linspace(0.0, 1.0, count)
-    points = low[:, None] + (high - low)[:, None] * share
-    line = np.repeat(np.arange(len(low)), count)
-    spectra = evaluate(line, points.ravel()).reshape(len(low), count, -1)
-    m = spectra.shape[-1]
-    return Intervals(
-        np.repeat(np.arange(len(low)), count - 1),
-        points[:, :-1].ravel(),
-        points[:, 1:].ravel(),
-        spectra[:, :-1].reshape(-1, m),
-        spectra[:, 1:].reshape(-1, m),
-    )
-
-
-def _classify_intervals(pieces: Intervals, at_middle: ComplexArray) -> tuple[Flags, Flags]:
+def _classify_intervals(spectra: ComplexArray, at_middle: ComplexArray) -> tuple[Flags, Flags]:
     """Whether no growth rate changes sign in an interval; whether exactly one does, or that of one pair."""
-    a, b, c = growth_rates(pieces.at_low), growth_rates(at_middle), growth_rates(pieces.at_high)
-    unknown = np.isnan(a[:, 0]) | np.isnan(b[:, 0]) | np.isnan(c[:, 0])
-    absent = np.isnan(a[:, 0]) & np.isnan(b[:, 0]) & np.isnan(c[:, 0])
+    rates = growth_rates(np.array([spectra[0], at_middle, spectra[1]]))
+    missing = np.isnan(rates[:, :, 0])
+    a, b, c = rates
     same_sign = (np.sign(a) == np.sign(b)) & (np.sign(b) == np.sign(c))
     # A parabola through the three values dips below the least of them by at most an eighth of this.
     bend = np.abs(a - 2 * b + c)
-    least = np.minimum(np.minimum(np.abs(a), np.abs(b)), np.abs(c))
+    least = np.abs(rates).min(axis=0)
     room = same_sign & (least > bend)
     passes = ~same_sign & (((a <= b) & (b <= c)) | ((a >= b) & (b >= c)))
-    distinct = ~_may_coalesce(pieces, at_middle, least)
-    one = _one_mode(passes, pieces.at_low, pieces.at_high)
-    return absent | (~unknown & distinct & room.all(axis=1)), ~unknown & distinct & one & (room | passes).all(
-        axis=1
-    )
+    known = ~missing.any(axis=0) & ~_may_coalesce(spectra, at_middle, least)
+    single = known & _one_mode(passes, spectra) & (room | passes).all(axis=1)
+    return missing.all(axis=0) | (known & room.all(axis=1)), single
 
 
-def _one_mode(passes: Flags, at_low: ComplexArray, at_high: ComplexArray) -> Flags:
+def _one_mode(passes: Flags, spectra: ComplexArray) -> Flags:
     """Whether the growth rates that pass zero are those of one mode: a real one, or a conjugate pair."""
     count, first = passes.sum(axis=1), passes.argmax(axis=1)
-    rows, second = np.arange(len(passes)), np.minimum(first + 1, passes.shape[1] - 1)
-    pair = passes[rows, second]
-    for spectrum in (at_low, at_high):
-        pair = pair & (spectrum[rows, first] == np.conj(spectrum[rows, second]))
+    second = np.minimum(first + 1, passes.shape[1] - 1)
+    conjugate = eigenvalue_at_rank(spectra, first) == np.conj(eigenvalue_at_rank(spectra, second))
+    pair = eigenvalue_at_rank(passes, second) & conjugate.all(axis=0)
     return (count == 1) | ((count == 2) & pair)
 
 
-def _may_coalesce(pieces: Intervals, at_middle: ComplexArray, least: Array) -> Flags:
+def _may_coalesce(spectra: ComplexArray, at_middle: ComplexArray, least: Array) -> Flags:
     """Whether two eigenvalues may coalesce unseen while growth rates are near zero.
 
     The weaker two modes couple, the narrower is the window in which they are unstable.
     """
-    ends = (pieces.at_low, pieces.at_high)
-    to_ends = [eigenvalue_distances(at_middle, end) for end in ends]
-    distance = np.maximum(*(each.min(axis=2) for each in to_ends))
+    to_ends = eigenvalue_distances(at_middle, spectra)
+    distance = to_ends.min(axis=-1).max(axis=0)
     between = eigenvalue_distances(at_middle, at_middle)
     between[:, range(distance.shape[1]), range(distance.shape[1])] = np.inf
     # A pair that is about to become two real eigenvalues is close to its conjugate, which does not matter.
     between[at_middle.imag[:, :, None] * at_middle.imag[:, None, :] < 0] = np.inf
     equal = equal_eigenvalues(at_middle)
-    if equal.any():  # nor do modes with equal eigenvalues throughout
-        between[equal & _stay_equal(ends, to_ends)[:, :, None]] = np.inf
+    if equal.any():  # nor do modes whose eigenvalues are equal at the ends too
+        at_ends = equal_eigenvalues(spectra).any(axis=-1)
+        stay: Flags = np.take_along_axis(at_ends, to_ends.argmin(axis=-1), axis=-1).all(axis=0)
+        between[equal & stay[:, :, None]] = np.inf
     distance[distance < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
     close = between < 2 * (distance[:, :, None] + distance[:, None, :])
     within_reach = between + distance[:, :, None] > least.min(axis=1)[:, None, None]
     return (close & within_reach & np.isfinite(between)).any(axis=(1, 2))
 
 
-def _stay_equal(ends: Sequence[ComplexArray], distances: Sequence[Array]) -> Flags:
-    """Whether the eigenvalue at each end to which an eigenvalue (N, m) is nearest has an equal one there."""
-    first, second = (
-        np.take_along_axis(equal_eigenvalues(end).any(axis=2), each.argmin(axis=2), axis=1)
-        for end, each in zip(ends, distances)
-    )
-    return first & second
-
-
-def _halve(pieces: Intervals, middle: Array, at_middle: ComplexArray, selection: Flags) -> Intervals:
-    first = Intervals(pieces.line, pieces.low, middle, pieces.at_low, at_middle)[selection]
-    second = Intervals(pieces.line, middle, pieces.high, at_middle, pieces.at_high)[selection]
-    both: Any = zip(first, second)
-    return Intervals(*(np.concatenate(parts) for parts in both))
-
-
 def _join_neighbours(pieces: Intervals) -> Intervals:
     """Join neighbouring intervals: changes that are too close to be resolved count as simultaneous."""
     if not pieces.line.size:
         return pieces
-    order = np.lexsort((pieces.low, pieces.line))
-    pieces = pieces[order]
-    new = np.append(True, (pieces.line[1:] != pieces.line[:-1]) | (pieces.low[1:] > pieces.high[:-1]))
+    line, (low, high), spectra = pieces.select(np.lexsort((pieces.ends[0], pieces.line)))
+    new = np.append(True, (line[1:] != line[:-1]) | (low[1:] > high[:-1]))
     last = np.append(np.flatnonzero(new)[1:] - 1, len(new) - 1)
     return Intervals(
-        pieces.line[new], pieces.low[new], pieces.high[last], pieces.at_low[new], pieces.at_high[last]
+        line[new], np.array([low[new], high[last]]), np.array([spectra[0, new], spectra[1, last]])
     )
 
 
-def _sign_changes(at_low: ComplexArray, at_high: ComplexArray) -> Flags:
-    """Which growth rates change sign; none do where the equilibrium itself begins or ends."""
-    finite = np.isfinite(at_low) & np.isfinite(at_high)
-    return finite & ((growth_rates(at_low) > 0) != (growth_rates(at_high) > 0))
+def _sign_changes(spectra: ComplexArray) -> Flags:
+    """Which growth rates (N, m) change sign; none do where the equilibrium itself begins or ends."""
+    grows = growth_rates(spectra) > 0
+    return np.isfinite(spectra).all(axis=0) & (grows[0] != grows[1])
 
 
-def _brackets_of(pieces: Intervals) -> Brackets:
-    return Brackets(*pieces, _sign_changes(pieces.at_low, pieces.at_high).argmax(axis=1))
-
-
-def _sort_brackets(brackets: list[Brackets]) -> Brackets:
-    parts: Any = [np.concatenate(part) for part in zip(*brackets)]
-    order = np.lexsort((parts[1], parts[0]))
-    return Brackets(*(part[order] for part in parts))
+def _brackets(intervals: list[Intervals]) -> Brackets:
+    """The intervals as brackets, by line and ascending parameter."""
+    lines, ends, spectra = zip(*intervals)
+    every = Intervals(np.concatenate(lines), np.concatenate(ends, axis=1), np.concatenate(spectra, axis=1))
+    line, (low, high), spectra = every.select(np.lexsort((every.ends[0], every.line)))
+    rank = _sign_changes(spectra).argmax(axis=1)
+    before, after = eigenvalue_at_rank(spectra, rank).real
+    rises = after > before
+    return Brackets(line, rank, np.where(rises, low, high), np.where(rises, high, low), spectra)
