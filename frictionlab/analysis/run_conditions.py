@@ -89,17 +89,17 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
 
 
 def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
-    """The states (n,) that but rounding moves beside others of their group, as the height of a body that
-    slides on two feet: coordinates together with their velocities."""
-    ranges, small = state_ranges(run.states), np.zeros(len(run.names), dtype=bool)
-    for group in state_groups(run.automaton.coordinates):
-        small[group] = ranges[group] <= SMALL_BESIDE_OTHERS * ranges[group].max(initial=0.0)
-    # errors of other methods are not rounding; and to ask takes milliseconds
-    if not is_of_series(run) or not (small & (ranges > 0.0)).any():
+    """The states (n,) that but rounding moves, beside others of their group or together with all of it, as
+    the height of a body that slides on two feet: coordinates together with their velocities."""
+    ranges, n = state_ranges(run.states), run.automaton.coordinates
+    # errors of other methods are not rounding
+    if not is_of_series(run) or not n:
         return np.zeros(len(run.names), dtype=bool)
-    rounding, n = _rounding_of_rates(run), run.automaton.coordinates
+    small, rounding = np.zeros(len(run.names), dtype=bool), _rounding_of_rates(run)
     for group in state_groups(n):  # contacts that hold a body still leave rounding errors of all forces on it
+        largest = ranges[group].max(initial=0.0)
         rounding[group] = rounding[group].max(initial=0.0)
+        small[group] = (ranges[group] <= SMALL_BESIDE_OTHERS * largest) | (largest <= rounding[group])
     still = small & (ranges <= rounding)
     still[:n] = still[n : 2 * n] = still[:n] & still[n : 2 * n]
     return still

@@ -291,13 +291,13 @@ class Comparison(NamedTuple):
     reach : float
         The largest coordinate before the run, which may come to rest at zero.
     still : array (n,) of bool
-        States that count as zero, as but rounding moves them.
+        States that count as zero, as but rounding moves them; by default none.
     """
 
     run: Trajectory
     drift: Drift | None = None
     reach: float = 0.0
-    still: Any = False
+    still: Any = np.zeros(1, dtype=bool)
 
     def columns(self, states: Array) -> Array:
         """What is compared of states (N, m)."""
@@ -321,7 +321,7 @@ class Comparison(NamedTuple):
         """What is constant in states (N, m) where the motion has come to rest, in parts of one unit each, and
         the least size of each."""
         if self.drift is None:
-            return [(states[:, : self.run.automaton.coordinates or None], 0.0)]
+            return [(np.where(self.still, 0.0, states)[:, : self.run.automaton.coordinates or None], 0.0)]
         places, rates = self.drift.places_and_rates(states)
         return [(places, self.drift.travelled), (rates, 0.0)]
 
@@ -359,6 +359,8 @@ def _at_rest(of: Comparison) -> bool | None:
     With a drift: to a steady motion, in which all that the drift leaves rests.
     """
     run = of.run
+    if np.all(of.still[: run.automaton.coordinates or None]):  # which foot holds a body may yet change
+        return covers_period(run)
     if not only_phase_resets(run):
         return None
     verdicts = [_part_at_rest(run, x, least) for x, least in of.resting_parts(_even_samples(run))]
@@ -455,9 +457,13 @@ def classify_run(
         end = SectionPoints(np.array([run.raw.t]), run.final_state[None])
         return MotionClass(end, Recurrence(0, np.nan, np.nan, np.nan), MotionKind.ENDED_EARLY, np.nan)
     classified = _classify(Comparison(run, reach=reach), section, tolerance)
-    if classified.kind != MotionKind.NOT_SETTLED:
+    if classified.kind == MotionKind.EQUILIBRIUM:
         return classified
-    drift, still = drift_of(run), moved_by_rounding(run)
+    still = moved_by_rounding(run)
+    moves = not still.any() or not still[: run.automaton.coordinates].all()
+    if classified.kind != MotionKind.NOT_SETTLED and moves:
+        return classified
+    drift = drift_of(run)
     if drift is None and not still.any():
         return classified
     return _classify(Comparison(run, drift, reach if drift is None else 0.0, still), section, tolerance)

@@ -20,7 +20,7 @@ from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.solve import by_names
+from frictionlab.hybrid.solve import by_names, end_of
 from frictionlab.interruption import InterruptCounter, progress_bar
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import (
@@ -347,6 +347,7 @@ def steady_state_task(
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
     steady = find_steady_state(model, start, options, progress=False, mode=mode)
     period = None if np.isnan(steady.period) else steady.period
+    end, mode = end_of(steady.trajectory)
     return {
         "kind": steady.kind,
         "period": period,
@@ -354,8 +355,8 @@ def steady_state_task(
         "intensity": None if np.isnan(steady.intensity) else steady.intensity,
         "shares": dict(steady.time_in_mode),
         "section": steady.section.state[-MAX_SECTION_POINTS:].tolist(),
-        "final": steady.trajectory.final_state.tolist(),
-        "mode": steady.trajectory.mode_names[steady.trajectory.raw.mode],
+        "final": end.tolist(),
+        "mode": mode,
         "warning": steady.warning,
     }
 

@@ -25,6 +25,7 @@ import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.native_cache import interpreted_code
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import (
     copy_vector,
     has_series,
@@ -35,6 +36,7 @@ from frictionlab.hybrid.kernels.jets import (
     term_step,
 )
 from frictionlab.hybrid.kernels.step_length import step_length
+from frictionlab.hybrid.methods.base import ROUNDINGS_AT_START
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, RATE, SQUARE
 from frictionlab.tape.program import Numbers, Program
 
@@ -320,6 +322,21 @@ def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.
     code = program.code
     chosen = slice(code.mode_constraints[mode], code.mode_constraints[mode + 1])
     return at.gradients[code.function_slots[chosen]]
+
+
+def state_on_constraints(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> np.ndarray:
+    """The state (n,) at the end of a run, back on the constraints of its mode if rounding has moved it off
+    them by more than a share of its terms; states of which nothing but rounding is left are zero."""
+    chosen = slice(*program.code.mode_constraints[mode : mode + 2])
+    if chosen.start == chosen.stop:
+        return z
+    at = linearise_mode(program, numbers, mode, z)
+    missed, gradients = at.jets[program.code.function_slots[chosen], 0], constraint_gradients(program, mode, at)
+    if (np.abs(missed) <= ROUNDINGS_AT_START[-1] * (np.abs(gradients) @ np.abs(z))).all():
+        return z
+    back = np.linalg.pinv(gradients)
+    state, rounding = z - back @ missed, COEFFICIENT_ROUNDING * (np.abs(back) @ np.abs(missed))
+    return np.where(np.abs(state) <= rounding, 0.0, state)
 
 
 def _linear(program, numbers, operations: tuple[int, int], flow: np.ndarray, z: np.ndarray) -> LinearisedTape:

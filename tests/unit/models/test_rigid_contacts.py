@@ -10,7 +10,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import frictionlab as fl
-from frictionlab.hybrid.solve import solve_from_end
+from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.models.mechanical.contact_regimes import rubbing_impulse
 from tests.reference.moreau import RigidSystem, time_steps
 
@@ -494,6 +494,7 @@ class DrivenSledge(fl.MechanicalModel):
     k: float = 50.0
     c: float = 1.0
     Omega: float = 4.0
+    F: float = 5.0
     friction: fl.FrictionLaw = fl.Coulomb(mu_s=0.3, mu_k=0.3)
     coordinates = ("x", "y", "theta")
 
@@ -502,9 +503,26 @@ class DrivenSledge(fl.MechanicalModel):
         law, v_r = fl.FrictionalImpact(e=0.0, mu_i=0.3), -v.x - 0.1 * v.theta
         gaps = (q.y - 0.5 * q.theta, q.y + 0.5 * q.theta)
         feet = tuple(fl.Stop(gap, law, friction=self.friction, relative_velocity=v_r) for gap in gaps)
-        load = {"x": 5.0 * fl.functions.cos(q.phase)}
+        load = {"x": self.F * fl.functions.cos(q.phase)}
         springs, dampers = self.k * q.x**2 / 2 + 9.81 * self.m * q.y, self.c * v.x**2 / 2
         return fl.Mechanics(kinetic, springs, dampers, loads=load, contacts=feet, frequency=self.Omega)
+
+
+@pytest.mark.parametrize("start", [{"x": 0.0}, {"x": 0.3}, {"y": 0.1, "theta": 0.05}])
+@pytest.mark.parametrize("F", [0.0, 2.0])
+def test_a_body_on_two_feet_rests_under_a_load_that_friction_holds(F, start):
+    """0.3 m g = 2.94 N holds 2 N, whichever of the feet it holds it by; a foot 1 mm above the ground falls."""
+    model = DrivenSledge(F=F, k=0.0)
+    settled = fl.steady_state(model, start, transient=20.0, window=20.0, progress=False)
+    assert settled.kind == "equilibrium"
+    exponents = fl.lyapunov(model, start, transient=20.0, t_end=20.0, blocks=2, progress=False).exponents
+    assert exponents[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert (exponents[2:] == -np.inf).all()
+    run = settled.trajectory
+    state, mode = end_of(run)
+    assert np.abs(state - run.final_state).max() < 1e-11
+    falls = solve_from_end(run.automaton, 0.02, state + 1e-3 * np.eye(7)[1], mode, progress=False)
+    assert falls.events.t[0] == pytest.approx(math.sqrt(2 * 1e-3 / 9.81), rel=1e-6)
 
 
 def after_one_period(model, x, v, phase):
@@ -546,6 +564,9 @@ def test_orbits_of_a_body_on_two_feet_are_those_of_a_block():
     assert other[0] < 1e-7 < 2e-3 < other[1]
     assert np.abs(orbit.multipliers[1]) == pytest.approx(other[1], rel=1e-4)
     assert np.abs(orbit.multipliers[2:]).max() < 1e-12
+    period = orbit.period
+    spectrum = fl.lyapunov(model, transient=20.0, t_end=10 * period, blocks=2, progress=False)
+    assert spectrum.exponents[:2] == pytest.approx([0.0, np.log(other[1]) / period], abs=1e-3)
     branch = fl.continue_orbit(orbit, "Omega", (3.5, 4.5), max_points=40, progress=False)
     assert (branch.values[0], branch.values[-1]) == (3.5, 4.5)
     sledge, block = Sledge(), fl.MassOnBelt(m=1.0, k=50.0, c=0.2, N=9.81, v=0.3, friction=Sledge().friction)
