@@ -331,7 +331,8 @@ def state_on_constraints(program: Program, numbers: Numbers, mode: int, z: np.nd
     if chosen.start == chosen.stop:
         return z
     at = linearise_mode(program, numbers, mode, z)
-    missed, gradients = at.jets[program.code.function_slots[chosen], 0], constraint_gradients(program, mode, at)
+    gradients = constraint_gradients(program, mode, at)
+    missed = at.jets[program.code.function_slots[chosen], 0]
     if (np.abs(missed) <= ROUNDINGS_AT_START[-1] * (np.abs(gradients) @ np.abs(z))).all():
         return z
     back = np.linalg.pinv(gradients)

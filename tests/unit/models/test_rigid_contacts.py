@@ -511,7 +511,7 @@ class DrivenSledge(fl.MechanicalModel):
 @pytest.mark.parametrize("start", [{"x": 0.0}, {"x": 0.3}, {"y": 0.1, "theta": 0.05}])
 @pytest.mark.parametrize("F", [0.0, 2.0])
 def test_a_body_on_two_feet_rests_under_a_load_that_friction_holds(F, start):
-    """0.3 m g = 2.94 N holds 2 N, whichever of the feet it holds it by; a foot 1 mm above the ground falls."""
+    """0.3 m g = 2.94 N holds 2 N, by either foot; a body 1 mm above the ground falls."""
     model = DrivenSledge(F=F, k=0.0)
     settled = fl.steady_state(model, start, transient=20.0, window=20.0, progress=False)
     assert settled.kind == "equilibrium"
