@@ -43,6 +43,8 @@ ROTATIONAL_UNITS = {
     "1/m": "1/rad",
     "N": "N m",
     "N/m": "N m",
+    "N/m^1.5": "N m",
+    "N/m^3": "N m",
     "N s/m": "N m s",
 }
 FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}

@@ -190,7 +190,8 @@ class HybridAutomaton:
     def rotational_outputs(self) -> tuple[str, ...]:
         """Names of the outputs of contacts whose bodies turn: they are angles, their rates and moments.
 
-        Such a contact moves by angles alone, at least by one of them without a lever.
+        Such a contact moves by angles alone, at least by one of them without a lever, that is with the factor
+        1 or -1; 1.0 is a lever of 1 m.
         """
         if not any(map(is_angle, self.shown_states)):
             return ()
@@ -207,7 +208,9 @@ class HybridAutomaton:
         motion = next((expressions[each] for each in names if each in expressions), None)
         moving = [s for s in self.states[: 2 * self.coordinates] if s in getattr(motion, "free_symbols", ())]
         levers = (motion.diff(s) for s in moving)  # type: ignore[union-attr]
-        return all(is_angle(s.name) for s in moving) and any(lever in (1, -1) for lever in levers)
+        return all(is_angle(s.name) for s in moving) and any(
+            lever.is_Integer and abs(lever) == 1 for lever in levers
+        )
 
     def mode(self, name: str) -> Mode:
         """The mode of that name, derived if it is not yet.

@@ -238,18 +238,16 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
 def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Parameter]:
     """The same of a model; the laws of contacts whose bodies turn have units of angles and moments.
 
-    Of models that differ in their laws one, `moving_as`, tells how the bodies of all move.
+    What a law that also serves other contacts has in both units has none.  Of models that differ in their
+    laws one, `moving_as`, tells how the bodies of all move.
     """
     about = parameter_metadata(type(model), model.components)
-    outputs = (moving_as or model).rotational_outputs
-    if not any(name.startswith("relative_velocity") for name in outputs):
-        return about
-    own = parameters_of(type(model))
-    return about | {
-        name: dataclasses.replace(each, unit=ROTATIONAL_UNITS.get(each.unit, each.unit))
-        for name, each in about.items()
-        if name not in own
-    }
+    for role, alone in (moving_as or model).turning_roles.items():
+        for name, each in parameters_of(type(model.components[role])).items():
+            if each.unit in ROTATIONAL_UNITS:
+                unit = ROTATIONAL_UNITS[each.unit] if alone else ""
+                about[name] = dataclasses.replace(each, unit=unit)
+    return about
 
 
 def where_it_is(name: Any, cls: Any, components: Mapping[str, Component]) -> str:

@@ -333,6 +333,14 @@ class Model(Component):
 
         return rotational_outputs_of(self.structure_key) if any(map(is_angle, self.coordinates)) else ()
 
+    @property
+    def turning_roles(self) -> Mapping[str, bool]:
+        """Roles of the laws of contacts whose bodies turn, and whether they serve no others.
+
+        Nothing tells which contacts of an automaton of one's own a law serves.
+        """
+        return {}
+
     def equations(self, mode: str) -> Equations:
         """The equations of a mode as sympy equations; LaTeX in a notebook.
 

@@ -6,16 +6,16 @@ needs a belt that moves, by which friction has its direction.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from frictionlab.components.component import StructureKey
+from frictionlab.components.component import StructureKey, parameters_of
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
 
-from .mechanics import Friction
+from .mechanics import Friction, Stop
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -103,6 +103,44 @@ def _only_slide(key: StructureKey) -> tuple[bool, ...]:
         return [isinstance(one, Friction) and "slip" in one.modes and not one.in_plane for one in contacts]
 
     return tuple(derivations_of(key).value("contacts that only slide", only_slide))
+
+
+@cache
+def turning_roles(key: StructureKey, rotational_outputs: tuple[str, ...]) -> dict[str, bool]:
+    """Roles of the laws of contacts whose bodies turn, and whether they serve no others.
+
+    A law serves the contacts in whose friction or normal force its parameters are.
+    """
+
+    def derive() -> dict[str, bool]:
+        from frictionlab.models.symbolic_laws import symbolic_copy
+
+        turns: dict[str, list[bool]] = {}
+        for output, symbols in _laws_of_contacts(key):
+            for role, law in symbolic_copy(key).components.items():
+                if symbols & {*parameters_of(type(law))}:
+                    turns.setdefault(role, []).append(output in rotational_outputs)
+        return {role: all(found) for role, found in turns.items() if any(found)}
+
+    return derivations_of(key).value("roles that turn", derive)
+
+
+def _laws_of_contacts(key: StructureKey) -> Iterator[tuple[str, set[str]]]:
+    """An output that moves as a contact's force does, and the parameters of the law of that force."""
+    from .equations_of_motion import system_of
+
+    contacts = system_of(key).mechanics.contacts
+    for i, contact in enumerate(contacts, 1):
+        number = f"_{i}" if len(contacts) > 1 else ""
+        law = contact.friction if isinstance(contact, Stop) else getattr(contact, "law", None)
+        if law is not None:
+            yield f"friction_force{number}", _names(getattr(law, name) for name in parameters_of(type(law)))
+        if not isinstance(contact, Stop):
+            yield f"normal_force{number}", _names((contact.pressing, contact.damping))
+
+
+def _names(expressions: Iterable[Any]) -> set[str]:
+    return {one.name for each in expressions for one in sympy.sympify(each).free_symbols}
 
 
 def check_contacts(model: MechanicalModel) -> None:

@@ -23,7 +23,7 @@ from frictionlab.validation import (
     check_text,
 )
 
-from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts
+from .contact_numbers import check_contacts, check_sliding, numbers_of_contacts, turning_roles
 from .mechanics import Friction, Mechanics
 
 if TYPE_CHECKING:
@@ -39,7 +39,8 @@ class MechanicalModel(Model):
     coordinates that may turn for ever, such as a shaft's angle.
 
     Pictures and texts take a coordinate for an angle in rad if its name is phi, theta, psi, alpha, beta or
-    gamma, also with an index such as phi1 or phi_M, and otherwise for a length in m.
+    gamma, also with an index such as phi1 or phi_M, and otherwise for a length in m.  A contact with the
+    relative velocity ``Omega - v.phi`` has a moment; ``Omega - 1.0 * v.phi`` has a lever of 1 m, and a force.
 
     Examples
     --------
@@ -73,6 +74,12 @@ class MechanicalModel(Model):
         if not contacts or any(one is not None and one.speed == 0 for one in contacts):
             nonlinearities.pop("nonsmooth", None)
         return MappingProxyType(nonlinearities)
+
+    @property
+    def turning_roles(self) -> Mapping[str, bool]:
+        """Roles of the laws of contacts whose bodies turn, and whether they serve no others."""
+        outputs = self.rotational_outputs
+        return turning_roles(self.structure_key, outputs) if outputs else {}
 
     def without(self, *names: str) -> Self:
         """The model without some of its :attr:`nonlinearities`.

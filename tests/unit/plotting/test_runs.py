@@ -48,6 +48,28 @@ def test_forces_are_those_of_the_run(run):
     assert normal.axes.get_ylabel() == "contact force (N)"
 
 
+@pytest.mark.parametrize(
+    ("lever", "shared", "of_friction", "of_contact"),
+    [(1, True, "", "N/m"), (1, False, "rad/s", "N/m"), (1.0, True, "m/s", "N/m"), (2, True, "m/s", "N/m")],
+)
+def test_laws_have_the_units_of_the_contacts_that_they_serve(lever, shared, of_friction, of_contact):
+    @fl.model
+    class BrakedSlider(fl.MechanicalModel):
+        contact: fl.ContactLaw = fl.CubicContact()
+        friction: fl.FrictionLaw = fl.Stribeck()
+        coordinates = ("theta", "x", "y")
+
+        def mechanics(self, q, v):
+            brake = fl.Friction(2.0 - lever * v.theta, 3.0, self.friction)
+            law = self.friction if shared else fl.Coulomb(0.3, 0.4)
+            pad = fl.Friction(1.0 - v.x, self.contact.force, law, penetration=q.y)
+            kinetic = (v.theta**2 + v.x**2 + v.y**2) / 2
+            return fl.Mechanics(kinetic, (q.theta**2 + q.x**2 + q.y**2) / 2 - q.y, contacts=(brake, pad))
+
+    units = {row.name: row.unit for row in BrakedSlider().describe()}
+    assert (units["v_s"], units["k2"]) == (of_friction, of_contact)
+
+
 def test_a_contact_that_turns_without_a_lever_has_moments():
     model = fl.DrillString(Omega=25.0)
     lines = plotting.plot_contact_forces(fl.simulate(model, 5.0, progress=False))
