@@ -98,7 +98,8 @@ function forces(result) {
     return { ...drawing, title: automaton ? "rates" : "velocities", curves: [...drawing.curves, ...modeStrip(result)] };
   }
   const curves = names.map((name) => ({ label: drawn[name][0], x: times, y: column(name), colour: drawn[name][1] }));
-  return { xlabel: "time (s)", ylabel: result.structure.axis_of_forces, curves: [...curves, ...modeStrip(result)],
+  const ylabel = result.structure.axis_of_forces, title = ylabel.replace(/ \([^)]*\)/g, "s");
+  return { title, xlabel: "time (s)", ylabel, curves: [...curves, ...modeStrip(result)],
     xlim: [result.start, result.stop] };
 }
 

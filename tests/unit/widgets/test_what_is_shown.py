@@ -79,6 +79,14 @@ def test_where_nothing_slides_there_is_no_panel_of_eigenvalues():
     assert said(explorer.widget, "spectrum(result).note") == "at rest"
 
 
+def test_a_panel_of_moments_is_called_so():
+    titles = [
+        said(fl.explore(model, panels=("forces",)).widget, "forces(result).title")
+        for model in (fl.DrillString(), fl.MassOnBelt())
+    ]
+    assert titles == ["contact moments", "contact forces"]
+
+
 def test_a_model_without_a_mechanism_is_explored_without():
     class Bare(fl.MassOnBelt):
         mechanism = None
