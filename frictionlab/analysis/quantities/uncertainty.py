@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_of
 from frictionlab.analysis.quantities.quantities import Quantity
+from frictionlab.analysis.sweeps.function_name import function_name, own_name
 from frictionlab.analysis.sweeps.journal import Journal
-from frictionlab.analysis.sweeps.sweep import check_function, function_name, own_name
+from frictionlab.analysis.sweeps.sweep import check_function
 from frictionlab.models.model import (
     ModelOrAutomaton,
     check_parameter_name,

@@ -34,8 +34,9 @@ from .factorial_design import (
     switches_of,
     table_of_numbers,
 )
+from .function_name import function_name, own_name
 from .journal import Journal
-from .sweep import Grid, Sweep, axes_of, check_function, check_over, function_name, own_name, point_name
+from .sweep import Grid, Sweep, axes_of, check_function, check_over, point_name
 
 # studies of models that do not depend on the time, and what such a model has
 AT_REST = {

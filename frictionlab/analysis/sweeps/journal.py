@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import sys
 import warnings
 import zlib
 from collections.abc import Callable, Iterable, Sequence
@@ -32,7 +33,8 @@ from frictionlab.interruption import interruption, keep_partial_result
 from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
-HEAD_KEYS = "frictionlab sweep", "version"  # of the first line, before the arguments of the sweep
+HEAD_KEYS = "frictionlab sweep", "version", "python"  # of the first line, before the arguments of the sweep
+PYTHON = "{}.{}".format(*sys.version_info)  # another version has other code of the same function
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 
@@ -118,7 +120,7 @@ class Journal:
     def _take(self, path: Path) -> str:
         """Take over the results in a file; returns what of it is damaged, in words."""
         stored = _read(path, read_file(path, "give another path"))
-        _refuse_another(path, stored.specification, self._specification, stored.version)
+        _refuse_another(path, stored, self._specification)
         self.results |= stored.results
         return stored.damage if stored.damaged else ""
 
@@ -228,11 +230,12 @@ class Journal:
 
 
 class _Content(NamedTuple):
-    """What a file holds, the version that wrote it, and the numbers of its damaged lines."""
+    """What a file holds, the versions that wrote it, and the numbers of its damaged lines."""
 
     specification: dict[str, Any]
     results: dict[int, Any]
     version: str
+    python: str | None
     damaged: list[int]
 
     @property
@@ -245,7 +248,7 @@ class _Content(NamedTuple):
 def write_journal(path: str | Path, specification: dict[str, Any], results: dict[int, Any]) -> Path:
     """Write all lines in order, atomically: even a power cut leaves the old file or the new one."""
     path = check_path("path", path)
-    head = dict(zip(HEAD_KEYS, (FORMAT, __version__))) | specification
+    head = dict(zip(HEAD_KEYS, (FORMAT, __version__, PYTHON))) | specification
     rows = ({"task": i, "result": results[i]} for i in sorted(results))
     with replace_file(path) as beside, open(beside, "wb") as file:
         file.writelines(map(_json_line, (head, *rows)))
@@ -281,7 +284,7 @@ def _read(path: Path, content: bytes) -> _Content:
             f"{path} must be a file of a sweep, and is none, or its first line is damaged: give another "
             "path, or delete it to begin anew"
         )
-    form, version = (head.pop(key, None) for key in HEAD_KEYS)
+    form, version, python = (head.pop(key, None) for key in HEAD_KEYS)
     if form != FORMAT:
         raise ValueError(
             f"{path} has format {abbreviate(form)}, this version reads {FORMAT}: read it with frictionlab "
@@ -289,7 +292,7 @@ def _read(path: Path, content: bytes) -> _Content:
         )
     lines = {i: _content(line) for i, line in enumerate(rest, 2)}
     results = {line["task"]: line["result"] for line in lines.values() if line is not None}
-    return _Content(head, results, version, [i for i, line in lines.items() if line is None])
+    return _Content(head, results, version, python, [i for i, line in lines.items() if line is None])
 
 
 def _unusable(path: Path, error: OSError) -> OSError:
@@ -343,12 +346,14 @@ def _locked(path: Path) -> Any:
     return lock
 
 
-def _refuse_another(path: Path, stored: dict[str, Any], specification: dict[str, Any], version: str) -> None:
+def _refuse_another(path: Path, content: _Content, specification: dict[str, Any]) -> None:
     current = {**json.loads(json.dumps(specification)), "version": __version__}
-    stored = {**stored, "version": version}
+    stored = {**content.specification, "version": content.version}
     differing = [name for name in {**stored, **current} if stored.get(name) != current.get(name)]
     if differing:
+        by_another = content.python not in (PYTHON, None)
         raise ValueError(
-            f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}: "
+            f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}"
+            f"{f', by Python {content.python} and not {PYTHON}' if by_another else ''}: "
             "give another path, or delete it"
         )

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
-from functools import partial
-from hashlib import sha256
+from dataclasses import dataclass
 from itertools import product
 from math import prod
-from numbers import Number
 from pathlib import Path
-from types import CodeType
 from typing import Any, Unpack
 
 import numpy as np
@@ -19,6 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of, named_state
 from frictionlab.analysis.options import Execution, ExecutionKeywords, settings_of
+from frictionlab.analysis.sweeps.function_name import function_name, own_name
 from frictionlab.analysis.sweeps.journal import Journal
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.model import ModelOrAutomaton, data_of, require_model_or_automaton
@@ -132,9 +129,10 @@ def sweep(
     resume : path or None
         File in which results are kept as they come; results that it already holds are not computed again.
         They have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
-        name, its code and the numbers in its closure: use another file where what it calls has changed.  The
-        complete file does not depend on the number of workers, nor on how often the sweep was interrupted.
-        Results on damaged lines are computed again, with a RuntimeWarning.
+        name, its code, and the content of its closure, defaults and partial arguments.  It does not know the
+        functions that it calls by name, nor methods of classes: use another file where these have changed.
+        The complete file does not depend on the number of workers, nor on how often the sweep was
+        interrupted.  Results on damaged lines are computed again, with a RuntimeWarning.
     progress : bool
 
     Returns
@@ -177,8 +175,10 @@ def sweep(
         initial_state_of(model, start)
     part = _check_shard(shard)
     path = how.resume if shard is None or how.resume is None else _file_of_shard(Path(how.resume), part)
-    study = {"function": function_name(function), **grid.specification()}
-    specification = {} if path is None else {"model": data_of(model), **study}
+    specification = {}
+    if path is not None:
+        named = {"model": data_of(model), "function": function_name(function)}
+        specification = named | grid.specification()
     tasks, at_point = GridTasks(grid), FunctionAtPoint(function, model, tuple(axes))
     indices, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
     with Journal(specification, path, parts) as journal:
@@ -316,42 +316,6 @@ def check_function(name: str, function: Any, cure: str) -> None:
     """Raise unless `function` can be called."""
     if not callable(function):
         raise TypeError(f"{name} must be a function of a model, got {abbreviate(function)}: {cure}")
-
-
-def function_name(function: Callable[..., Any]) -> str:
-    """What files know of a function, by which they tell functions apart.
-
-    Of a quantity, or another dataclass, it is its text.  A function of Python's has a name, and digits that
-    follow from its code and from numbers and texts in its closure, its defaults and partial arguments.
-    """
-    if is_dataclass(function):
-        return repr(function)
-    if isinstance(function, partial):
-        return f"{function_name(function.func)} of {_known((*function.args, *function.keywords.items()))}"
-    name = getattr(function, "__name__", type(function).__name__)
-    name, code = getattr(function, "__qualname__", name), getattr(function, "__code__", None)
-    if not isinstance(code, CodeType):
-        return name
-    held = tuple(cell.cell_contents for cell in getattr(function, "__closure__", None) or ())
-    text = _known((code, held, getattr(function, "__defaults__", None)))
-    return f"{name} {sha256(text.encode()).hexdigest()[:12]}"
-
-
-def _known(value: Any) -> str:
-    """A text of numbers, texts and code, and of what holds them; of other objects that of their type."""
-    if isinstance(value, CodeType):
-        return f"{value.co_code.hex()} {value.co_names} {_known(value.co_consts)}"
-    if isinstance(value, tuple):  # a list may be one of results so far
-        return str([*map(_known, value)])
-    if isinstance(value, frozenset):  # its order is another one in each process
-        return str(sorted(map(_known, value)))
-    return repr(value) if value is None or isinstance(value, (Number, str)) else type(value).__name__
-
-
-def own_name(function: Callable[..., Any]) -> str:
-    """The name of a function; "result" of one that has none."""
-    name = getattr(function, "__name__", "<lambda>")
-    return "result" if name == "<lambda>" else name
 
 
 def _row(result: Any) -> Mapping[str, Any]:

@@ -26,19 +26,22 @@ def swept(path):
     return fl.sweep(MODEL, load, VALUES, resume=path, workers=2, progress=False)
 
 
+CALLS = []
+
+
+def count(model):
+    CALLS.append(model)
+    return {"F": model.F}
+
+
 def test_an_ablation_goes_on_where_it_was_cut_off(tmp_path):
-    calls = []
-
-    def count(model):
-        calls.append(model)
-        return {"F": model.F}
-
+    CALLS.clear()
     path = tmp_path / "ablation.jsonl"
     first = fl.ablation(MODEL, count, resume=path, workers=2, progress=False)
     whole = path.read_bytes()
     path.write_bytes(b"".join(whole.splitlines(keepends=True)[:6]))
     again = fl.ablation(MODEL, count, resume=path, workers=2, progress=False)
-    assert (len(calls), again.results) == (8 + 3, first.results)
+    assert (len(CALLS), again.results) == (8 + 3, first.results)
     assert path.read_bytes() == whole
     with pytest.raises(
         ValueError, match=r"resume must be a file of the same sweep, .* differs in .*ablation"
@@ -96,7 +99,9 @@ def test_no_flip_and_no_cut_gives_a_wrong_result(whole):
 def test_another_format_or_version_is_refused(whole, monkeypatch):
     content = whole.read_bytes()
     monkeypatch.setattr("frictionlab.analysis.sweeps.journal.__version__", "9.9")
-    with pytest.raises(ValueError, match=r"sweep.jsonl differs in version: give another path, or delete it"):
+    monkeypatch.setattr("frictionlab.analysis.sweeps.journal.PYTHON", "3.99")
+    by_another = r"sweep.jsonl differs in version, by Python 3.\d\d and not 3.99: give another path"
+    with pytest.raises(ValueError, match=by_another):
         swept(whole)
     assert read_journal(whole)[1][0]["F"] == 100.0
     monkeypatch.setattr("frictionlab.analysis.sweeps.journal.FORMAT", 2)

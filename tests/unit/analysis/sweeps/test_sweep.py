@@ -2,12 +2,16 @@
 
 import threading
 import time
+from dataclasses import dataclass, field
 from functools import partial
+from threading import RLock
+from typing import Any
 
 import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.analysis.sweeps.function_name import function_name
 
 MODEL = fl.SliderOnBelt()
 QUIET = {"progress": False}
@@ -148,6 +152,37 @@ def scaled(factor):
     return lambda model: factor * model.F
 
 
+def at_key(factor):
+    def force(model, *, factor=factor):
+        return factor * model.F
+
+    return force
+
+
+def written(docstring):
+    found = {}
+    exec(f"def force(model): '{docstring}'; return model.F", found)
+    return found["force"]
+
+
+def calls_itself(factor):
+    def force(model, again=True):
+        return force(model, False) if again else factor * model.F
+
+    return force
+
+
+@dataclass(frozen=True)
+class Force:
+    factor: Any = field(repr=False)
+
+    def __call__(self, model):
+        return 1.0
+
+    def method(self, model):
+        return 1.0
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [
@@ -155,6 +190,17 @@ def scaled(factor):
         (partial(times, factor=1), partial(times, factor=2)),
         (scaled(1), scaled(2)),
         (fl.ModeFrequency(0), fl.ModeFrequency(1)),
+        (at_key(1), at_key(2)),
+        (calls_itself(1), calls_itself(2)),
+        (Force(1).method, Force(2).method),
+        (Force(lambda m: m.F), Force(lambda m: 2 * m.F)),
+        (Force(np.arange(5000)), Force(np.arange(5000) // 4999)),
+        *(
+            (Force(one), Force(other))
+            for one, other in [([1], [2]), ({0: 1}, {0: 2}), ({"a"}, {"b"}), (b"1", b"2"), (1, True)]
+        ),
+        (Force(MODEL), Force(MODEL.replace(F=1.0))),
+        (Force(RLock()), Force(None)),
     ],
 )
 def test_a_file_of_another_function_of_that_name_is_refused(one, other, tmp_path):
@@ -163,3 +209,21 @@ def test_a_file_of_another_function_of_that_name_is_refused(one, other, tmp_path
     assert fl.sweep(MODEL, one, {"F": [200.0]}, resume=path, **QUIET).results == first
     with pytest.raises(ValueError, match="differs in function: give another path"):
         fl.sweep(MODEL, other, {"F": [200.0]}, resume=path, **QUIET)
+
+
+def test_equal_functions_have_equal_names():
+    """Wherever what they hold is in memory, and in whatever order a set holds it."""
+    one, other = (
+        scaled([some, lambda m: m.F, np.ones(3), MODEL, Force(RLock())]) for some in ({0, 8}, {8, 0})
+    )
+    assert function_name(one) == function_name(other)
+    assert function_name(written("the force")) == function_name(written("the preload"))
+
+
+def test_a_function_whose_closure_is_not_complete_has_a_name():
+    def force(model):
+        return later(model)
+
+    name = function_name(force)
+    later = product
+    assert name != function_name(force)

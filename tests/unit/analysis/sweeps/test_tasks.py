@@ -209,13 +209,16 @@ def test_a_bar_that_stands_still_says_that_no_worker_is_left(monkeypatch):
     assert said == [module.NO_WORKER, ""]
 
 
+CALLS = []
+
+
+def counted(model):
+    CALLS.append(model)
+    return friction(model)
+
+
 def test_shards_are_jobs_of_their_own_and_make_up_the_whole(tmp_path):
-    path, whole, calls = tmp_path / "sweep.jsonl", tmp_path / "whole.jsonl", []
-
-    def counted(model):
-        calls.append(model)
-        return friction(model)
-
+    path, whole = tmp_path / "sweep.jsonl", tmp_path / "whole.jsonl"
     expected = fl.sweep(MODEL, counted, GRID, resume=whole, **QUIET)
     for i in (2, 0):
         part = fl.sweep(MODEL, counted, GRID, shard=(i, 3), resume=path, **QUIET)
@@ -226,9 +229,9 @@ def test_shards_are_jobs_of_their_own_and_make_up_the_whole(tmp_path):
         "sweep.2-of-3.jsonl",
         "whole.jsonl",
     ]
-    calls.clear()
+    CALLS.clear()
     assert fl.sweep(MODEL, counted, GRID, resume=path, **QUIET).to_dataframe().equals(expected.to_dataframe())
-    assert len(calls) == len(range(1, 14, 3))
+    assert len(CALLS) == len(range(1, 14, 3))
     assert path.read_bytes() == whole.read_bytes()
 
 
