@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span, unit_of_state
+from frictionlab.presentation import MAX_ROWS, count, dataframe, shorten, span
 from frictionlab.validation import abbreviate, is_sequence
 
 MAX_KINDS = 6  # kinds of events that a summary counts
@@ -41,7 +41,7 @@ class Events:
     state, before : (E, states) state after and before the reset
     closed : (E,) whether the event closed a Zeno accumulation
     names : names of the states
-    system : the model, which knows their units, or None
+    units : their units, "" where nothing tells them
     """
 
     t: np.ndarray
@@ -52,7 +52,7 @@ class Events:
     before: np.ndarray
     closed: np.ndarray
     names: tuple[str, ...] = ()
-    system: Any = None
+    units: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.t)
@@ -100,8 +100,7 @@ class Events:
         about = {name: getattr(self, name) for name in ("source", "target", "guard", "closed")}
         after = dict(zip(self.names, self.state.T, strict=True))
         before = {f"{name} before": column for name, column in zip(self.names, self.before.T, strict=True)}
-        own = [unit_of_state(self.system, name) for name in self.names]
-        units = dict(zip((*after, *before), (*own, *own)))
+        units = dict(zip((*after, *before), (*self.units, *self.units)))
         return dataframe(about | after | before, {"t": self.t}, {"t": "s"} | units)
 
     def __repr__(self) -> str:

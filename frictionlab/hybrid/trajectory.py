@@ -333,7 +333,7 @@ class Trajectory(Drawable):
             before=raw.event_states[:, 0],
             closed=raw.event_codes[:, 2].astype(bool),
             names=self.names,
-            system=self.source,
+            units=tuple(unit_of_state(self.source, name) for name in self.names),
         )
 
     @property

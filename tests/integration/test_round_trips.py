@@ -217,6 +217,12 @@ def test_a_copied_run_answers_as_the_run_does():
     assert fl.energy_audit(other, progress=False).error == fl.energy_audit(run, progress=False).error
 
 
+def test_events_of_a_class_in_a_function_are_copied():
+    """They carried the model, which pickle finds by its name only."""
+    events = fl.simulate(type("Local", (fl.DenHartog,), {})(), 5.0).events
+    assert pickle.loads(pickle.dumps(events)).units == events.units == ("m", "m/s", "rad")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("start", multiprocessing.get_all_start_methods())
 def test_processes_give_whole_results(start):
