@@ -242,19 +242,11 @@ def order_of_tolerance(tol: float) -> int:
 
 @cache
 def order_of_free_motion(tol: float) -> int:
-    """ceil(14 - 0.4 ln(tol)), or that of the tolerance if it is higher.
+    """ceil(14 - 0.4 ln(tol)).
 
     What a step costs besides its series favours long steps by high orders, if nothing else makes them short.
     """
-    return max(order_of_tolerance(tol), math.ceil(14 - Decimal("0.4") * Decimal(tol).ln()))
-
-
-@lru_cache(maxsize=64)
-def order_for_program(program: Program, tol: float) -> int:
-    """The order that suits runs of a program; higher where nothing but the series makes a step short."""
-    if not program.steps_follow_states:
-        return order_of_tolerance(tol)
-    return max(order_of_tolerance(tol), AFFINE_ORDER) if is_affine(program) else order_of_free_motion(tol)
+    return math.ceil(14 - Decimal("0.4") * Decimal(tol).ln())
 
 
 @explains_fields
@@ -318,7 +310,9 @@ class Taylor(Method):
         return self.order or order_of_tolerance(self.tol)
 
     def order_of(self, program: Program) -> int:
-        return self.order or order_for_program(program, self.tol)
+        if self.order is not None or not program.steps_follow_states:
+            return self.degree
+        return max(self.degree, AFFINE_ORDER if is_affine(program) else order_of_free_motion(self.tol))
 
     def chatter_limit(self, automaton: HybridAutomaton) -> float:
         return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter

@@ -106,6 +106,18 @@ def test_methods_describe_themselves():
     assert fl.Scipy("Radau").describe()["integrator"] == "Radau"
 
 
+@pytest.mark.parametrize(
+    "model", [A, A.without("cubic"), A.without("nonsmooth"), A.without(*A.nonlinearities)]
+)
+def test_a_degree_of_ones_own_is_the_least_order(model):
+    class Higher(fl.Taylor):
+        degree = 33
+
+    run = fl.simulate(model, 0.01, method=Higher())
+    assert run.samples.order == 33
+    assert Higher(order=12).order_of(run.problem.program) == 33
+
+
 # --- ctrl-C
 
 
