@@ -8,16 +8,13 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0
+from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0, with_phase_in_turn
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import REST, Model, ModelOrAutomaton, MovingSystem, automaton_of
-from frictionlab.presentation import PHASE
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
-
-TURN = 2.0 * np.pi  # after which the phase of a load begins anew
 
 
 def initial_state_of(
@@ -38,22 +35,11 @@ def initial_state_of(
 
 
 def _initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
-    start = state_from_x0(automaton, _completed(model, x0, automaton))
+    start = with_phase_in_turn(automaton, state_from_x0(automaton, _completed(model, x0, automaton)))
     if isinstance(model, MechanicalModel):
-        start = with_phase_in_turn(model, start)
         check_masses(model, start)
         return with_law_states(model, start)
     return start
-
-
-def with_phase_in_turn(model: ModelOrAutomaton, states: np.ndarray) -> np.ndarray:
-    """States (..., n) of a model whose phase of a load, if there is one, is at most a turn."""
-    names = automaton_of(model).state_names
-    if not isinstance(model, MechanicalModel) or PHASE not in names:
-        return states
-    states, i = states.copy(), names.index(PHASE)
-    states[..., i] = np.where(states[..., i] > TURN, states[..., i] % TURN, states[..., i])
-    return states
 
 
 def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:

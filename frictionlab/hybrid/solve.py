@@ -26,6 +26,7 @@ from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.interruption import Progress, interruption
+from frictionlab.presentation import PHASE
 from frictionlab.tape.arguments import (
     check_automaton,
     check_section_or_quadrature,
@@ -45,6 +46,7 @@ from frictionlab.validation import (
     float_array,
 )
 
+TURN = 2.0 * np.pi  # after which the phase of a load begins anew
 NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
 LOGGER = logging.getLogger(__name__)
 
@@ -80,7 +82,7 @@ def _method_named(name: str) -> Method | None:
 
 
 class RunOptions(NamedTuple):
-    """Options of a run: the mode it starts in, what it recording, whether it shows its progress, its model.
+    """Options of a run: the mode it starts in, what it records, whether it shows its progress, its model.
 
     The fields are arguments of :func:`solve`.
     """
@@ -131,7 +133,8 @@ def solve(
     t_end : float
         End time in seconds, positive.
     x0 : array_like or mapping
-        Initial values of all states; or of some by name, ``{"x1": 0.1}``, the others zero.
+        Initial values of all states; or of some by name, ``{"x1": 0.1}``, the others zero.  The phase of a
+        load may be beyond a turn, which stands for that within it.
     mode : str or None
         Mode to start in; None takes the first admissible one, as after every event.
     method : "taylor", "rk4", the name of a scipy method, Taylor, RK4, Scipy
@@ -171,7 +174,7 @@ def solve(
     """
     options = RunOptions(mode, t_eval, sections, quadratures, progress, source)
     check_automaton(automaton)
-    start = state_from_x0(automaton, x0)
+    start = with_phase_in_turn(automaton, state_from_x0(automaton, x0))
     return with_warning(run_automaton(automaton, t_end, start, method_of(method), options))
 
 
@@ -284,6 +287,26 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
             raise ValueError(f"x0 has no state {abbreviate(name)}{did_you_mean_or_known(name, names)}")
         state[names.index(name)] = check_number(f"x0[{abbreviate(name)}]", value, cure="give one in SI units")
     return state
+
+
+def with_phase_in_turn(automaton: HybridAutomaton, states: np.ndarray) -> np.ndarray:
+    """States (..., n) whose phase, if an event begins it anew after a turn, is at most that turn."""
+    if PHASE not in automaton.state_names:
+        return states
+    i = automaton.state_names.index(PHASE)
+    beyond = states[..., i] > TURN
+    if not beyond.any() or not _begins_anew(automaton, i):
+        return states
+    states = states.copy()
+    states[..., i] = np.where(beyond, states[..., i] % TURN, states[..., i])
+    return states
+
+
+def _begins_anew(automaton: HybridAutomaton, i: int) -> bool:
+    """Whether an event takes a turn off the state number `i`."""
+    phase: Any = automaton.states[i]
+    jumps = (event.reset.jump.get(phase, phase) for event in automaton.modes[0].events)
+    return any((phase - jump).is_number and float(phase - jump) == TURN for jump in jumps)
 
 
 def state_from_x0(automaton: HybridAutomaton, x0: Any) -> np.ndarray:

@@ -16,12 +16,13 @@ from frictionlab.analysis.basins.attractors import (
     name_attractors,
 )
 from frictionlab.analysis.basins.tasks import run_basin_tasks
-from frictionlab.analysis.initial_states import initial_state_of, with_phase_in_turn
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.hybrid.solve import with_phase_in_turn
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import (
@@ -372,7 +373,7 @@ def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array
     starts[:, [state_names.index(name) for name in names]] = points
     if own:
         starts = np.array([_complete_state(x0(start.copy()), state_names) for start in starts])
-    return with_phase_in_turn(model, starts)
+    return with_phase_in_turn(automaton_of(model), starts)
 
 
 def _complete_state(x0: Any, names: tuple[str, ...]) -> Array:

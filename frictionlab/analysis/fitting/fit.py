@@ -38,7 +38,8 @@ from frictionlab.analysis.fitting.predictions import (
     motion_misfit,
     run_for,
 )
-from frictionlab.analysis.initial_states import initial_state_of, with_phase_in_turn
+from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.hybrid.solve import with_phase_in_turn
 from frictionlab.models.model import (
     ModelOrAutomaton,
     automaton_of,
@@ -431,7 +432,7 @@ def _starts(problem: FitProblem, pieces: Segments, x: Array) -> Array:
     start = problem.start.copy()
     start[list(problem.unknown)] = x[count : count + len(problem.unknown)]
     later = x[count + len(problem.unknown) :].reshape(-1, len(start)) * pieces.size
-    return with_phase_in_turn(problem.model, np.vstack([start, later]))
+    return with_phase_in_turn(automaton_of(problem.model), np.vstack([start, later]))
 
 
 def _result(problem: FitProblem, solution: _Solution, pieces: Segments | None) -> Fit:

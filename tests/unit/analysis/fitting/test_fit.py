@@ -427,8 +427,13 @@ def test_a_phase_begins_anew_after_a_turn():
     model, turn, times = fl.ImpactOscillator(), 2 * np.pi, np.linspace(0.1, 9.0, 60)
     names = model.automaton().state_names
     one, other = (fl.simulate(model, 9.0, x0={"phase": p}, progress=False) for p in (0.4 + 2 * turn, 0.4))
-    assert one.status.ok
-    np.testing.assert_allclose(one.final_state, other.final_state, atol=1e-9)
+    automaton, beyond = model.automaton(), {"phase": 0.4 + 2 * turn}
+    of_automaton = fl.simulate(automaton, 9.0, x0=beyond), fl.solve(automaton, 9.0, x0=beyond, source=model)
+    for each in (one, *of_automaton):
+        np.testing.assert_allclose(each.final_state, other.final_state, atol=1e-9)
+    x, phase = sp.symbols("x phase")  # one that never begins anew
+    free = fl.HybridAutomaton((x, phase), (fl.Mode("on", (sp.cos(phase / 2), sp.S.One)),))
+    assert fl.solve(free, 1.0, x0=[0.0, 7.0]).final_state == pytest.approx([2 * (np.sin(4) - np.sin(3.5)), 8])
     data = fl.TimeRecord(times, {names[0]: other(times)[:, 0]}, error=1e-3)
     found = fl.fit(model, data, ["k"], x0={"phase": 6.1}, unknown=["phase"], segments=4)
     assert found["phase at 0"] == pytest.approx(0.4, abs=1e-6)
