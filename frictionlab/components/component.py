@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from inspect import Parameter as Argument
 from inspect import signature
 from math import isfinite
@@ -257,7 +257,8 @@ class Component:
     Two components are equal when they have the same class and the same values.
 
     A subclass may set the default of an inherited field anew, as ``mu_k = 0.1`` or ``mu_k: float = 0.1``.
-    A parameter keeps its unit, symbol, meaning, bounds and range.
+    A parameter keeps its unit, symbol, meaning, bounds and range.  Of several bases the first that sets it
+    counts, as for any attribute.
     """
 
     def __init_subclass__(cls, **given: Any) -> None:
@@ -315,18 +316,44 @@ def _keep_metadata(cls: type) -> None:
     Raises
     ------
     TypeError, ValueError
-        If the default of a parameter is no number, or out of its bounds.
+        If the default of a parameter is no number, or out of its bounds; if a property takes a field's place.
     """
     if "__dataclass_fields__" in vars(cls):  # dataclass(slots=True) makes the class a second time
         return
     own, roles = get_annotations(cls), getattr(cls, "roles", {})
     for name, inherited in inherited_fields(cls).items():
-        value, about = vars(cls).get(name, inherited.default), parameter_of_field(inherited)
-        if name not in own and name in vars(cls):
+        value, about = _nearest_value(cls, inherited), parameter_of_field(inherited)
+        if name not in own and value is inherited:
+            continue
+        if isinstance(value, property | cached_property):
+            raise TypeError(
+                f"{name} of {cls.__name__} must be a value, as it is a field of its base, got a property: "
+                f"write {name} = ..., or give the property another name"
+            )
+        if name not in own:
             cls.__annotations__ = own = own | {name: float if about else roles.get(name, Any)}
-        if name in own and about and not isinstance(value, dataclasses.Field | type(dataclasses.MISSING)):
-            about = dataclasses.replace(about, default=check_value(name, value, about))
-            setattr(cls, name, dataclasses.field(default=about.default, metadata={METADATA_KEY: about}))
+        if about and not isinstance(vars(cls).get(name), dataclasses.Field):
+            _set_default(cls, name, value, about)
+
+
+def _set_default(cls: type, name: str, value: Any, about: Parameter) -> None:
+    """Set a default, or that of a field, of a parameter anew, as a field that keeps what is known of it."""
+    if isinstance(value, dataclasses.Field):
+        value, about = value.default, value.metadata.get(METADATA_KEY, about)
+    if value is not dataclasses.MISSING:
+        about = dataclasses.replace(about, default=check_value(name, value, about))
+        setattr(cls, name, dataclasses.field(default=about.default, metadata={METADATA_KEY: about}))
+
+
+def _nearest_value(cls: type, inherited: dataclasses.Field[Any]) -> Any:
+    """What the nearest class that sets a field gives it: a value, or for a dataclass the field itself."""
+    for kind in cls.__mro__:
+        if "__dataclass_fields__" in vars(kind):
+            if inherited.name in get_annotations(kind):
+                return vars(kind)["__dataclass_fields__"][inherited.name]
+        elif inherited.name in vars(kind):
+            return vars(kind)[inherited.name]
+    return inherited
 
 
 def inherited_fields(cls: type) -> dict[str, dataclasses.Field[Any]]:

@@ -152,13 +152,19 @@ def parameter_owners(cls: type, components: Mapping[str, Component]) -> dict[str
                 )
             if hasattr(cls, name):
                 law = type(component).__name__
+                cure = f"write {role} = {law}({name}=...), or rename it"
                 raise ValueError(
                     f"{name!r} of {cls.__name__} must not hide the parameter of {law}: "
-                    f"write {role} = {law}({name}=...), or rename it"
+                    + (cure if is_number_of_class(cls, name) else f"rename that of {law}")
                 )
             taken.add(name)
             owners[name] = role
     return owners
+
+
+def is_number_of_class(cls: type, name: str) -> bool:
+    """Whether what a class and its bases have under a name are numbers and fields, if it is anything."""
+    return all(isinstance(vars(kind).get(name, 0), Real | dataclasses.Field) for kind in cls.__mro__)
 
 
 def parameter_unit(model: ModelOrAutomaton, name: str) -> str:
@@ -254,7 +260,8 @@ def where_it_is(name: Any, cls: Any, components: Mapping[str, Component]) -> str
     """The end of a message: the class has a constant of the name, or a law the parameter; else empty."""
     if not isinstance(name, str):
         return ""
-    if isinstance(constant := getattr(cls, name, None), Real):
+    constant = getattr(cls, name, None)
+    if isinstance(constant, Real) and not isinstance(constant, bool):
         return f", but a constant: write {name}: float = {constant!r} in the class"
     for role, base in cls.roles.items():
         for kind in base.__subclasses__():

@@ -34,6 +34,7 @@ from .composition import (
     Nonlinearity,
     ParameterTable,
     check_component,
+    is_number_of_class,
     model_signature,
     nonlinearities_of,
     parameter_owners,
@@ -369,12 +370,14 @@ class Model(Component):
         return component_from_dict(data, cls)
 
     def __getattr__(self, name: str) -> Any:
-        # Called only for names that are no fields: a component's parameter, as model.mu_k.
+        # Called for a component's parameter, as model.mu_k, and where a property raises AttributeError.
         if not name.startswith("_"):
             for role in type(self).roles:
                 component = self.__dict__.get(role)
                 if component is not None and name in parameters_of(type(component)):
                     return getattr(component, name)
+        if hasattr(type(self), name):  # a property failed: its error says why
+            return object.__getattribute__(self, name)
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __dir__(self) -> list[str]:
@@ -435,7 +438,7 @@ def model(cls: type[M]) -> type[M]:
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
     _order_parameters(cls, inherited)
     for name in parameters_of(cls):
-        if name != "period" and any(hasattr(vars(kind).get(name), "__get__") for kind in cls.__mro__):
+        if name != "period" and not is_number_of_class(cls, name):
             raise TypeError(
                 f"a parameter of {cls.__name__} must not be named like the model's own {name!r}: rename it"
             )

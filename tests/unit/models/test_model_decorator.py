@@ -106,6 +106,41 @@ def test_a_default_set_anew_keeps_what_is_known_of_the_parameter():
     assert parameters_of(Slippery)["mu_k"].meaning == "coefficient of kinetic friction"
 
 
+class Undecorated(fl.MassOnBelt):
+    m = 2.0
+    friction = fl.Stribeck()
+
+
+class Mixin:
+    m = 2.0
+    friction = fl.Stribeck()
+
+
+@pytest.mark.parametrize(
+    "bases", [(Undecorated,), (Mixin, fl.MassOnBelt), (fl.model(type("Plain", (fl.MassOnBelt,), {})), Other)]
+)
+def test_a_default_is_that_of_the_nearest_base_that_sets_it(bases):
+    cls = fl.model(type("Mine", bases, {}))
+    assert (cls().m, cls.m, cls().friction) == (2.0, 2.0, fl.Stribeck())
+    assert parameters_of(cls)["m"].unit == "kg"
+    law = dataclass(frozen=True)(type("Law", (type("Base", (fl.Coulomb,), {"mu_k": 0.2}),), {}))
+    assert (law(), law.mu_k) == (law(mu_k=0.2), 0.2)
+
+
+def test_the_error_of_a_property_says_why_it_failed():
+    """It was told as a name that the model does not have."""
+
+    @fl.model
+    class Mine(fl.MechanicalModel):
+        coordinates = ("phi",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.phy**2 / 2)
+
+    with pytest.raises(AttributeError, match="did you mean 'phi'"):
+        Mine().describe()
+
+
 def test_annotations_may_be_texts_of_a_function():
     law = fl.Stribeck
 
@@ -200,7 +235,9 @@ def of_functions(function):
         (lambda: anew(m=2.0)()(), "Mine has fields that are not known as parameters: write @fl.model"),
         (lambda: fl.model(anew(u=0.5)())(u=1), r"Mine has no parameter 'u', but .* write u: float = 0\.5 in"),
         (anew(fl.MassOnBelt, m="x"), r"m must be one real number, got 'x' .* \(its default is 1 kg"),
-        (anew(fl.MassOnBelt, m=property(abs)), "m must be one real number, got <property"),
+        (anew(fl.MassOnBelt, m=property(abs)), "m of Mine must be a value, .* got a property: write m = "),
+        (anew(fl.ModularChain, masses=property(abs)), "masses of Mine must be a value, .* got a property"),
+        (lambda: fl.model(anew(flag=True)())(flag=False), "Mine has no parameter 'flag': known are"),
         (lambda: fl.model(anew(friction=3)()), "the default of friction in Mine must be a FrictionLaw"),
         (an_unknown_annotation, "the annotation of friction in Mine must name a kind of law, got 'Nowhere'"),
         (no_default, "the default of impact in Mine must be a ImpactLaw, got None"),
@@ -236,8 +273,8 @@ def test_coordinates_have_names_of_their_own(names):
         Mine()
 
 
-@pytest.mark.parametrize("name", ["replace", "release", "parameters", "equations"])
-def test_a_parameter_does_not_hide_a_method(name):
+@pytest.mark.parametrize("name", ["replace", "parameters", "equations", "states", "statics", "interface"])
+def test_a_parameter_does_not_hide_what_a_model_has(name):
     with pytest.raises(TypeError, match=f"must not be named like the model's own '{name}': rename it"):
         fl.model(type("Mine", (fl.MechanicalModel,), {"__annotations__": {name: "float"}, name: 1.0}))
 
@@ -259,6 +296,15 @@ def test_a_parameter_of_a_law_is_set_in_the_law():
     """Else model.mu_k was one number, and friction had another."""
     with pytest.raises(ValueError, match=r"must not hide .* of Coulomb: write friction = Coulomb\(mu_k="):
         fl.model(anew(fl.MassOnBelt, mu_k=0.4)())()
+
+
+@pytest.mark.parametrize("name", ["period", "sound"])
+def test_a_parameter_of_a_law_is_not_named_like_what_a_model_has(name):
+    law = dataclass(frozen=True)(
+        type("Law", (fl.FrictionLaw,), {"__annotations__": {name: float}, name: 1.0})
+    )
+    with pytest.raises(ValueError, match=f"'{name}' of Mine must not hide .* of Law: rename that of Law"):
+        fl.model(anew(friction=law(), period=3.0)())()
 
 
 def test_coordinates_are_as_many_as_a_field_says():
