@@ -71,7 +71,6 @@ from frictionlab.plotting.time_histories import (
     MovingPeriods,
     Window,
     check_run,
-    check_run_with_coordinates,
     check_run_with_two_states,
     force_outputs,
     plot_contact_forces,
@@ -430,12 +429,12 @@ def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = 
     """Draw a run: displacements and contact forces against time, phase plane and spectrum of a coordinate.
 
     Phase plane and spectrum are of the first coordinate.  Without contact forces
-    the rates are drawn instead.
+    the rates are drawn instead.  Of an automaton without coordinates the states are drawn, and one against
+    the next if there are two.
 
     Parameters
     ----------
     run : Trajectory
-        Of a model, or of an automaton with coordinates.
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
     window : float, (float, float) or None
@@ -445,8 +444,8 @@ def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = 
     Returns
     -------
     Figure
-        Its axes are displacements, phase plane, forces, spectrum, in this order; where an angle has an axis
-        beside the displacements, that comes last.  A notebook shows the figure.
+        Its axes are displacements, phase plane, forces, spectrum, in this order, those that there are; where
+        an angle has an axis beside the displacements, that comes last.  A notebook shows the figure.
 
     Examples
     --------
@@ -455,27 +454,35 @@ def plot_run(run: Trajectory, figure: Figure | None = None, *, window: Window = 
     >>> [ax.get_xlabel() for ax in figure.axes[:4]]
     ['time (s)', '$x_{1}$ (m)', 'time (s)', 'frequency (Hz)']
     """
-    check_run_with_coordinates(run)
+    check_run(run)
     check_figure(figure)
     own = figure is None
     figure = new_figure(*SIZE) if figure is None else figure
-    panels = figure.subplots(2, 2, width_ratios=(1.5, 1))
-    (displacements, phase), (forces, spectrum) = panels
+    panels = figure.subplot_mosaic(_places(run), width_ratios=(1.5, 1))
+    displacements, phase = panels["displacements"], panels.get("phase plane")
     coordinates = plot_displacements(run, displacements, window=window)
-    plot_phase_plane(run, phase)
-    draw = plot_contact_forces if force_outputs(run.automaton, run.source) else plot_rates
-    contact = draw(run, forces, window=window)
-    plot_spectrum(run, spectrum)
     # An angle has its axis next to the panel; the legends stand to the right of it.
     right = 1.0 + 0.17 * crowding() if any(line.axes is not displacements for line in coordinates) else 1.0
     _legend_right_of(displacements, coordinates, right)
-    _legend_right_of(forces, contact, right)
-    for ax in panels.flat:
+    if phase is not None:
+        plot_phase_plane(run, phase)
+    if "forces" in panels:
+        draw = plot_contact_forces if force_outputs(run.automaton, run.source) else plot_rates
+        _legend_right_of(panels["forces"], draw(run, panels["forces"], window=window), right)
+    plot_spectrum(run, panels["spectrum"])
+    for ax in panels.values():
         # In panels this wide no title meets the power of ten above an axis: to check takes 10 % of the time.
         place = {"y": 1.0} if own and ax is not phase else {}
         ax.set_title(ax.get_title(), fontsize=font_size(FONT_SIZE + 1) / crowding(), **place)
     _title(figure, run)
     return figure
+
+
+def _places(run: Trajectory) -> list[Any]:
+    """Which panels there are of a run, and where: one that has no partner takes its place too."""
+    has_lower = run.automaton.coordinates or force_outputs(run.automaton, run.source)
+    beside = "phase plane" if len(run.names) > 1 else "spectrum"
+    return [["displacements", beside], ["forces" if has_lower else "displacements", "spectrum"]]
 
 
 def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:

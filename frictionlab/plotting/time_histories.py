@@ -82,13 +82,6 @@ Window = float | tuple[float, float] | Periods | None
 DEFAULT_WINDOW = MovingPeriods(7.5)  # 0.75 s of the slider on a belt
 
 
-def check_run_with_coordinates(run: Trajectory) -> None:
-    """Raise TypeError unless it is a run, ValueError unless its automaton has coordinates."""
-    check_run(run)
-    if not run.automaton.coordinates:
-        raise ValueError("run must be of an automaton with coordinates, got none: plot run.t and run.states")
-
-
 def check_run_with_two_states(run: Trajectory) -> None:
     """Raise TypeError unless it is a run, ValueError unless it has two states, as a phase plane needs."""
     check_run(run)

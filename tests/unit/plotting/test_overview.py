@@ -64,9 +64,18 @@ def test_an_automaton_without_contact_forces_shows_its_rates():
     run = fl.solve(automaton, 1.0, x0=[1.0, 0.0], progress=False)
     assert np.isclose(run.final_state[0], 0.5)
     assert fl.plot_run(run).axes[2].get_ylabel() == "rate"  # of which nothing tells the unit
-    run = fl.solve(fl.HybridAutomaton((h, w), (mode,)), 1.0, x0=[1.0, 0.0], progress=False)
-    with pytest.raises(ValueError, match="must be of an automaton with coordinates"):
-        fl.plot_run(run)
+
+
+def test_an_automaton_without_coordinates_shows_its_states():
+    u, w = sp.symbols("u w")
+    both = fl.HybridAutomaton((u, w), (fl.Mode("on", (w, -u)),))
+    run = fl.solve(both, 20.0, x0=[1.0, 0.0], progress=False)
+    states, plane, _ = drawn(run).axes
+    for line, x in zip(states.lines, (np.cos, lambda t: -np.sin(t)), strict=True):
+        assert line.get_ydata() == pytest.approx(x(line.get_xdata()), abs=1e-12)
+    assert (plane.get_xlabel(), plane.get_ylabel()) == ("$u$", "$w$")
+    one = fl.solve(fl.HybridAutomaton((u,), (fl.Mode("on", (-u,)),)), 1.0, x0=[1.0], progress=False)
+    assert [ax.get_xlabel() for ax in drawn(one).axes] == ["time (s)", "frequency (Hz)"]
 
 
 def test_a_cyclic_coordinate_whose_rate_has_any_name_has_the_spectrum_of_that_rate():
