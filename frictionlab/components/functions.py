@@ -140,12 +140,17 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
         return Pieces(x, *borders, *values)
     import numpy
 
-    sides = [numpy.isnan(x), *(numpy.less(x, one) for one in borders)]
-    return _plain(numpy.select(sides, [numpy.nan, *values[:-1]], values[-1]))
+    chosen = numpy.select([numpy.less(x, one) for one in borders], values[:-1], values[-1])
+    missing = numpy.isnan(x)
+    return _plain(numpy.where(missing, numpy.nan, chosen) if missing.any() else chosen)
 
 
 def _are_expressions(*arguments: Any) -> bool:
     return any(hasattr(one, "free_symbols") for one in arguments)
+
+
+def _is_number_of_sympy(value: Any) -> bool:
+    return hasattr(value, "free_symbols") and not value.free_symbols
 
 
 def _number_or_expression(name: str, value: Any) -> Any:
@@ -231,11 +236,16 @@ def interpolate(x: Any, xs: Sequence[Any], ys: Sequence[Any], kind: str = "pchip
             f"ys must be as many as xs, and two at least, got {len(ys)} and {len(xs)}: give a point for each"
         )
     steps = [after - before for before, after in pairwise(xs)]
-    if any(not step > 0 for step in steps if not _are_expressions(step)):
+    if not all(
+        step.is_positive if _is_number_of_sympy(step) else _are_expressions(step) or step > 0
+        for step in steps
+    ):
         raise ValueError(f"xs must ascend, got {abbreviate(xs)}: sort the points by x, and leave out doubles")
     import numpy
 
-    if not all(_are_expressions(y) or numpy.isfinite(y).all() for y in ys):
+    if not all(
+        y.is_real if _is_number_of_sympy(y) else _are_expressions(y) or numpy.isfinite(y).all() for y in ys
+    ):
         raise ValueError(f"ys must be finite numbers, got {abbreviate(ys)}: leave out points without a value")
     chords = [(after - before) / step for before, after, step in zip(ys, ys[1:], steps)]
     if kind == "linear" or len(xs) == 2:

@@ -558,6 +558,11 @@ def test_a_side_has_the_equations_of_all_sides():
             lambda: fl.table(0.3, {0: 1, 2: float("nan")}),
             "ys must be finite numbers, got .* leave out points",
         ),
+        *(
+            (lambda y=y: functions.interpolate(1.5, (0, 1, 2), (1, y, 2)), "ys must be finite numbers")
+            for y in (sympy.nan, sympy.oo)
+        ),
+        (lambda: functions.interpolate(1.5, (0, sympy.Rational(1, 2), 0.25), (1, 2, 3)), "xs must ascend"),
     ],
 )
 def test_bad_arguments_of_functions_get_one_error(make, message):
@@ -569,6 +574,7 @@ def test_a_missing_number_has_no_side():
     x = np.array([np.nan, -1.0, 0.5])
     assert np.isnan(functions.piecewise(float("nan"), (0.0,), (1, 2)))
     np.testing.assert_array_equal(functions.interpolate(x, (0, 1), (0, 2)), [np.nan, 0.0, 1.0])
+    assert isinstance(functions.piecewise(1, (1,), (1, 2)), int)  # where none is missing
 
 
 def in_potential(energy, *coordinates):
