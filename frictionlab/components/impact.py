@@ -34,7 +34,7 @@ class ImpactLaw(Component):
 
     def reduced(self) -> ImpactLaw:
         """A simpler law that this one equals at its values (a restitution of 0 is a plastic impact); else the
-        law itself.  Its parameters are some of this law's."""
+        law itself.  Its parameters are some of this law's, with the same values."""
         return self
 
     @property
@@ -44,10 +44,10 @@ class ImpactLaw(Component):
         if reduced is self:
             return super().structure_key
         for name in parameters_of(type(reduced)):
-            if name not in parameters_of(type(self)):
+            if name not in parameters_of(type(self)) or getattr(reduced, name) != getattr(self, name):
                 raise ValueError(
-                    f"reduced() of {type(self).__name__} must return a law with no parameters but its own, "
-                    f"got {reduced!r} with {name}: give both the same names"
+                    f"reduced() of {type(self).__name__} must return a law with its own parameters and "
+                    f"values, got {reduced!r} with another {name}: give both the same"
                 )
         return reduced.structure_key
 

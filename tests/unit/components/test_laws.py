@@ -93,13 +93,17 @@ class SoftImpact(RestitutionImpact):
         return (1 + self.e) * penetration_rate / (2 * compliance)
 
     def reduced(self):
-        return FrictionalImpact() if self.e == 1 else super().reduced()
+        others = {1.0: FrictionalImpact(e=1.0), 0.5: RestitutionImpact(e=0.25)}
+        return others.get(self.e) or super().reduced()
 
 
 def test_an_impulse_of_its_own_stays_without_restitution():
     assert SoftImpact(e=0.0).reduced() == SoftImpact(e=0.0)
-    with pytest.raises(ValueError, match=r"reduced\(\) of SoftImpact must .* its own, got .* with mu_i"):
-        _ = SoftImpact(e=1.0).structure_key
+    for e, other in ((1.0, "mu_i"), (0.5, "e")):
+        with pytest.raises(
+            ValueError, match=rf"reduced\(\) of SoftImpact must return .* with another {other}: give"
+        ):
+            _ = SoftImpact(e=e).structure_key
 
 
 def test_impacts_refuse_what_they_do_not_know():
