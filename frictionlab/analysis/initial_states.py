@@ -10,6 +10,7 @@ import numpy as np
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0, with_phase_in_turn
 from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.law_coefficients import check_law_coefficients
 from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import REST, Model, ModelOrAutomaton, MovingSystem, automaton_of
@@ -38,6 +39,7 @@ def _initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton)
     start = with_phase_in_turn(automaton, state_from_x0(automaton, _completed(model, x0, automaton)))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
+        check_law_coefficients(model, start)
         return with_law_states(model, start)
     return start
 

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, fields
 from enum import Enum
 from functools import cache, cached_property, partial
@@ -274,12 +276,16 @@ class Component:
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        known, expressions = parameters_of(type(self)), expressions_of(self)
-        for name in known.keys() - expressions.keys():
-            object.__setattr__(self, name, check_value(name, getattr(self, name), known[name]))
+        laws = _LAWS_OF_EXPRESSIONS.get()
+        expressions = {} if laws is None or hasattr(self, "roles") else expressions_of(self)
+        for name, about in parameters_of(type(self)).items():
+            if name not in expressions:
+                object.__setattr__(self, name, check_value(name, getattr(self, name), about))
         for name in structure_of(type(self)):
             _check_structure(type(self).__name__, name, getattr(self, name))
-        if not expressions:
+        if laws is not None and expressions:
+            laws.append(self)
+        else:
             self.check()
 
     def check(self) -> None:
@@ -302,10 +308,26 @@ class Component:
         return f"{type(self).__name__}({', '.join(values)})"
 
 
+_LAWS_OF_EXPRESSIONS: ContextVar[list[Component] | None] = ContextVar("laws of expressions", default=None)
+
+
+@contextmanager
+def laws_of_expressions() -> Iterator[list[Component]]:
+    """A place where laws may be made of expressions, which is `mechanics`, and the laws that are made so.
+
+    Rules for their values are checked where these are known.
+    """
+    laws = _LAWS_OF_EXPRESSIONS.get()
+    laws = [] if laws is None else laws
+    token = _LAWS_OF_EXPRESSIONS.set(laws)
+    try:
+        yield laws
+    finally:
+        _LAWS_OF_EXPRESSIONS.reset(token)
+
+
 def expressions_of(component: Component) -> dict[str, Any]:
-    """Parameters of a law that are expressions, as those of one that is made in `mechanics` may be."""
-    if hasattr(component, "roles"):  # a model's are numbers
-        return {}
+    """Parameters of a law that are expressions, by name."""
     values = {name: getattr(component, name) for name in parameters_of(type(component))}
     return {name: value for name, value in values.items() if getattr(value, "free_symbols", None)}
 

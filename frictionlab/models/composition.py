@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any
 from frictionlab.components.component import (
     Component,
     Parameter,
-    check_value,
-    expressions_of,
     get_annotations,
     is_decorated,
     parameters_of,
@@ -214,11 +212,8 @@ def check_component(role: str, base: type, component: object) -> Component:
 
 
 def with_values(component: Component, values: Mapping[str, float]) -> Component:
-    """The component with these values of parameters, which are numbers beside a model."""
-    changed = dataclasses.replace(component, **values) if values else component
-    for name, value in expressions_of(changed).items():
-        check_value(name, value, parameters_of(type(changed))[name])  # raises
-    return changed
+    """The component with these values of parameters."""
+    return dataclasses.replace(component, **values) if values else component
 
 
 def model_signature(cls: type, components: Mapping[str, Component]) -> inspect.Signature:

@@ -15,7 +15,7 @@ import sympy
 
 from frictionlab.automaton import Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
-from frictionlab.components.component import StructureKey
+from frictionlab.components.component import Component, StructureKey, laws_of_expressions
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import expand_products, gradient, symbol
@@ -87,6 +87,7 @@ class LagrangeSystem:
     further: tuple[Any, ...] = ()
     of_laws: tuple[tuple[Any, ...], ...] = ()
     time: tuple[Any, ...] = ()
+    laws_of_expressions: tuple[Component, ...] = ()
 
     @cached_property
     def inverse(self) -> Any:
@@ -401,9 +402,10 @@ def system_of(key: StructureKey) -> LagrangeSystem:
 def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names, further = model.coordinates, tuple(map(symbol, model.states))
-    about, time = _stated(model, q, v, further), time_of(model)
+    with laws_of_expressions() as laws:
+        about, time = _stated(model, q, v, further), time_of(model)
     time = tuple(one for one in time if isinstance(about, Mechanics) and about.depends_on(one))
-    about = check_mechanics(about, model, q, v)
+    about = check_mechanics(about, model, q, v, laws)
     about = with_dampers(about, q, v, time)
     about = _in_regimes(about, model, (*q, *v, symbol(PHASE), *time, *further))
     about, momenta, mass = mass_matrix(about, model, v)
@@ -415,7 +417,8 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v, time)
     of_laws = tuple(tuple(map(symbol, some)) for some in about.law_states)
     check_alone(about, type(model).__name__, v)
-    return LagrangeSystem(about, tuple(q), tuple(v), mass, internal, loads, further, of_laws, time)
+    q, v, laws = tuple(q), tuple(v), tuple(laws)
+    return LagrangeSystem(about, q, v, mass, internal, loads, further, of_laws, time, laws)
 
 
 def time_of(model: MechanicalModel) -> tuple[Any, ...]:

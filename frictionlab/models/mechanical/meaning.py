@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 
 from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
+from frictionlab.components.component import Component, expressions_of
 from frictionlab.models.symbols import expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, did_you_mean_or_known
@@ -30,8 +31,10 @@ if TYPE_CHECKING:
 NO_VALUES = sympy.nan, sympy.zoo, sympy.oo, -sympy.oo, sympy.I
 
 
-def check_mechanics(about: Any, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Mechanics:
-    """The energies, loads and contacts that a model states, as expressions.
+def check_mechanics(
+    about: Any, model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], laws: Sequence[Component]
+) -> Mechanics:
+    """The energies, loads and contacts that a model states, as expressions; `laws` are those made of such.
 
     Raises
     ------
@@ -52,6 +55,9 @@ def check_mechanics(about: Any, model: MechanicalModel, q: Sequence[Any], v: Seq
         )
     check = _Check(of, model, about.frequency is not None, q, v)
     check.expression("frequency", about.frequency, ())
+    for law in laws:
+        for name, given in expressions_of(law).items():
+            check.expression(f"{name} of the {type(law).__name__}", given)
     stored = "what a further state does to a body is a load"
     check.free("kinetic", about.kinetic, check.further, stored)
     potential = about.potential if isinstance(about.potential, Mapping) else {"potential": about.potential}

@@ -129,11 +129,13 @@ class MechanicalModel(Model):
     def _check_mechanics(self) -> None:
         # They need numpy, which a command's help does without.
         from .borders_of_pieces import check_borders
+        from .law_coefficients import check_law_coefficients
         from .limits import check_dampers
         from .masses import check_masses
 
         check_masses(self)
         check_dampers(self)
+        check_law_coefficients(self)
         check_contacts(self)
         check_borders(self)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from frictionlab.automaton.mode import check_elements
+from frictionlab.components.component import Component, expressions_of, laws_of_expressions
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
@@ -306,6 +307,10 @@ class Mechanics:
             else:
                 given += [contact.pressing, contact.penetration, *(contact.normal or ())]
                 given += [contact.damping] if isinstance(contact, Contact) else contact.velocities
+            parts = (getattr(contact, about.name) for about in fields(contact))
+            given += [
+                each for law in parts if isinstance(law, Component) for each in expressions_of(law).values()
+            ]
         return any(symbol in getattr(one, "free_symbols", ()) for one in given)
 
     @property
@@ -340,7 +345,8 @@ def mechanics_at(
     clock = {} if "t" in model.structure_key.parameters else {"t": time}  # a parameter may have the name
     at = _Named(model.coordinates, q, phase=phase, **clock)
     moving, others = _Named(model.coordinates, v), _Named(model.states, further)
-    return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)
+    with laws_of_expressions():
+        return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)
 
 
 def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:

@@ -307,6 +307,52 @@ def test_a_coefficient_of_friction_may_be_an_expression_in_mechanics_and_nowhere
     x = orbit.trajectory(np.linspace(0.0, orbit.period, 4001))[:, 0]
     assert np.ptp(x) / 2 == pytest.approx(exact, rel=1e-6)
     fl.testing.check_model(model)
-    for given in ({"mu_k": sympy.Symbol("b")}, {"friction": fl.Coulomb(mu_k=sympy.Symbol("b"))}):
+    b = sympy.Symbol("b")
+    for make in (fl.MassOnBelt, fl.Coulomb, lambda mu_k: fl.BeamOnBelt(friction=fl.Coulomb(mu_k, 0.1))):
         with pytest.raises(TypeError, match="mu_k must be one real number, got b"):
-            fl.MassOnBelt(**given)
+            make(mu_k=b)
+
+
+@fl.model
+class MadeLaw(fl.MechanicalModel):
+    """A mass on a belt, and above a stop, with a law that a function makes of mu, q and functions."""
+
+    mu: float = 0.5
+    law: object = None
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        law = self.law(self.mu, q, fl.functions)
+        if isinstance(law, fl.ImpactLaw):
+            contact = fl.Stop(q.x, law)
+        elif isinstance(law, fl.FrictionLaw):
+            contact = fl.Friction(3.0 - v.x, 1.5, law)
+        else:
+            contact = fl.Contact(q.x, law.force)
+        return fl.Mechanics(v.x**2 / 2, contacts=(contact,), frequency=1.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "x", "message"),
+    [
+        (lambda mu, q, f: fl.Coulomb(mu - 1, mu), 1.0, "mu_k must be at least 0, got -0.5"),
+        (lambda mu, q, f: fl.Coulomb(2 * mu, mu), 1.0, "mu_s must be at least mu_k"),
+        (lambda mu, q, f: fl.ExponentialDecay(0.5, 0.1, v_s=mu), 1.0, "mu_s must be at least mu_k"),
+        (lambda mu, q, f: fl.Coulomb(mu * (1 + 3 * f.sin(q.phase)), 2), 1.0, "mu_k must be .* phase = 3.53"),
+        (lambda mu, q, f: fl.ExponentialDecay(0.5, 0.1, v_s=q.x**2), 1.0, "mu_s must be at least mu_k"),
+        (lambda mu, q, f: fl.Coulomb(q.x, 3), -1.0, r"mu_k must be at least 0, got -1.* mu_k = x, .* x = -1"),
+        (lambda mu, q, f: fl.Coulomb(sympy.Symbol("b"), 3), 1.0, "mu_k of the Coulomb .* depend on b"),
+        (lambda mu, q, f: fl.RestitutionImpact(3 * mu), 1.0, "e must be at most 1, got 1.5"),
+        (lambda mu, q, f: fl.LinearContact(-mu), 1.0, "k2 must be at least 0, got -0.5"),
+    ],
+)
+def test_rules_of_laws_hold_for_expressions_too(law, x, message):
+    model = MadeLaw(law=law)
+    with pytest.raises(ValueError, match=message):
+        fl.simulate(model, 1.0, x0={"x": x}, progress=False)
+
+
+def test_a_coefficient_of_friction_may_change_in_time():
+    model = MadeLaw(law=lambda mu, q, f: fl.Coulomb(fl.ramp(q.t, mu, 2 * mu, 4.0), 2 * mu))
+    run = fl.simulate(model, 1.0, progress=False)
+    assert run["x'"][-1] == pytest.approx(1.5 * model.mu * (1 + 1 / 8), rel=1e-12)

@@ -1,0 +1,92 @@
+"""Whether laws that `mechanics` makes of expressions keep their rules at the values of a model's parameters.
+
+Coefficients that depend on parameters are checked before a run, those that depend on the phase all along a
+period.  Those that depend on place, speed, time or further states may be admissible in some places only, so
+they are checked where a run begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from frictionlab.components.component import Component, StructureKey, expressions_of
+from frictionlab.models.kept_structures import derivations_of
+from frictionlab.presentation import PHASE
+from frictionlab.tape.formulas import Formulas, formulas_of
+
+if TYPE_CHECKING:
+    from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
+PHASES = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+DIGITS = 12  # of values that are compared; the last ones of a float are rounding
+
+
+class LawOfExpressions(NamedTuple):
+    """A law, and its coefficients as formulas of parameters and states.
+
+    Parameters
+    ----------
+    law : Component
+    inputs : tuple of str
+        Names of the parameters and the states.
+    coefficients : Formulas
+    """
+
+    law: Component
+    inputs: tuple[str, ...]
+    coefficients: Formulas
+
+
+def check_law_coefficients(model: MechanicalModel, start: Any = None) -> None:
+    """Raise ValueError where a law that `mechanics` makes has coefficients that break one of its rules.
+
+    Without `start`, a state, laws are checked that depend on parameters and phase only; with it the others.
+    """
+    key = model.structure_key
+    if not derivations_of(key).value("laws of expressions", lambda: bool(_laws(key)[0])):
+        return
+    laws, states = _laws(key)
+    for one in laws:
+        there = {*one.inputs}.intersection(states)
+        if (start is None) != (there <= {PHASE}):
+            continue
+        state = {PHASE: PHASES if there else 0.0} if start is None else dict(zip(states, start, strict=True))
+        _check(model, one, {**state, **model.parameters})
+
+
+def _check(model: MechanicalModel, one: LawOfExpressions, values: Mapping[str, Any]) -> None:
+    expressions = expressions_of(one.law)
+    inputs = [values[name] for name in one.inputs]
+    with np.errstate(all="ignore"):
+        rows = np.broadcast_arrays(*one.coefficients.arrays(*inputs), *inputs, np.zeros(1))
+    for row in zip(*(each.tolist() for each in rows), strict=True):
+        numbers = [float(f"{each:.{DIGITS}g}") for each in row[: len(expressions)]]
+        try:
+            replace(one.law, **dict(zip(expressions, numbers, strict=True)))
+        except ValueError as error:
+            law, of = type(one.law).__name__, type(model).__name__
+            given = ", ".join(f"{name} = {each}" for name, each in expressions.items())
+            at = zip(one.inputs, row[len(expressions) :])
+            where = ", ".join(f"{name} = {each:g}" for name, each in at)
+            raise ValueError(
+                f"{error}; the {law} in mechanics of {of} has {given}, here at {where}: change these, or "
+                "refuse such values of parameters by fl.parameter(..., minimum=...)"
+            ) from None
+
+
+@cache
+def _laws(key: StructureKey) -> tuple[list[LawOfExpressions], list[str]]:
+    """The laws that `mechanics` makes of expressions, and the names of the states."""
+    from .equations_of_motion import system_of
+
+    system, laws = system_of(key), []
+    for law in system.laws_of_expressions:
+        given = [*expressions_of(law).values()]
+        inputs = sorted({each for one in given for each in one.free_symbols}, key=str)
+        laws.append(LawOfExpressions(law, tuple(map(str, inputs)), formulas_of(inputs, given)))
+    return laws, [str(one) for one in system.states]
