@@ -64,13 +64,15 @@ class EquilibriumProblem:
 
     def at(self, changes: Mapping[str, Any]) -> tuple[tuple[Any, ...], int]:
         """The values with some changed to arrays (N,), and N."""
-        for name in changes:
+        values: list[Any] = list(self.values)
+        lengths: list[int] = []
+        for name, numbers in changes.items():
             if name not in self.parameter_names:
                 check_varied(self.model, name)
-        arrays = {name: np.asarray(values, dtype=float).ravel() for name, values in changes.items()}
-        count = max((len(a) for a in arrays.values()), default=1)
-        pairs = zip(self.parameter_names, self.values, strict=True)
-        return tuple(arrays.get(name, value) for name, value in pairs), count
+            at = np.asarray(numbers, dtype=float).ravel()
+            lengths.append(len(at))
+            values[self.parameter_names.index(name)] = at
+        return tuple(values), max(lengths, default=1)
 
     def linearised(self, changes: Mapping[str, Any]) -> tuple[Array, Array]:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""

@@ -180,7 +180,7 @@ ARRAYS = Arithmetic(
         **{kind: function.array for kind, function in FUNCTIONS_BY_KIND.items()},
         ATAN2: np.arctan2,
         QUOTIENT: operator.truediv,
-        INTEGER_POWER: lambda x, n: x ** int(n),
+        INTEGER_POWER: operator.pow,
         POWER: lambda x, y: np.sqrt(x) if y == 0.5 else _array_power(x, y),
         REAL_POWER: lambda x, y: _array_power(x, y),
         MAXIMUM: np.maximum,
@@ -713,7 +713,8 @@ def _step(tape: Tape, i: int, arithmetic: Arithmetic) -> Step:
         return lambda v: select(v[condition], v[a], v[b])
     function = arithmetic.functions[kind]
     if kind in (INTEGER_POWER, POWER):
-        return lambda v: function(v[a], number)
+        exponent = int(number) if kind == INTEGER_POWER else number
+        return lambda v: function(v[a], exponent)
     if kind in FUNCTIONS_BY_KIND:
         return lambda v: function(v[a])
     return lambda v: function(v[a], v[b])

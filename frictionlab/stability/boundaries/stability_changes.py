@@ -681,7 +681,7 @@ def _may_coalesce(spectra: ComplexArray, at_middle: ComplexArray, least: Array) 
     equal = equal_eigenvalues(at_middle)
     if equal.any():  # nor do modes whose eigenvalues are equal at the ends too
         at_ends = equal_eigenvalues(spectra).any(axis=-1)
-        stay: Flags = np.take_along_axis(at_ends, to_ends.argmin(axis=-1), axis=-1).all(axis=0)
+        stay: Any = np.take_along_axis(at_ends, to_ends.argmin(axis=-1), axis=-1).all(axis=0)
         between[equal & stay[:, :, None]] = np.inf
     distance[distance < NO_CHANGE_RTOL * growth_scales(at_middle)] = 0.0
     close = between < 2 * (distance[:, :, None] + distance[:, None, :])

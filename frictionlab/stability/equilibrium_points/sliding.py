@@ -76,6 +76,8 @@ class Statics(NamedTuple):
         The static equations (n,) as functions of q and the parameters, and the terms that tell their size.
     equation : Flow
         The scalar equation, as a flow whose one state is the penetration: zero at that of an equilibrium.
+    tangent : Formulas
+        The left side of the scalar equation, and its derivative by the penetration if that is not zero.
     derivatives : Formulas
         Of a polynomial: the left side of the scalar equation and all its derivatives by the penetration.
         Without outputs where a law is no polynomial.
@@ -85,6 +87,7 @@ class Statics(NamedTuple):
     forces: Formulas
     balance: Formulas
     equation: Flow
+    tangent: Formulas
     derivatives: Formulas
 
     def excess(self, penetration: Any, values: Sequence[Any]) -> Any:
@@ -104,9 +107,10 @@ class Statics(NamedTuple):
             coefficients[k] = row / factorial(k)
         return coefficients
 
-    def slope(self, penetration: Any, values: Sequence[Any]) -> Any:
-        """Its derivative by the penetration."""
-        return sum(self.equation.derivative.formulas.arrays(penetration, *values))  # one, or none
+    def excess_and_slope(self, penetration: Any, values: Sequence[Any]) -> tuple[Any, Any]:
+        """The left side of the scalar equation, and its derivative by the penetration."""
+        excess, *slopes = self.tangent.arrays(penetration, *values)
+        return excess, sum(slopes)  # one, or none
 
     def normal_force(self, penetration: Any, values: Sequence[Any]) -> Any:
         """F_N, N."""
@@ -120,13 +124,12 @@ class Statics(NamedTuple):
         Small enough is below the tolerance.  If a law is steep, it is below what the last digits of the
         penetration do.  If these do too much, the equations cannot be solved in double precision.
         """
-        n, forces = len(q), [np.abs(row) for row in self.balance.arrays(*q, *values)]
+        n, forces = len(q), list(map(np.abs, self.balance.arrays(*q, *values)))
         residual = reduce(np.maximum, forces[:n]) / reduce(np.maximum, forces[n:], SMALLEST_FORCE)
         with np.errstate(all="ignore"):
             ahead = self.normal_force(np.nextafter(penetration, np.inf), values)
-            last_digit = np.abs((ahead - normal) / normal) * np.fmax(
-                np.abs(self.slope(penetration, values)), 1.0
-            )
+            _, slope = self.excess_and_slope(penetration, values)
+            last_digit = np.abs((ahead - normal) / normal) * np.fmax(np.abs(slope), 1.0)
         return residual, residual < np.fmax(tolerance, np.fmin(LAST_DIGITS * last_digit, MOST_LAST_DIGIT))
 
 
@@ -282,10 +285,13 @@ def derive_statics(equations: SlidingEquations, held_by_contact: bool) -> Static
 
     excess = formulas("excess")
     equation = Flow(tuple(equations.key.parameters), excess, Formulas(excess.tape, ()))
+    slope = equation.derivative.formulas  # on the same tape, with more operations
+    tangent = Formulas(slope.tape, (*excess.outputs, *slope.outputs))
     derivatives = kept_formulas(
         equations.derivations, f"derivatives of the excess{suffix}", lambda: _derivatives(excess)
     )
-    return Statics(formulas("coordinates"), formulas("forces"), formulas("residual"), equation, derivatives)
+    functions = formulas("coordinates"), formulas("forces"), formulas("residual")
+    return Statics(*functions, equation, tangent, derivatives)
 
 
 def _derivatives(function: Formulas) -> Formulas:
@@ -416,7 +422,7 @@ def statics_at(equations: SlidingEquations, values: Sequence[float]) -> Statics:
     ValueError
         If coordinates other than the slider's height are not held by the structure.
     """
-    return _statics_of_springs(equations, tuple(values[i] for i in equations.springs))
+    return _statics_of_springs(equations, tuple(map(values.__getitem__, equations.springs)))
 
 
 @lru_cache(maxsize=64)
@@ -447,8 +453,9 @@ def statics_groups(
     ValueError
         If a coordinate is not held whatever the values.
     """
-    if not any(np.ndim(values[i]) for i in equations.springs):
-        yield statics_at(equations, values), np.ones(count, dtype=bool)
+    springs = tuple(map(values.__getitem__, equations.springs))
+    if not any(map(np.ndim, springs)):
+        yield _statics_of_springs(equations, springs), np.ones(count, dtype=bool)
         return
     stiffness = equations.stiffness_at(values)
     without = ~stiffness[:, :, equations.height].any(axis=1)
@@ -509,14 +516,15 @@ def _polish_roots(
 ) -> Array:
     """Newton's method on the original equation, which does not suffer from cancellation as the polynomial
     does."""
-    excess = statics.excess(penetrations, values)
+    excess, slope = statics.excess_and_slope(penetrations, values)
     for _ in range(most):
-        trial = penetrations - excess / statics.slope(penetrations, values)
-        rest = statics.excess(trial, values)
+        trial = penetrations - excess / slope
+        rest, slope_there = statics.excess_and_slope(trial, values)
         better = np.abs(rest) < np.abs(excess)
         if not better.any():  # nor would the next step change anything
             break
         penetrations, excess = np.where(better, trial, penetrations), np.where(better, rest, excess)
+        slope = np.where(better, slope_there, slope)
     return penetrations
 
 
@@ -580,9 +588,8 @@ def _is_without_contact(statics: Statics, values: Sequence[Any], roots: Array) -
     """Which roots are zero up to rounding of the equation, so that there is no contact."""
     zero = interval(statics.excess(interval(np.zeros(())), values)).contains_zero()
     around = interval(statics.excess(interval(roots), values))
-    return zero & (
-        np.abs(roots) <= (around.high - around.low) / np.abs(statics.slope(np.zeros_like(roots), values))
-    )
+    _, slope = statics.excess_and_slope(np.zeros_like(roots), values)
+    return zero & (np.abs(roots) <= (around.high - around.low) / np.abs(slope))
 
 
 def _enclosed_roots(statics: Statics, values: Sequence[Any], low: Array, high: Array) -> Array:
@@ -590,10 +597,10 @@ def _enclosed_roots(statics: Statics, values: Sequence[Any], low: Array, high: A
     rises = statics.excess(high, values) > 0
     x = (low + high) / 2
     for _ in range(MOST_HALVINGS):
-        excess = statics.excess(x, values)
+        excess, slope = statics.excess_and_slope(x, values)
         below = (excess > 0) != rises
         low, high = np.where(below, x, low), np.where(below, high, x)
-        step = x - excess / statics.slope(x, values)
+        step = x - excess / slope
         inside = (step > low) & (step < high)
         after = np.where(excess == 0, x, np.where(inside, step, (low + high) / 2))
         still = np.abs(after - x) <= MACHINE_EPSILON * np.abs(x)
