@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.hybrid.trajectory import Trajectory, check_run
-from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, count, unit_of_state
 from frictionlab.validation import check_choice, check_number
 
@@ -111,12 +110,6 @@ def moving_span(run: Trajectory, seconds: float) -> tuple[float, float]:
     return 0.0, min(end, AFTER_REST * time_of_rest(run))
 
 
-def oscillation_period(source: ModelOrAutomaton | None) -> float:
-    """Approximate period of oscillation (s) that a model or an automaton states; else that of the slider on a
-    belt."""
-    return getattr(source, "period", None) or DEFAULT_PERIOD
-
-
 def mean_period(times: Array, values: Array) -> float:
     """Twice the mean time (s) between passes of the middle of the range; inf where there are few."""
     middle, size = 0.5 * (values.max() + values.min()), np.ptp(values)
@@ -139,11 +132,6 @@ def period_of_run(run: Trajectory) -> float:
     """Approximate period of oscillation (s): as stated; of an automaton without one, as it moved."""
     stated = getattr(run.automaton if run.source is None else run.source, "period", None)
     return stated or min(shortest_period(run), float(run.raw.t)) or DEFAULT_PERIOD
-
-
-def rounded_period(source: ModelOrAutomaton | None) -> float:
-    """That period, rounded down to 1, 2 or 5 times a power of ten."""
-    return round_down_1_2_5(oscillation_period(source))
 
 
 def round_down_1_2_5(x: float) -> float:
@@ -262,11 +250,6 @@ def amplitude_spectrum(
     in_range = frequencies <= f_max
     unit = unit_of_state(run.source, state)
     return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, state, unit)
-
-
-def highest_frequency(source: ModelOrAutomaton | None) -> float:
-    """The highest frequency (Hz) that a spectrum of a model shows."""
-    return HARMONICS_SHOWN / rounded_period(source)
 
 
 def highest_frequency_of_run(run: Trajectory) -> float:

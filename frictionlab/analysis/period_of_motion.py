@@ -1,8 +1,9 @@
-"""The approximate period of an automaton that states none, as explorers and pages need one before any run."""
+"""The approximate period of a model or an automaton, as explorers and pages need one before any run."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -12,9 +13,11 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Status
 from frictionlab.hybrid.solve import RunOptions, run_automaton
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.stability import eigenvalues
 
-from .motion_scales import SEEN, Array, mean_period, time_of_rest
+from .initial_states import initial_state_of
+from .motion_scales import HARMONICS_SHOWN, SEEN, Array, mean_period, round_down_1_2_5, time_of_rest
 
 STEPS = 400  # of the motion that is looked at: some fifty periods where nothing happens
 FOREVER = 1e30  # s: the steps end it
@@ -27,8 +30,32 @@ def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
     """The automaton with the period that it states, or with one found in its motion from a state (n,)."""
     if automaton.period is not None:
         return automaton
-    run = run_automaton(automaton, FOREVER, state, Taylor(max_steps=STEPS), RunOptions(progress=False))
-    return replace(automaton.derived(), period=_period_of_motion(run))
+    return replace(automaton.derived(), period=_period_from(automaton, state))
+
+
+def oscillation_period(source: ModelOrAutomaton) -> float:
+    """Approximate period of oscillation (s) that is stated, or else found in the motion from rest."""
+    return getattr(source, "period", None) or _period_from_rest(source)
+
+
+def rounded_period(source: ModelOrAutomaton) -> float:
+    """That period, rounded down to 1, 2 or 5 times a power of ten."""
+    return round_down_1_2_5(oscillation_period(source))
+
+
+def highest_frequency(source: ModelOrAutomaton) -> float:
+    """The highest frequency (Hz) that a spectrum of a model shows."""
+    return HARMONICS_SHOWN / rounded_period(source)
+
+
+@lru_cache(maxsize=64)
+def _period_from_rest(source: ModelOrAutomaton) -> float:
+    return _period_from(automaton_of(source), initial_state_of(source, "rest"))
+
+
+def _period_from(automaton: HybridAutomaton, state: Array) -> float:
+    options = RunOptions(progress=False)
+    return _period_of_motion(run_automaton(automaton, FOREVER, state, Taylor(max_steps=STEPS), options))
 
 
 def _period_of_motion(run: Trajectory) -> float:

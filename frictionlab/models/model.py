@@ -203,9 +203,12 @@ class Model(Component):
             raise NotImplementedError(f"{type(self).__name__} must define coordinates")
 
         @property
-        def period(self) -> float:
-            """Approximate period of an oscillation, s: pictures and explorers show multiples of it."""
-            return 0.1
+        def period(self) -> float | None:
+            """Approximate period of an oscillation, s: pictures and explorers show multiples of it.
+
+            None where it is to be found in the motion.
+            """
+            return None
 
     def release(self) -> Mapping[str, float]:
         """The states that are not zero when a run starts from rest, by name."""
@@ -279,9 +282,12 @@ class Model(Component):
         return self.replace(**without(self, names))
 
     @property
-    def sound(self) -> Tone:
-        """What `listen` plays: v_r, or the first coordinate's velocity, at 200 Hz for one `period`."""
-        return tone_of(self.automaton(), self.period)
+    def sound(self) -> Tone | None:
+        """What `listen` plays: v_r, or the first coordinate's velocity, at 200 Hz for one `period`.
+
+        None where no period is stated.
+        """
+        return None if self.period is None else tone_of(self.automaton(), self.period)
 
     @property
     def mechanism(self) -> Mechanism | None:

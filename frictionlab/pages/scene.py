@@ -18,13 +18,13 @@ import numpy as np
 
 import frictionlab
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.analysis.motion_scales import (
+from frictionlab.analysis.motion_scales import round_down_1_2_5
+from frictionlab.analysis.period_of_motion import (
     highest_frequency,
     oscillation_period,
-    round_down_1_2_5,
     rounded_period,
+    with_period,
 )
-from frictionlab.analysis.period_of_motion import with_period
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.components.component import Component, Parameter, structure_of
@@ -181,7 +181,7 @@ def scene_data(
     """A scene of a model or an automaton."""
     controls = list(controls)
     automaton = automaton_of(model)
-    tone = model.sound if isinstance(model, Model) else tone_of(automaton, oscillation_period(automaton))
+    tone = getattr(model, "sound", None) or tone_of(automaton, oscillation_period(model))
     return {
         "title": title or name_of(model),
         "about": "",

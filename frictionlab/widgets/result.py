@@ -15,8 +15,8 @@ from frictionlab.analysis.motion_scales import (
     amplitude_spectrum,
     is_at_rest,
     moving_span,
-    rounded_period,
 )
+from frictionlab.analysis.period_of_motion import rounded_period
 from frictionlab.analysis.simulate import simulate
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component

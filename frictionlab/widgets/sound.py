@@ -12,7 +12,7 @@ from frictionlab.analysis.motion_scales import period_of_run
 from frictionlab.file_writing import write_file
 from frictionlab.hybrid.trajectory import check_run
 from frictionlab.interruption import progress_bar
-from frictionlab.models.model import Model, Tone, tone_of
+from frictionlab.models.model import Tone, tone_of
 from frictionlab.plotting.time_histories import SAMPLING_RTOL, Array, Window, window_limits
 from frictionlab.validation import check_choice, check_number, check_path
 
@@ -159,8 +159,7 @@ def listen(
 
 def _usual(run: Trajectory) -> Tone:
     """The default signal and pitch: those of the model, or such as an automaton has."""
-    source = run.source
-    return source.sound if isinstance(source, Model) else tone_of(run.automaton, period_of_run(run))
+    return getattr(run.source, "sound", None) or tone_of(run.automaton, period_of_run(run))
 
 
 def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:

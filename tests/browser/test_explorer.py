@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import frictionlab as fl
-from frictionlab.analysis.motion_scales import oscillation_period
+from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.pages.export import SolverNotBuiltError
 from frictionlab.pages.gallery import export_gallery, library_scenes
 from frictionlab.presentation import unit_of_state

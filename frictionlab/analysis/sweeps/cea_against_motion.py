@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.analysis.motion_scales import highest_frequency, oscillation_period
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
+from frictionlab.analysis.period_of_motion import highest_frequency, oscillation_period
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
 from frictionlab.analysis.sweeps.sweep import sweep

@@ -131,6 +131,7 @@ class SliderOnBelt(MechanicalModel):
 
     reference = "N. Liu, H. Ouyang, Nonlinear Dynamics (2020)"
     statics = SlidingStatics(height="y1")
+    period = 0.1  # s, of its fast modes
 
     if TYPE_CHECKING:
 

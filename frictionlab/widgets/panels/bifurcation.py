@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import rounded_period
 from frictionlab.analysis.options import SteadyStateOptions
+from frictionlab.analysis.period_of_motion import rounded_period
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.tasks import run_tasks

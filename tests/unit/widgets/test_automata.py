@@ -38,6 +38,21 @@ def test_a_period_is_found_in_the_motion(name):
     assert with_period(given, np.array(start)).period == pytest.approx(period, rel=0.1)
 
 
+def test_a_model_that_states_no_period_is_shown_with_that_of_its_motion():
+    @fl.model
+    class Slow(fl.MechanicalModel):
+        k: float = 1e-6
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(v.x**2 / 2, self.k * q.x**2 / 2, loads={"x": self.k})
+
+    explorer = fl.explore(Slow(), ["response"])
+    assert explorer.widget.scene["period"] == 5000.0  # 2 pi 1000 s
+    assert explorer.widget.scene["sound"]["pitch"] == pytest.approx(200 * 2e3 * pi, rel=0.01)
+    assert explorer.run.t[-1] == 200 * 5000.0
+
+
 def test_a_period_that_is_stated_is_kept():
     stated = fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=3.0)
     explorer = fl.explore(stated.replace(belt=0.1), ["response"])
