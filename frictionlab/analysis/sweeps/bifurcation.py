@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -316,11 +317,18 @@ def _run_independently(
 
 
 def _groups(todo: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method) -> list[Sequence[int]]:
-    """Groups of values whose transients are run side by side, which is quicker for models without events."""
+    """Groups of values whose transients are run side by side, which is quicker for models without events.
+
+    The models of a group have the same modes; each value of a parameter in M of a structure has modes of its
+    own.
+    """
     automaton = automaton_of(models[0])
     smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
-    size = ENSEMBLE_SIZE if smooth and isinstance(method, Taylor) else 1
-    return [todo[i : i + size] for i in range(0, len(todo), size)]
+    if not smooth or not isinstance(method, Taylor):
+        return [[i] for i in todo]
+    modes = {i: automaton_of(models[i]).modes for i in todo}
+    alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]
+    return [group[i : i + ENSEMBLE_SIZE] for group in alike for i in range(0, len(group), ENSEMBLE_SIZE)]
 
 
 def steady_states_task(

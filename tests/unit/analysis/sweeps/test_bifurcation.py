@@ -117,14 +117,20 @@ def test_what_ends_early_is_said_and_hinders_nothing():
     assert np.isnan(found.intensities[0])
 
 
-def test_values_side_by_side_give_what_each_gives_alone():
+@pytest.mark.parametrize(
+    ("smooth", "parameter"),
+    [
+        (fl.SliderOnBelt().without("nonsmooth", "geometry"), "mu_k"),
+        (fl.Structure([("m", [[1.0]])], [[1.0]], [[0.1]], parameters={"m": 2.0}), "m"),  # modes of its own
+    ],
+)
+def test_values_side_by_side_give_what_each_gives_alone(smooth, parameter):
     """Without events transients run in groups; whether a value is in one makes no difference."""
-    smooth = fl.SliderOnBelt().without("nonsmooth", "geometry")
     values = np.linspace(0.2, 1.0, 18)
-    options = {"transient": 2.0, "window": 1.0, "progress": False}
-    together = fl.bifurcation(smooth, "mu_k", values, **options)
+    options = {"x0": "near", "transient": 2.0, "window": 1.0, "progress": False}
+    together = fl.bifurcation(smooth, parameter, values, **options)
     for i in (0, 7, 17):
-        alone = fl.bifurcation(smooth, "mu_k", values[i : i + 1], **options)
+        alone = fl.bifurcation(smooth, parameter, values[i : i + 1], **options)
         assert alone.results[0] == together.results[i]
 
 
