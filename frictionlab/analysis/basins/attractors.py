@@ -73,9 +73,8 @@ def classify_attractor(
     run = _run(automaton, options.window, start, options, sections_to_record(automaton, section))
     verdict = classify_run(run, section, tolerance)
     kind = verdict.kind
-    if kind == MotionKind.NOT_SETTLED and is_small_and_decays(
-        run, spread[: automaton.coordinates or None].max()
-    ):
+    size = spread[: automaton.coordinates or None].max()
+    if kind == MotionKind.NOT_SETTLED and is_small_and_decays(run, size, options.rtol):
         kind = MotionKind.EQUILIBRIUM
     period = None if np.isnan(verdict.period) else verdict.period
     end, mode = end_of(run)

@@ -392,14 +392,14 @@ def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
     return last < REST_AMPLITUDE_RTOL * size if last < first / MIN_DECAY_FACTOR else None
 
 
-def is_small_and_decays(run: Trajectory, size: float) -> bool:
-    """Whether a motion without events decays evenly, and in the end moves no coordinate by more than a
-    thousandth of `size`."""
+def is_small_and_decays(run: Trajectory, size: float, share: float = REST_AMPLITUDE_RTOL) -> bool:
+    """Whether a motion without events decays evenly, and in the end moves no coordinate by more than a share
+    of `size`."""
     if len(run.events):
         return False
     x = _even_samples(run)
     last = np.array_split(x[:, : run.automaton.coordinates or None], 4)[-1]
-    small = state_ranges(last).max() < REST_AMPLITUDE_RTOL * size
+    small = state_ranges(last).max() < share * size
     return bool(small and all_parts_decay(x, state_ranges(x)))
 
 

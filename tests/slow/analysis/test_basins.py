@@ -57,6 +57,15 @@ def test_early_looks_take_no_motion_for_another():
     )
 
 
+@pytest.mark.parametrize(("rtol", "kind"), [(1e-2, "equilibrium"), (1e-3, "not settled yet")])
+def test_a_decaying_motion_is_at_its_attractor_within_the_tolerance_asked_for(rtol, kind):
+    """Of q'' = -q - q'/10 there is exp(-5.75) = 0.0032 left where the last quarter begins, at 115 s."""
+    grid = {"x": ("q0", [0.5, 1.0]), "y": ("q0'", [0.0, 0.5])}
+    oscillator = fl.Structure([[1.0]], [[1.0]], [[0.1]])
+    found = fl.basins(oscillator, **grid, transient=100.0, window=20.0, rtol=rtol, progress=False)
+    assert [one.kind for one in found.attractors] == [kind]
+
+
 def test_the_size_of_the_groups_makes_no_difference(monkeypatch):
     grid, labels = np.linspace(-1.2, 1.2, 9), []
     for size in (7, 30, 250):
