@@ -225,22 +225,22 @@ def model_of(text: str) -> Any:
 
 
 def _model_of_file(path: Path, name: str | None) -> Any:
-    """The model or automaton of that name in a Python file, which is run; without a name the only one."""
+    """The model, structure or automaton of that name in a Python file, which is run; without a name the only
+    one."""
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.models import Model
+    from frictionlab.models.model import MovingSystem
     from frictionlab.validation import did_you_mean
 
     module = _run_file(path)
     found = {
         key: value
         for key, value in vars(module).items()
-        if isinstance(value, (Model, HybridAutomaton))
+        if isinstance(value, (Model, MovingSystem, HybridAutomaton))
         or (isinstance(value, type) and issubclass(value, Model) and value.__module__ == module.__name__)
     }
     if not found:
-        raise ValueError(
-            f"--model needs a model or an automaton, {path} has none: write a class with @fl.model"
-        )
+        raise ValueError(f"--model needs a model, a structure or an automaton, {path} has none: write one")
     if name is None and len(found) == 1:
         (name,) = found
     if name not in found:
@@ -262,7 +262,7 @@ def _run_file(path: Path) -> Any:
     sys.path.insert(0, str(path.parent))
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         what = f"{type(error).__name__}: {error}"
         raise ValueError(f"--model needs a file that runs, {path} ends in {what}: mend it") from error
     return module

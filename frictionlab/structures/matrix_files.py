@@ -368,12 +368,14 @@ def _read_op4(file: Path, variable: str | None) -> Any:
 def _read_npy(file: Path, _: str | None) -> Any:
     try:
         held = np.load(file, allow_pickle=False)
-    except ValueError as error:  # of what is no array
+    except (ValueError, EOFError) as error:  # of what is no array
         raise TypeError(error) from None
     return _chosen(file, {file.stem: held}, None)
 
 
 def _read_csv(file: Path, _: str | None) -> Any:
+    if not file.read_bytes().strip():
+        raise TypeError("it is empty")
     try:
         return np.loadtxt(file, delimiter=",", ndmin=2)
     except ValueError as error:
@@ -407,6 +409,8 @@ def _read_harwell_boeing(file: Path, _: str | None) -> Any:
     except (ValueError, IndexError, StopIteration) as error:
         raise TypeError(f"its fields are not as in the guide: {error!r}") from None
     sign = TRIANGLES.get(kind[1])
+    if sign is not None and sparse.triu(matrix, 1).nnz:
+        raise TypeError(f"its type {kind} stands for a lower triangle, and it has entries above the diagonal")
     return matrix if sign is None else matrix + sign * sparse.tril(matrix, -1).T
 
 

@@ -41,6 +41,7 @@ SOLID = "-", "solid"
 TURN_OF_FORCE = "period"  # the event at each period of a force in time, which is no impact
 NO_LINE = "none", "None", "", " "
 _QUANTITIES: dict[Any, Data] = {}  # by what they depend on
+MOST_QUANTITIES = 64
 FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
 
@@ -92,18 +93,18 @@ class FrontEnd(anywidget.AnyWidget):
             self.opens(content["open"], content.get("changed", {}))
             return
         if "python" in content:
-            self.send({"text": self.python()})
+            self.send({"asked": "python", "text": self.python()})
             return
         try:
             sound = listen(self.run)
         except ValueError as error:
-            self.send({"text": str(error)})
+            self.send({"asked": "hear", "text": str(error)})
             return
         silent = not sound.samples.any()
         signal = sound.signal.replace("_", " ")
         text = "it makes no sound" if silent else f"{signal}, {sound.pitch:.3g} times as high as it is"
         samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
-        self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
+        self.send({"asked": "hear", "text": text, "rate": sound.rate}, [samples.tobytes()])
 
 
 def _nothing() -> None:
@@ -163,6 +164,8 @@ def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
         return _quantities(model, run)
     key = model.structure_key, run and run.mode_names
     if key not in _QUANTITIES:
+        if len(_QUANTITIES) == MOST_QUANTITIES:  # runs with modes on demand come to know ever more of them
+            _QUANTITIES.clear()
         _QUANTITIES[key] = _quantities(model, run)
     return _QUANTITIES[key]
 

@@ -44,7 +44,7 @@ class Explorer {
       this.button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
       this.button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
       this.button("copy", "copy as Python", "Copy as Python (c)",
-        async () => this.copy(await this.engine.python(this.state), "copied as Python")),
+        () => this.copyPython()),
       this.button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
       this.fileMenu(),
       this.button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),
@@ -472,6 +472,11 @@ class Explorer {
     this.last = now;
     this.frame();
     this.playing = requestAnimationFrame((later) => this.tick(later));
+  }
+
+  async copyPython() {
+    try { this.copy(await this.engine.python(this.state), "copied as Python");
+    } catch (error) { this.say(error.message, true); }
   }
 
   async playSound() {

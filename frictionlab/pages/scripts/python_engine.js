@@ -2,7 +2,10 @@
 // or later.
 const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
 
+const LONGEST_WAIT = 60000; // ms for an answer of Python
+
 class PythonEngine {
+  answers = {}; // by what is asked
   parameters = null;
   images = {};
 
@@ -27,14 +30,17 @@ class PythonEngine {
   }
 
   answer(asked) { // of Python: [content, buffers]
-    return new Promise((answered) => {
-      this.answered = (...message) => answered(message);
-      this.model.send(asked);
+    return new Promise((answered, failed) => {
+      this.answers[asked] = (...message) => answered(message);
+      setTimeout(() => failed(new RangeError("Python does not answer: see whether its kernel runs.")), LONGEST_WAIT);
+      this.model.send({ [asked]: true });
     });
   }
 
+  answered(content, buffers) { this.answers[content.asked]?.(content, buffers); }
+
   async python() {
-    const [{ text }] = await this.answer({ python: true });
+    const [{ text }] = await this.answer("python");
     return text;
   }
 
@@ -63,7 +69,7 @@ class PythonEngine {
   instant(t, { samples }) { return [samples, nearestTime(samples.times, t)]; }
 
   async hear() {
-    const [{ text, rate }, [bytes]] = await this.answer({ hear: true });
+    const [{ text, rate }, [bytes]] = await this.answer("hear");
     if (!bytes) throw new RangeError(text);
     const samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
     return { samples: Float32Array.from(samples, (v) => v / 32767), rate, text };
@@ -98,7 +104,7 @@ function render({ model, el }) {
     explorer.follow(asked);
   }
   const changes = { "change:scene": reopen, "change:state": take, "change:picture": soon, "change:error": soon,
-    "msg:custom": (...message) => engine.answered?.(...message) };
+    "msg:custom": (content, buffers) => engine.answered(content, buffers) };
   for (const [name, does] of Object.entries(changes)) model.on(name, does);
   model.set("shown", true);
   model.save_changes();

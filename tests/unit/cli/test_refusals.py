@@ -95,19 +95,21 @@ class Spring(fl.MechanicalModel):
 
 x, y, a = sp.symbols("x y a")
 relay = fl.HybridAutomaton((x, y), (fl.Mode("on", (y, -a * x)),), {a: 4.0})
+mass = fl.Structure([[1.0]], [[4.0]])
 """
 
 
 @pytest.fixture
 def folder(tmp_path):
     files = {"own.py": OWN, "beside.py": "STIFFNESS = 4.0", "bad.py": "import not_there", "none.py": "a = 1"}
+    files["exit.py"] = "raise SystemExit(0)"
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     return tmp_path
 
 
-def test_a_model_and_an_automaton_of_a_file_of_ones_own(folder, capsys):
-    for name, states in (("Spring", 2), ("relay", 2)):
+def test_models_structures_and_automata_of_a_file_of_ones_own(folder, capsys):
+    for name, states in (("Spring", 2), ("relay", 2), ("mass", 2)):
         assert main(["eig", "--model", f"{folder}/own.py:{name}", "--json"]) == 0
         found = json.loads(capsys.readouterr().out)["eigenvalues"]
         assert sorted(abs(one["imag"]) for one in found) == pytest.approx(states * [2.0])
@@ -124,7 +126,8 @@ def test_a_model_and_an_automaton_of_a_file_of_ones_own(folder, capsys):
         ("own.py:Sprng", "got Sprng: did you mean 'Spring'?"),
         ("no.py:Spring", "needs an existing file, there is no"),
         ("bad.py", "bad.py ends in ModuleNotFoundError: No module named 'not_there'"),
-        ("none.py:a", "none.py has none: write a class with @fl.model"),
+        ("exit.py", "exit.py ends in SystemExit: 0"),
+        ("none.py:a", "none.py has none: write one"),
         ("own.py:relay --without cubic", "is an automaton: leave it out"),
     ],
 )

@@ -56,7 +56,10 @@ def test_harwell_boeing_files_have_fields_of_fixed_width(tmp_path, kind, entries
         ("K.rsa", harwell_boeing("RSA", [2.0, -1.0])),
         ("K.hb", "no matrix"),
         ("K.npy", "no array"),
+        ("K.npy", ""),
+        ("K.csv", ""),
         ("K.csv", "node,x\n1,2\n"),
+        ("K.rsa", harwell_boeing("RSA", [2.0, -1.0, 3.0, 0.5, 1.0]).replace("12233", "12133")),
     ],
 )
 def test_damaged_files_are_refused(tmp_path, name, text):

@@ -210,6 +210,20 @@ def test_the_stop_button_interrupts_the_kernel_only_while_the_widget_computes():
     ) == [[0, 0], [1, 0], [0, 1]]
 
 
+def test_answers_of_python_come_to_what_was_asked():
+    assert run_in_node(
+        f"""{text_of("python_engine.js").replace("export default", "void")}
+        const engine = new PythonEngine({{ send: () => {{}} }}), code = engine.python();
+        const sound = engine.hear().catch((error) => error.message);
+        engine.answered({{ asked: "hear", text: "silent" }}, []);
+        engine.answered({{ asked: "python", text: "import frictionlab" }}, []);
+        Promise.all([code, sound]).then((texts) => {{
+          console.log(JSON.stringify(texts));
+          process.exit(0);
+        }});"""
+    ) == ["import frictionlab", "silent"]
+
+
 def test_what_takes_long_waits_until_a_slider_stops():
     explorer = fl.explore(fl.MassOnBelt(c=0.1), panels=("response", "spectrum"))
     for sliding, c in ((True, 0.2), (False, 0.2)):
