@@ -193,7 +193,7 @@ def check_limits(name: str, value: Any, cure: str, *, positive: str = "") -> tup
     """Two finite numbers in ascending order; above 0 where `positive` says why: "where log=True"."""
     rule = "two numbers in ascending order" + (f", above 0 {positive}" if positive else "")
     pair = tuple(value) if is_sequence(value) else ()
-    numbers = [plain_number(each) for each in pair]
+    numbers = list(map(plain_number, pair))
     if len(pair) == 2 and all(map(_is_number, numbers)):
         low, high = map(float, numbers)
         if low < high and (low > 0.0 or not positive):

@@ -356,7 +356,7 @@ def critical_points(
     growth rates come near zero or eigenvalues near each other.  A line on which this does not find exactly
     one change, by flutter, or does not resolve all intervals, is scanned.
     """
-    count = max((len(column) for column in fixed.values()), default=1)
+    count = max(map(len, fixed.values()), default=1)
     points = CriticalPoints(np.full(count, np.nan), np.full(count, np.nan))
     lines = np.arange(count)
     if count >= MANY_LINES:
@@ -401,7 +401,7 @@ def changes_on_lines(
     problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
 ) -> list[tuple[StabilityChange, ...]]:
     """The changes on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
-    count = max((len(column) for column in fixed.values()), default=1)
+    count = max(map(len, fixed.values()), default=1)
 
     evaluate = _spectra_on_lines(problem, parameter, fixed, count)
     brackets = _bracket_sign_changes(evaluate, bounds, count)
@@ -548,7 +548,7 @@ def _describe_changes(
     smooth &= np.abs(critical.real) <= FOLD_RATE_INSIDE * size
     below, above = (growth_rates(brackets.spectra) > 0).sum(axis=-1)
     columns = roots, critical, ~smooth, below < above, unstable_pairs(brackets.spectra).T
-    return list(map(_change, *(column.tolist() for column in columns)))
+    return list(map(_change, *map(np.ndarray.tolist, columns)))
 
 
 def _change(root: float, critical: complex, jump: bool, loss: bool, unstable: list[int]) -> StabilityChange:

@@ -443,8 +443,8 @@ def _statics_of_springs(equations: SlidingEquations, springs: tuple[float, ...])
 
 def statics_groups(
     equations: SlidingEquations, values: Sequence[Any], count: int
-) -> Iterator[tuple[Statics, NDArray[np.bool_]]]:
-    """The statics that apply at some of `count` parameter values, each with booleans that say at which.
+) -> Iterator[tuple[Statics, NDArray[np.bool_], Sequence[Any]]]:
+    """The statics that apply at some of `count` parameter values: at which, and the values there.
 
     If a coordinate is not held at a value, none applies there.
 
@@ -455,7 +455,7 @@ def statics_groups(
     """
     springs = tuple(map(values.__getitem__, equations.springs))
     if not any(map(np.ndim, springs)):
-        yield _statics_of_springs(equations, springs), np.ones(count, dtype=bool)
+        yield _statics_of_springs(equations, springs), np.ones(count, dtype=bool), values
         return
     stiffness = equations.stiffness_at(values)
     without = ~stiffness[:, :, equations.height].any(axis=1)
@@ -463,7 +463,8 @@ def statics_groups(
         some = equations.on_springs(held_by_contact)
         firm = _smallest_eigenvalue(stiffness[:, some][:, :, some])[0] > SINGULAR_EIGENVALUE
         if (group := firm & (without == held_by_contact)).any():
-            yield derive_statics(equations, held_by_contact), group
+            there = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[group] for v in values]
+            yield derive_statics(equations, held_by_contact), group, there
 
 
 def _smallest_eigenvalue(stiffness: Array) -> tuple[Any, Any]:
@@ -679,11 +680,10 @@ def sliding_problem(model: Model, start: Array | None = None) -> EquilibriumProb
 def _states(equations: SlidingEquations, values: Sequence[Any], count: int) -> Array:
     """States (2n, count) at the smallest penetration; NaN where there is no equilibrium."""
     x = np.full((2 * len(equations.coordinates), count), np.nan)
-    for statics, group in statics_groups(equations, values, count):
-        some = [v if np.ndim(v) == 0 else np.broadcast_to(v, (count,))[group] for v in values]
-        penetrations = _least_penetration(statics, some, int(group.sum()))
+    for statics, group, there in statics_groups(equations, values, count):
+        penetrations = _least_penetration(statics, there, int(group.sum()))
         x[:, group] = np.where(np.isnan(penetrations), np.nan, 0.0)
-        for row, q in zip(x, statics.coordinates.arrays(penetrations, *some)):
+        for row, q in zip(x, statics.coordinates.arrays(penetrations, *there)):
             row[group] = np.where(np.isnan(penetrations), np.nan, q)
     x[:, np.broadcast_to(equations.rests(values), (count,))] = np.nan
     return x
