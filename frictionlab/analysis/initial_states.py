@@ -11,7 +11,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0, with_phase_in_turn
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_coefficients import check_law_coefficients
-from frictionlab.models.mechanical.law_states_at_start import carried_law_states, with_law_states
+from frictionlab.models.mechanical.law_states_at_start import carried_to_limit, with_law_states, within_limit
 from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import REST, Model, ModelOrAutomaton, MovingSystem, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
@@ -28,25 +28,21 @@ def initial_state_of(
     model's automaton where it is at hand, to save its assembly.
     """
     automaton = automaton_of(model) if automaton is None else automaton
-    if not (isinstance(x0, str) and x0 == "rest" and isinstance(model, Model)):
-        return _initial_state(model, x0, automaton)
-    if REST not in vars(model):
-        vars(model)[REST] = _initial_state(model, x0, automaton)
-    return vars(model)[REST].copy()
-
-
-def _initial_state(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> np.ndarray:
+    kept = vars(model) if isinstance(model, Model) and isinstance(x0, str) and x0 == "rest" else {}
+    if REST in kept:
+        return kept[REST].copy()
     start = with_phase_in_turn(automaton, state_from_x0(automaton, _completed(model, x0, automaton)))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
         check_law_coefficients(model, start)
-        return with_law_states(model, start)
-    return start
+        start = with_law_states(model, start, within_limit)
+    kept[REST] = start
+    return start.copy()
 
 
 def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:
     """The initial state (n,) of a run from where one with other parameter values has ended."""
-    return carried_law_states(model, state) if isinstance(model, MechanicalModel) else state
+    return with_law_states(model, state, carried_to_limit) if isinstance(model, MechanicalModel) else state
 
 
 def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> Any:

@@ -45,7 +45,7 @@ from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.letters import LATEX
 from frictionlab.models.composition import parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
-from frictionlab.models.mechanism import Mechanism, Point
+from frictionlab.models.mechanism import Point
 from frictionlab.models.model import (
     Model,
     ModelOrAutomaton,
@@ -192,22 +192,17 @@ def scene_data(
         "period": float(rounded_period(model)),
         "highest": float(highest_frequency(model)),
         "windows": windows(model),
-        "mechanism": mechanism_in(model) is not None,
+        "mechanism": getattr(model, "mechanism", None) is not None,
         "challenges": challenge_data(model),
         "sound": {"signal": tone.signal, "pitch": float(tone.pitch)},
     }
-
-
-def mechanism_in(model: Shown) -> Mechanism | None:
-    """The mechanism of a model; None where it has none, as an automaton."""
-    return model.mechanism if isinstance(model, Model) else None
 
 
 def panels_of(model: Shown) -> list[str]:
     """The panels that are shown unless others are asked for; the friction curve comes last unless its points
     are dragged."""
     names = [name for name in PANELS if name != "friction"]
-    if mechanism_in(model) is None:
+    if getattr(model, "mechanism", None) is None:
         names.remove("mechanism")
     if friction_points(model):
         return [*names[:1], "friction", *names[1:]]
@@ -522,21 +517,13 @@ def can_slide_steadily(model: Shown, automaton: HybridAutomaton) -> bool:
 
 
 def mechanism_data(model: Shown) -> list[Data] | None:
-    """The model's picture as data: what its parts are, and the fields of each."""
-    mechanism = mechanism_in(model)
-    return None if mechanism is None else [_part(part) for part in mechanism.parts]
-
-
-def _part(part: Any) -> Data:
-    return {"part": type(part).__name__} | _stated(part)
+    """The model's picture as data: what its parts are, and the fields of each; None where it has none."""
+    mechanism = getattr(model, "mechanism", None)
+    return mechanism and [{"part": type(part).__name__} | _stated(part) for part in mechanism.parts]
 
 
 def _stated(fields: Any) -> Data:
     """The fields that say something: no names that are empty, no parts that are missing."""
-    said = {name: field for name, field in vars(fields).items() if not _is_missing(field)}
-    points = {name: Point(*field) if isinstance(field, tuple) else field for name, field in said.items()}
-    return {name: _stated(field) if is_dataclass(field) else field for name, field in points.items()}
-
-
-def _is_missing(field: Any) -> bool:
-    return field is None or field is False or field == ""
+    said = {name: one for name, one in vars(fields).items() if one not in ("", None) and one is not False}
+    points = {name: Point(*one) if isinstance(one, tuple) else one for name, one in said.items()}
+    return {name: _stated(one) if is_dataclass(one) else one for name, one in points.items()}

@@ -8,6 +8,7 @@ that ends.
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -73,13 +74,14 @@ def program_of(
     TapeError
         Where an expression needs an operation that the tape lacks.
     """
+    values = array("d", automaton.values.values()).tobytes()
     derivations, on_demand = automaton.derivations, automaton.on_demand
     grows = on_demand and not complete
     if derivations is not None and grows == on_demand and not sections and not quadratures:
         with _ONE_AT_A_TIME:
             name = "program on demand" if on_demand else "program"
             program = kept_program(derivations, name, partial(_packed, automaton))
-        return program, numbers_at(program, automaton.values.values())
+        return program, numbers_at(program, values)
     modes, parameters = automaton.modes, tuple(automaton.parameters)
     functions = (tuple((sections or {}).values()), tuple((quadratures or {}).items()))
     about = parameters, automaton.coordinates, *functions
@@ -89,7 +91,7 @@ def program_of(
             program = growing.with_modes(combinations) if any(functions) else growing.with_known_modes()
         else:
             program = pack_program(automaton.states, tuple(modes), *about)
-    return program, numbers_at(program, automaton.parameters.values())
+    return program, numbers_at(program, values)
 
 
 def _packed(automaton: HybridAutomaton) -> Program:
@@ -229,8 +231,8 @@ class TapeArrays:
         own = lowered.affine & ~shared_ranges(ops)
         self.ops.extend(_shifted(ops, own, self.slots.length))
         self.slots.extend(lowered.term_slots)
-        for array, places in zip((self.constants, self.terms), numbers, strict=True):
-            array.extend(places)
+        for kept, places in zip((self.constants, self.terms), numbers, strict=True):
+            kept.extend(places)
         self.tapes.append(lowered.tape)
 
     def ops_behind(self, terms: int) -> np.ndarray:

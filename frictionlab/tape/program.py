@@ -10,7 +10,7 @@ of their numbers.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -190,13 +190,10 @@ class Program:
         }
 
 
-def numbers_at(program: Program, values: Iterable[Any]) -> Numbers:
-    """The program's numbers at values of the parameters; nothing may write into their arrays."""
-    return _numbers_at(program, array("d", values).tobytes())
-
-
 @lru_cache(maxsize=64)
-def _numbers_at(program: Program, values: bytes) -> Numbers:  # bits tell 0 from -0
+def numbers_at(program: Program, values: bytes) -> Numbers:
+    """The program's numbers at values of the parameters, whose bits tell 0 from -0; nothing may write into
+    their arrays."""
     return program.numbers(array("d", values).tolist())
 
 

@@ -28,25 +28,14 @@ Array = NDArray[np.float64]
 LIMIT_RTOL = 1e-6  # share of its limit by which a state that follows it may differ from it by rounding
 
 
-def with_law_states(model: MechanicalModel, start: Array) -> Array:
-    """An initial state with zeros for the states of contacts that are lost, where these return to zero.
-
-    Raises
-    ------
-    ValueError
-        Where the state of an elastic-plastic law is beyond its limit.
-    """
-    return _with_law_states(model, start, _check_limit)
-
-
-def carried_law_states(model: MechanicalModel, state: Array) -> Array:
-    """The end state of a run with other parameter values as an initial state."""
-    return _with_law_states(model, state, lambda _model, _name, value, limit: min(max(value, -limit), limit))
-
-
-def _with_law_states(
+def with_law_states(
     model: MechanicalModel, start: Array, limited: Callable[[MechanicalModel, str, float, float], float]
 ) -> Array:
+    """An initial state with zeros for the states of contacts that are lost, where these return to zero.
+
+    The state of an elastic-plastic law is `limited`: `within_limit` refuses one beyond the limit,
+    `carried_to_limit` takes the limit.
+    """
     known, formulas = _of_structure(model.structure_key)
     if not known or not any(start[place] for about in known for place in about["places"]):
         return start
@@ -63,7 +52,13 @@ def _with_law_states(
     return start
 
 
-def _check_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
+def carried_to_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
+    """The state in which a run with other values of parameters has ended, yielded to the limit."""
+    return min(max(value, -limit), limit)
+
+
+def within_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
+    """The state itself; raises ValueError where it is beyond the limit."""
     if abs(value) > (1 + LIMIT_RTOL) * max(limit, 0.0):
         raise ValueError(
             f"x0 of {type(model).__name__} must have {name} within the limit of its friction law, {limit:g} "
