@@ -35,18 +35,8 @@ OUTPUT_UNITS = {
     **{f"relative_velocity_{one}": "m/s" for one in "ab"},
 }
 SI = "m", "N"  # units of length and of force
-# Units of a contact whose bodies turn, and of its laws, by those of one whose bodies slide.
-ROTATIONAL_UNITS = {
-    "m": "rad",
-    "m/s": "rad/s",
-    "s/m": "s/rad",
-    "1/m": "1/rad",
-    "N": "N m",
-    "N/m": "N m",
-    "N/m^1.5": "N m",
-    "N/m^3": "N m",
-    "N s/m": "N m s",
-}
+ROTATIONAL_UNITS = {"m": "rad", "m/s": "rad/s", "s/m": "s/rad", "1/m": "1/rad", "N": "N m", "N s/m": "N m s"}
+STIFFNESS_UNIT = re.compile(r"N/m(\^[\d.]+)?")  # also of a force that is a power of the penetration
 FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
 REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
@@ -107,10 +97,13 @@ def state_unit(name: str) -> str:
 def unit_of_state(source: Any, name: str) -> str:
     """SI unit of a coordinate of a model or structure, of its rate, of time and of a phase.
 
-    "" of further states, such as a current, and where `source` is an automaton or None: nothing tells theirs.
+    "" of further states, such as a current, and where `source` is None or an automaton, unless it has the
+    units of a structure: nothing tells theirs.
     """
     coordinates = getattr(source, "coordinates", 0)
-    if isinstance(coordinates, int) or name.removesuffix("'") not in (*coordinates, TIME, PHASE):
+    if isinstance(coordinates, int):
+        coordinates = getattr(source, "shown_states", ()) if isinstance(source, OwnUnits) else None
+    if coordinates is None or name.removesuffix("'") not in (*coordinates, TIME, PHASE):
         return ""
     return in_units_of(source, state_unit(name))
 
@@ -124,7 +117,18 @@ def output_of_contact(name: str) -> tuple[str, str]:
 def output_unit(name: str, source: Any) -> str:
     """Unit of an output, also of one of several contacts (normal_force_2); "" where it is not known."""
     unit = OUTPUT_UNITS.get(output_of_contact(name)[0], "")
-    return ROTATIONAL_UNITS[unit] if is_rotational(name, source) else in_units_of(source, unit)
+    return rotational_unit(unit) if is_rotational(name, source) else in_units_of(source, unit)
+
+
+def rotational_unit(unit: str) -> str:
+    """Unit at a contact whose bodies turn, by that at one whose bodies slide: N m for N, rad for m.
+
+    Radians are left out of stiffnesses and dampers.  Any other unit is returned as it is.
+
+    >>> rotational_unit("m/s"), rotational_unit("N/m^2"), rotational_unit("K")
+    ('rad/s', 'N m', 'K')
+    """
+    return "N m" if STIFFNESS_UNIT.fullmatch(unit) else ROTATIONAL_UNITS.get(unit, unit)
 
 
 def force_symbol(name: str, source: Any) -> str:

@@ -32,7 +32,7 @@ from frictionlab.components.contact import (
     LinearContact,
     SlidingOnly,
 )
-from frictionlab.presentation import ROTATIONAL_UNITS
+from frictionlab.presentation import rotational_unit
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
 
 if TYPE_CHECKING:
@@ -245,9 +245,8 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
     about = parameter_metadata(type(model), model.components)
     for role, alone in (moving_as or model).turning_roles.items():
         for name, each in parameters_of(type(model.components[role])).items():
-            if each.unit in ROTATIONAL_UNITS:
-                unit = ROTATIONAL_UNITS[each.unit] if alone else ""
-                about[name] = dataclasses.replace(each, unit=unit)
+            if (unit := rotational_unit(each.unit)) != each.unit:
+                about[name] = dataclasses.replace(each, unit=unit if alone else "")
     return about
 
 

@@ -78,6 +78,7 @@ class MovingSystem:
         coordinates: Any
         parameters: Any
         period: Any
+        units: Any
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton."""

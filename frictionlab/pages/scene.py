@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import is_dataclass, replace
+from dataclasses import dataclass, is_dataclass
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -60,7 +60,7 @@ from frictionlab.models.model import (
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
-from frictionlab.presentation import force_symbol, output_unit, unit_of_state
+from frictionlab.presentation import SI, OwnUnits, force_symbol, output_unit, unit_of_state
 from frictionlab.stability import eigenvalues
 from frictionlab.validation import abbreviate
 
@@ -128,6 +128,13 @@ OF_COORDINATE = "coordinate of the phase plane and the spectrum"
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class StructureAutomaton(HybridAutomaton, OwnUnits):
+    """The automaton of a structure, with the structure's units of length and of force."""
+
+    units: Any = SI
+
+
 def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[float, ...]]:
     """The model, or the automaton with its period, and where it starts: "rest", "near" or the state (n,).
 
@@ -155,7 +162,7 @@ def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[f
 
 
 def _shown_system(system: MovingSystem) -> HybridAutomaton:
-    """The automaton of a structure, with its period."""
+    """The automaton of a structure, with its period and units."""
     if len(system.coordinates) > MOST_FREEDOMS:
         raise ValueError(
             f"a structure must have at most {MOST_FREEDOMS} freedoms to be shown, got "
@@ -167,7 +174,16 @@ def _shown_system(system: MovingSystem) -> HybridAutomaton:
             f"a structure must have at most {MAX_MODES} modes to be shown, got more of {abbreviate(system)}: "
             "take fewer contacts, or fl.simulate and fl.plot_run"
         )
-    return replace(automaton.derived(), period=system.period)
+    data = automaton.derived()
+    return StructureAutomaton(
+        data.states,
+        data.modes,
+        data.parameters,
+        data.coordinates,
+        data.cyclic,
+        system.period,
+        system.units,
+    )
 
 
 def name_of(model: ModelOrAutomaton) -> str:
@@ -348,12 +364,16 @@ def law_control(model: Any, role: str, names: Iterable[str]) -> Data:
 
 def formula_controls(models: Iterable[Shown]) -> list[Data]:
     """The field of a formula that puts the points of a friction curve on it, where a model has some."""
-    points = next(filter(None, map(friction_points, models)), None)
-    if points is None:
+    listed = list(models)
+    model = next(filter(friction_points, listed), None)
+    if model is None:
         return []
+    (_, coefficient), (speed, _), *_ = friction_points(model)
+    unit = parameters_about(model, listed[0])[speed].unit
     about = {"name": "formula", "kind": "formula", "group": "main", "text": "μ(v) =", "value": ""}
-    hint = "a formula of the sliding speed v in m/s, on which the points of the friction curve are put"
-    return [about | {"needs": points[0][1], "hint": hint}]
+    given = f"a formula of the sliding speed v{f' in {unit}' if unit else ''}"
+    hint = f"{given}, on which the points of the friction curve are put"
+    return [about | {"needs": coefficient, "hint": hint}]
 
 
 def controls_of_models(models: Iterable[Shown], main: Any = None, ranges: Any = None) -> list[Data]:
@@ -474,7 +494,8 @@ def _default_range(about: Parameter, value: float) -> tuple[float, float]:
 def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
     """Labels and units of states, labels and colours of contact forces, and whether something can slide."""
     names, forces = list(automaton.state_names), force_outputs(automaton, model)
-    speed = output_unit("relative_velocity", model)
+    speeds = {output_unit(name, model) for name in automaton.outputs if name.startswith("relative_velocity")}
+    speed = speeds.pop() if len(speeds) == 1 else ""
     return {
         "automaton": isinstance(model, HybridAutomaton),
         "states": names,
@@ -490,7 +511,7 @@ def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
             "penetration": ["penetration", output_unit("penetration", model)],
             **{name: [f"${force_symbol(name, model)}$", output_unit(name, model)] for name in ONE_CONTACT},
         },
-        "sliding_units": {"speed": speed, "damper": "N s/m" if speed == "m/s" else "N m s"},
+        "sliding_units": {"speed": speed, "damper": "N m s" if speed == "rad/s" else "N s/m"},
         "slides": can_slide_steadily(model, automaton),
         "points": friction_points(model),
     }

@@ -103,7 +103,7 @@ function frictionDrawing({ friction, parameters, structure: { points, sliding_un
   if (handles.length) curves.push({ label: "_points", x: handles.map(({ x }) => x), y: handles.map(({ y }) => y),
     colour: "#0072B2", marker: "o", size: 13, line: false });
   const top = Math.max(largest([mu]), ...handles.map(({ y }) => y)) || 1;
-  return { xlabel: `sliding speed (${units.speed})`, ylabel: "coefficient of friction", curves, note, handles,
+  return { xlabel: withUnit("sliding speed", units.speed), ylabel: "coefficient of friction", curves, note, handles,
     xlim: [0, reach], ylim: [0, roundStep(1.25 * top)] };
 }
 

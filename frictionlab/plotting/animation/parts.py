@@ -34,7 +34,7 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.time_histories import Array
-from frictionlab.presentation import force_symbol, output_unit
+from frictionlab.presentation import FORCE_SYMBOLS, is_rotational, output_unit
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
@@ -301,15 +301,14 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
 
 
 def _legend(run: Any, forces: dict[str, Array]) -> dict[str, str]:
-    """What is said of each contact force, and its colour: one entry for the forces of all contacts."""
-    texts = {}
-    for name, colour in FORCES.items():
-        own = [each for each in forces if each.startswith(name)]
-        if own:
-            size = max(_size(forces[each]) for each in own)
-            symbol, unit = force_symbol(name, run.source), output_unit(name, run.source)
-            texts[f"${symbol}$, up to {size:.4g} {unit}"] = colour
-    return texts
+    """What is said of each contact force, and its colour: one entry for all forces, one for all moments."""
+    sizes: dict[tuple[str, str, str], float] = {}
+    for kind, colour in FORCES.items():
+        for name in (each for each in forces if each.startswith(kind)):
+            letter = "M" if is_rotational(name, run.source) else "F"
+            key = FORCE_SYMBOLS[kind].replace("F", letter), output_unit(name, run.source), colour
+            sizes[key] = max(_size(forces[name]), sizes.get(key, 0.0))
+    return {f"${symbol}$, up to {size:.4g} {unit}": colour for (symbol, unit, colour), size in sizes.items()}
 
 
 def _size(values: Array) -> float:

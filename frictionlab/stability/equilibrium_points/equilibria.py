@@ -221,7 +221,7 @@ class Equilibrium(Drawable):
     state : array (m,)
         The whole state: coordinates, velocities, and what further states there are.
     penetration : float
-        Penetration of the contact, m.
+        Penetration of the contact, m; rad where the bodies turn.
     normal_force, friction_force : float
         F_N and F_T, N; moments in N m where the bodies turn.  Like the penetration, NaN where the mode of an
         automaton has no such output.

@@ -10,6 +10,9 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
+from frictionlab.models.mechanism import Block, Forces, Mechanism, Point
+from frictionlab.pages.scene import formula_controls, quantity_data
+from frictionlab.plotting.animation.parts import parts
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import Periods, mode_intervals, window_limits
 from frictionlab.presentation import state_unit
@@ -68,6 +71,35 @@ def test_laws_have_the_units_of_the_contacts_that_they_serve(lever, shared, of_f
 
     units = {row.name: row.unit for row in BrakedSlider().describe()}
     assert (units["v_s"], units["k2"]) == (of_friction, of_contact)
+
+
+@pytest.mark.parametrize(
+    ("lever", "forces", "speed", "of_friction"),
+    [(1, ["M_N", "M_T"], "rad/s", "rad/s"), (2, ["M_N", "F_N", "M_T", "F_T"], "", "")],
+)
+def test_two_contacts_have_units_of_their_own(lever, forces, speed, of_friction):
+    @fl.model
+    class Pads(fl.MechanicalModel):
+        friction: fl.FrictionLaw = fl.FrictionCurve()
+        contact: fl.ContactLaw = fl.PolynomialContact()
+        coordinates = ("phi", "psi")
+        mechanism = Mechanism(Block(Point(0, 0), 1, 1), Forces(Point(0, 0), "_1"), Forces(Point(0, 0), "_2"))
+
+        def mechanics(self, q, v):
+            one = fl.Friction(2.0 - v.phi, self.contact.force, self.friction, penetration=q.phi)
+            two = fl.Friction(2.0 - lever * v.psi, 3.0, self.friction)
+            potential = (q.phi**2 + q.psi**2) / 2 - q.phi
+            return fl.Mechanics((v.phi**2 + v.psi**2) / 2, potential, contacts=(one, two))
+
+    model = Pads()
+    units = {row.name: row.unit for row in model.describe()}
+    assert (units["v_1"], units["a2"]) == (of_friction, "N m")
+    legend = parts(fl.simulate(model, 1.0, progress=False), model.mechanism, np.linspace(0.0, 1.0, 5)).forces
+    found = [(text[1:4], text.split(" ", 4)[-1]) for text in legend]
+    assert found == [(name, "N m" if name[0] == "M" else "N") for name in forces]
+    assert quantity_data(model, model.automaton())["sliding_units"]["speed"] == speed
+    (formula,) = formula_controls([model])
+    assert f"sliding speed v{of_friction and ' in rad/s'}, on" in formula["hint"]
 
 
 def test_a_contact_that_turns_without_a_lever_has_moments():

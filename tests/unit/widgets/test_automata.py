@@ -147,10 +147,14 @@ def test_a_run_of_a_stiff_automaton_has_ten_periods():
 def test_a_structure_is_shown_by_its_automaton():
     pads = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=2.0), fl.Coulomb(0.3, 0.4))
     structure = fl.Structure(np.eye(2), [[2.0, 0.5], [0.5, 2.0]], contacts=pads, load=[0.0, 1.0])
+    structure = structure.replace(units=("mm", "kN"))
     explorer = fl.explore(structure, x0=[0.1, 0.5, 0.0, 0.0], t_end=3.0)
     explorer.controls["mu_k"].value = 0.2
     run = fl.simulate(structure.replace(mu_k=0.2), 3.0, x0=[0.1, 0.5, 0.0, 0.0], progress=False)
     np.testing.assert_allclose(explorer.run.final_state, run.final_state, atol=1e-6)
+    said = explorer.widget.picture["structure"]
+    assert (said["units"]["q1'"], said["axis_of_forces"]) == ("mm/s", "contact force (kN)")
+    assert [unit for _, unit in said["at_contact"].values()] == ["mm", "kN", "kN"]
     large = structure.replace(M=np.eye(101), K=np.eye(101), contacts=None, load=None)
     many = structure.replace(contacts=[replace(pads, name=name) for name in "abcd"])
     for refused, message in (
