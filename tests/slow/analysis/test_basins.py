@@ -1,5 +1,7 @@
 """Basins of attraction against published shares and closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -180,6 +182,8 @@ def test_random_states_are_saved_and_loaded(tmp_path):
     right = [a.state[0] > 0 for a in found.attractors]
     assert np.array_equal(np.take(right, found.labels), found.points[:, 0] > 0)
     assert "+-" in repr(loaded)
+    older = {name: value for name, value in found.specification.items() if name != "cyclic"}
+    assert fl.load_basins(replace(found, specification=older).save(tmp_path / "older")).cyclic == ()
     with pytest.raises(ValueError, match="must be a file of basins"):
         fl.load_basins(
             fl.bifurcation(fl.SliderOnBelt(), "mu_k", [0.2], transient=0.1, window=0.1, progress=False).save(
