@@ -88,6 +88,10 @@ class MovingSystem:
         """The state (2n,) for ``x0="near"`` of :func:`frictionlab.simulate`."""
         raise NotImplementedError
 
+    def eigenvalue_derivatives(self, value: complex) -> Mapping[str, complex]:
+        """Derivatives of an eigenvalue at the equilibrium by parameters that the automaton has as numbers."""
+        return {}
+
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> Any:
         """Energies and powers along a run with these modes, for :func:`frictionlab.energy_audit`."""
         raise NotImplementedError

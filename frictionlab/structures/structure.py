@@ -56,6 +56,7 @@ REQUIRED = ("M", "K")
 INDEFINITE_SHARE = 1e-10  # of the largest eigenvalue of a scaled mass matrix: rounding leaves so much
 USUAL_PERIOD = 0.1  # s
 NEAR = 0.01  # of the size at which a mode's motion meets an event
+SAME_EIGENVALUE = 1e-6  # share by which an eigenvalue may differ between the state matrix and the pencil
 LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only the sign matters
 
 
@@ -345,6 +346,18 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
         from frictionlab.structures.stick import structure_in_stick
 
         return structure_in_stick(self)
+
+    def eigenvalue_derivatives(self, value: complex) -> dict[str, complex]:
+        """Derivatives of an eigenvalue, -y (dQ/dp) x / (y Q'(s) x), by the parameters on which M depends.
+
+        They are NaN where its mode is not found, as that of a rigid motion.
+        """
+        mode = self.pencil.mode_at(value) if self.M.parameters else None
+        if mode is None or not abs(mode.value - value) <= SAME_EIGENVALUE * abs(value):
+            return dict.fromkeys(self.M.parameters, complex(np.nan, np.nan))
+        at, right = np.array([mode.value]), mode.right[:, None]
+        products = {name: self.pencil_derivative(name).products(at, right) for name in self.M.parameters}
+        return {name: -complex(mode.left @ product[:, 0]) for name, product in products.items()}
 
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
         """Energies and powers along a run with these modes."""

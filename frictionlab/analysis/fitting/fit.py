@@ -43,6 +43,7 @@ from frictionlab.hybrid.solve import with_phase_in_turn
 from frictionlab.models.model import (
     ModelOrAutomaton,
     automaton_of,
+    check_parameter_name,
     check_varied,
     require_model_or_automaton,
     values_of,
@@ -304,7 +305,7 @@ def _check(
     if not names:
         raise ValueError("parameters must name one at least, got none: write fit(model, data, ['k1'])")
     for name in names:
-        check_varied(model, name)
+        check_parameter_name(model, name)
     limits = _check_bounds(model, names, {} if bounds is None else bounds)
     states = automaton_of(model).state_names
     check_data(records, automaton_of(model))
@@ -315,7 +316,10 @@ def _check(
     _check_distinct("parameters", names)
     _check_distinct("unknown", unknown)
     places = tuple(states.index(name) for name in unknown)
-    return FitProblem(model, records, names, initial_state_of(model, x0), places, limits)
+    problem = FitProblem(model, records, names, initial_state_of(model, x0), places, limits)
+    for name in names if problem.moving else ():
+        check_varied(model, name)
+    return problem
 
 
 def _names(what: str, names: Any) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.model import automaton_of
+from frictionlab.models.model import MovingSystem, automaton_of, values_of
 from frictionlab.presentation import Drawable, dataframe, in_units_of, state_unit, text_table
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem, check_bounds
@@ -175,7 +175,7 @@ class GrowthRate(Quantity):
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         value, slopes = _eigenvalue_gradient(problem, self.mode)
-        return gradient_of(problem, value.real, slopes.real)
+        return Gradient(value.real, {name: slope.real for name, slope in slopes.items()})
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,8 @@ class ModeFrequency(Quantity):
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)
         value, slopes = _eigenvalue_gradient(problem, self.mode)
-        return gradient_of(problem, value.imag / (2 * np.pi), slopes.imag / (2 * np.pi))
+        frequencies = {name: slope.imag / (2 * np.pi) for name, slope in slopes.items()}
+        return Gradient(value.imag / (2 * np.pi), frequencies)
 
 
 def _check_mode(quantity: Any) -> None:
@@ -265,7 +266,9 @@ def _of_mode(spectra: ComplexArray, mode: int | None) -> ComplexArray:
     return pair.real + 1j * np.abs(pair.imag)
 
 
-def _eigenvalue_gradient(problem: EquilibriumProblem, mode: int | None) -> tuple[complex, ComplexArray]:
+def _eigenvalue_gradient(
+    problem: EquilibriumProblem, mode: int | None
+) -> tuple[complex, Mapping[str, complex]]:
     at = derivatives_at(problem)
     value = complex(_of_mode(problem.spectra({}), mode)[0])
     pair = eigenpair(at.matrix, value)
@@ -274,7 +277,9 @@ def _eigenvalue_gradient(problem: EquilibriumProblem, mode: int | None) -> tuple
             f"the eigenvalue must be simple to have derivatives, got two that coalesce at {value:.6g} 1/s: "
             "change a parameter a little"
         )
-    return value, at.bilinear(pair.left, pair.right) / pair.product
+    slopes = at.bilinear(pair.left, pair.right) / pair.product
+    further = problem.model.eigenvalue_derivatives(value) if isinstance(problem.model, MovingSystem) else {}
+    return value, {**dict(zip(problem.parameter_names, map(complex, slopes), strict=True)), **further}
 
 
 @dataclass(frozen=True, eq=False)
@@ -318,12 +323,20 @@ class Sensitivity(Drawable):
         check_key("parameter", parameter, self.parameters)
         return float(self.derivatives[self.parameters.index(parameter)])
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Parameters by which no derivative is known, as of a structure those on which M depends: a motion
+        has none by them."""
+        return tuple(name for name in values_of(self.model) if name not in self.parameters)
+
     def __repr__(self) -> str:
         head = f"Sensitivity({self.quantity} = {self.value:.6g}), percent for a percent:"
         shares = sorted(zip(self.parameters, self.normalised), key=lambda row: -abs(np.nan_to_num(row[1])))
         rows = [f"  {name} {share:+.4g}" for name, share in shares[:LISTED]]
         more = len(shares) - LISTED
-        return text_table([head, *rows, *([f"  and {more} more"] if more > 0 else [])])
+        rows += [f"  and {more} more"] if more > 0 else []
+        rows += [f"  left out, without derivatives: {', '.join(self.left_out)}"] if self.left_out else []
+        return text_table([head, *rows])
 
     def to_dataframe(self) -> Any:
         """One row for each parameter (needs the extra ``data``)."""
@@ -378,7 +391,7 @@ def sensitivity(model: ModelOrAutomaton, quantity: Quantity) -> Sensitivity:
             f"quantity must be one such as fl.CriticalValue('mu_k', (0, 4)), got {abbreviate(quantity)}: "
             "its derivatives have to be known"
         )
-    values = automaton_of(model).values
+    values = {**automaton_of(model).values, **values_of(model)}
     gradient = quantity.gradient(model)
     names = tuple(name for name in values if name in gradient.derivatives)
     at = np.array([values[name] for name in names], dtype=float)

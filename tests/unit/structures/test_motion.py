@@ -497,13 +497,22 @@ def test_values_of_parameters_derive_nothing():
     np.testing.assert_array_equal(again.friction_force_2, run.friction_force_2)
 
 
-def test_what_the_mass_depends_on_has_no_derivatives():
-    """q'' = -q - q' m/10 on a mass m: by m the growth rate has none in the automaton, which holds M^-1."""
+def test_motions_have_no_derivatives_by_what_the_mass_depends_on():
+    """m q'' = -q - q' m/10, so that omega^2 = 1/m - 1/400: motions have none by m, eigenvalues have."""
     body = fl.Structure([("m", [[1.0]])], [[1.0]], [("m", [[0.1]])], parameters={"m": 2.0})
     exact = fl.solve(fl.Structure([[2.0]], [[1.0]], [[0.2]]).automaton(), 1.0, x0=[1.0, 0.0], progress=False)
     run = fl.simulate(body, 1.0, x0=[1.0, 0.0], progress=False)
     np.testing.assert_allclose(run.final_state, exact.final_state, rtol=1e-12)
-    assert "m" not in fl.sensitivity(body, fl.GrowthRate()).parameters
+    omega = np.sqrt(1 / 2.0 - 1 / 400)
+    frequency = fl.sensitivity(body, fl.ModeFrequency(0))
+    assert frequency["m"] == pytest.approx(-1 / (4 * np.pi * 2.0**2 * omega), rel=1e-12)
+    assert fl.sensitivity(body, fl.GrowthRate())["m"] == pytest.approx(0.0, abs=1e-15)
+    assert "left out, without derivatives: m" in repr(fl.sensitivity(body, fl.EquilibriumCoordinate("q0")))
+    measured = fl.Frequencies({0: 0.1}, 0.001)
+    assert fl.fit(body, measured, ["m"])["m"] == pytest.approx(1 / ((0.2 * np.pi) ** 2 + 1 / 400), rel=1e-9)
+    record = fl.TimeRecord([0.5, 1.0], {"q0": run([0.5, 1.0])[:, 0]}, error=1e-3)
+    with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
+        fl.fit(body, [measured, record], ["m"])
     with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
         fl.GrowthRate().values(body, {"m": np.array([1.0, 3.0])})
     with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
