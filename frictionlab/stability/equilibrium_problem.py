@@ -146,12 +146,12 @@ def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float])
             check_value(name, value, about)
 
 
-def check_path(problem: EquilibriumProblem, name: Any, values: Any) -> NDArray[np.float64]:
+def check_path(model: ModelOrAutomaton, name: Any, values: Any) -> NDArray[np.float64]:
     """The values (N,) of a parameter, at least one, checked against its rule."""
     at = float_array("values", values, f"give those of {name}").ravel()
     if not len(at):
         raise ValueError(f"values must be one number or more, got {abbreviate(values)}: give those of {name}")
-    check_parameter(problem.model, name, at.tolist())
+    check_parameter(model, name, at.tolist())
     return at
 
 

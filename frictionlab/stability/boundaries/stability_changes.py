@@ -20,7 +20,11 @@ from scipy.optimize.elementwise import find_root
 
 from frictionlab.models.model import ModelOrAutomaton, check_parameter_name
 from frictionlab.presentation import Drawable, Kind, count, span
-from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium_problem
+from frictionlab.stability.equilibrium_points.equilibria import (
+    Equilibrium,
+    equilibrium_problem,
+    values_within,
+)
 from frictionlab.stability.equilibrium_problem import (
     EquilibriumProblem,
     check_bounds,
@@ -115,8 +119,9 @@ def stability_changes(
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
-    It is followed from the model's own value of the parameter, as far as it exists.  If it ends and no other
-    takes over, that is no change of stability: :class:`FoldValue` tells where it ends.
+    It is followed from the model's own value of the parameter, as far as it exists; where there is none, from
+    the nearest of 9 values in the range that has one.  If it ends and no other takes over, that is no change
+    of stability: :class:`FoldValue` tells where it ends.
 
     The range is scanned.  The scan is finer where growth rates come near zero or two eigenvalues near each
     other, down to some 1e-9 of the range.  Each change is then solved for to rounding.
@@ -159,9 +164,9 @@ def stability_changes(
     """
     if isinstance(model, LargeSystem):
         return model.find_stability_changes(parameter, bounds)
-    problem = equilibrium_problem(model, equilibrium)
-    low, high = check_bounds(problem.model, parameter, bounds)
-    return changes_on_lines(problem, parameter, (low, high), {})[0]
+    limits = check_bounds(model, parameter, bounds)
+    problem = equilibrium_problem(model, equilibrium, {parameter: values_within(limits)})
+    return changes_on_lines(problem, parameter, limits, {})[0]
 
 
 def critical_value(
@@ -206,8 +211,8 @@ def critical_value(
         subject, limits = model, bounds
         changes = model.find_stability_changes(parameter, bounds)
     else:
-        subject = equilibrium_problem(model, equilibrium)
-        limits = check_bounds(subject.model, parameter, bounds)
+        limits = check_bounds(model, parameter, bounds)
+        subject = equilibrium_problem(model, equilibrium, {parameter: values_within(limits)})
         changes = changes_on_lines(subject, parameter, limits, {})[0]
     critical = critical_change(changes)
     if critical is not None:
@@ -294,18 +299,18 @@ def curve_and_gaps(
     model: ModelOrAutomaton, parameter: str, bounds: Any, *, over: tuple[str, Any]
 ) -> tuple[CriticalCurve, str]:
     """The curve of :func:`critical_curve`, and what to say of values without a critical one."""
-    problem = equilibrium_problem(model)
-    low, high = check_bounds(problem.model, parameter, bounds)
+    low, high = check_bounds(model, parameter, bounds)
     cure = 'give for example ("F", [100, 200])'
     name, numbers = check_pair("over", over, "a parameter and its values", cure)
-    check_parameter_name(problem.model, name)
+    check_parameter_name(model, name)
     at = float_array("over", numbers, cure).ravel()
-    check_parameter(problem.model, name, at.tolist())
+    check_parameter(model, name, at.tolist())
     if name == parameter or not at.size:
         raise ValueError(
             f"over must be another parameter than {parameter!r} and at least one value of it, "
             f"got {abbreviate(over)}: {cure}"
         )
+    problem = equilibrium_problem(model, within={parameter: values_within((low, high)), name: at})
     critical = critical_points(problem, parameter, (low, high), {name: at})
     curve = CriticalCurve(model, parameter, name, at, critical.values)
     return curve, _gaps(problem, curve, low, high)

@@ -137,16 +137,15 @@ def stability_map(
     [[0, 0, 0], [0, 1, 1]]
     """
     check_flag("progress", progress)
-    problem = None if isinstance(model, LargeSystem) else equilibrium_problem(model)
-    owner: Any = model if problem is None else problem.model
-    across, up = (check_axis(owner, which, axis) for which, axis in (("x", x), ("y", y)))
+    across, up = (check_axis(model, which, axis) for which, axis in (("x", x), ("y", y)))
     if across[0] == up[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")
     source: SpectraOf
-    if problem is None:
-        source = owner.spectra_over({name: (at[0], at[-1]) for name, at in (across, up)})
+    owner: Any = model
+    if isinstance(model, LargeSystem):
+        source = model.spectra_over({name: (at[0], at[-1]) for name, at in (across, up)})
     else:
-        source = problem
+        source = equilibrium_problem(model, within=dict([across, up]))
     spectra = _spectra_on_grid(source, across, up, progress)
     growing = np.where(np.isnan(spectra[..., 0]), NO_EQUILIBRIUM, unstable_pairs(spectra))
     curves = boundary_curves(source, across, up, spectra)

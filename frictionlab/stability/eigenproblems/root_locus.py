@@ -358,8 +358,8 @@ def root_locus(model: ModelOrAutomaton | LargeSystem[Any], parameter: str, value
     in_time = isinstance(parameter, str) and parameter == TIME
     if in_time and isinstance(model, Model) and depends_on_time(model):
         model = frozen_in_time(model)
-    problem = equilibrium_problem(model)
-    at = check_path(problem, parameter, values)
+    at = check_path(model, parameter, values)
+    problem = equilibrium_problem(model, within={parameter: at})
 
     def sample(points: Array) -> Modes:
         matrices = problem.linearised({parameter: points})[1]

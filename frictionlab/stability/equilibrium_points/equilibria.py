@@ -5,9 +5,10 @@ Also the `EquilibriumProblem` at one of them, or at all in a range of a paramete
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -52,9 +53,14 @@ MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over a
 
 
 def equilibrium_problem(
-    model: ModelOrAutomaton, equilibrium: Equilibrium | None = None
+    model: ModelOrAutomaton,
+    equilibrium: Equilibrium | None = None,
+    within: Mapping[str, Array] | None = None,
 ) -> EquilibriumProblem:
     """The problem of a model or an automaton, at its default equilibrium or at a given one.
+
+    Where the model's own parameters have none, it is that at the nearest of values (N,) `within` which some
+    parameters vary, of those that are searched.
 
     Raises
     ------
@@ -67,8 +73,31 @@ def equilibrium_problem(
         return _new_problem(model, _check_equilibrium(model, equilibrium))
     notes = vars(model) if isinstance(model, Model) else {}
     if PROBLEM not in notes:
+        if within and (problem := _problem_within(model, within)):
+            return problem
         notes[PROBLEM] = _new_problem(model)
     return notes[PROBLEM]
+
+
+def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> EquilibriumProblem | None:
+    """The problem at the nearest values that have an equilibrium; None where the model's own have one."""
+    if by_penetration(model):
+        return None
+    automaton, sliding = automaton_at_rest(model), is_sliding(model)
+    if first_mode_equilibria(automaton, sliding).points.size:
+        return None
+    own = np.array([automaton.values[name] for name in within])
+    spans = np.array([np.ptp(values) or 1.0 for values in within.values()])
+    some = [
+        values[np.linspace(0, len(values) - 1, min(len(values), BRANCH_SEARCH_POINTS)).astype(int)]
+        for values in within.values()
+    ]
+    for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
+        change = dict(zip(within, map(float, point)))
+        mode, points, *_ = first_mode_equilibria(automaton.replace(**change), sliding)
+        if points.size:
+            return _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
+    return None
 
 
 def _new_problem(model: ModelOrAutomaton, near: Array | None = None) -> EquilibriumProblem:
@@ -189,7 +218,7 @@ def equilibrium_branches(
     if by_penetration(model):
         return [equilibrium_problem(model)]
     automaton = automaton_at_rest(model)
-    at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
+    at, problems = values_within(bounds), []
     modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
@@ -205,6 +234,11 @@ def equilibrium_branches(
     if not problems:
         raise _no_equilibrium_error(model)
     return problems
+
+
+def values_within(bounds: tuple[float, float]) -> Array:
+    """Values of a parameter at which equilibria are looked for."""
+    return np.linspace(*bounds, BRANCH_SEARCH_POINTS)
 
 
 def _same_state(x: Array, other: Array) -> bool:

@@ -271,6 +271,24 @@ def test_reversing_the_belt_is_a_fold_too():
     assert abs(change.value) < 1e-8
 
 
+def test_an_equilibrium_that_the_models_own_value_lacks_is_found_in_the_range():
+    """x = p is inside the guard for p > 0; its growth rate is (p - c)/2, its frequency 1/(2 pi)."""
+    x, v, p, c = sympy.symbols("x v p c")
+    mode = fl.Mode("on", (v, p - x - (c - x) * v), (fl.Event("gap", x, ()),))
+    model = fl.HybridAutomaton((x, v), (mode,), {p: -1.0, c: 1.0}, 1)
+    (change,) = fl.stability_changes(model, "p", (-3.0, 5.0))
+    assert (change.value, change.frequency) == pytest.approx((1.0, 0.5 / np.pi))
+    found = fl.hopf(model, "p", (-3.0, 5.0)).value, fl.CriticalValue("p", (-3.0, 5.0))(model)
+    assert (*found, fl.critical_value(model, "p", (-3.0, 5.0))) == pytest.approx((1.0,) * 3)
+    assert fl.critical_curve(model, "p", (-3, 5), over=("c", [1.0, 2.0])).values == pytest.approx([1.0, 2.0])
+    rates = fl.root_locus(model, "p", [-1.0, 1.0, 2.0]).growth_rates[:, 0]
+    assert rates == pytest.approx([np.nan, 0.0, 0.5], abs=1e-12, nan_ok=True)
+    plane = fl.stability_map(model, ("p", np.linspace(-1, 5, 7)), ("c", [0.5, 1.5]), progress=False)
+    assert np.ptp(plane.boundary[0].points, axis=1) == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(ValueError, match="must have a mode with an equilibrium"):
+        fl.critical_value(model, "p", (-3.0, -2.0))
+
+
 def test_where_an_equilibrium_begins_nothing_changes():
     """Unstable from its first moment (F = 0) on, or stable: neither is a change."""
     assert fl.stability_changes(S(mu_k=2.5), "F", (-100, 300)) == ()
