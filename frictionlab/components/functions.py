@@ -7,14 +7,25 @@ on the state, each of their borders is an event of the motion, so that they are 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
 from itertools import pairwise
 from typing import Any
 
-from frictionlab.validation import abbreviate, check_choice, check_sequence, float_array, is_sequence
+from frictionlab.validation import (
+    P,
+    R,
+    abbreviate,
+    check_choice,
+    check_sequence,
+    explains_keywords,
+    float_array,
+    is_sequence,
+)
 
 GIVE_NUMBER = "give a number, an array or an expression"
 TINY = 1e-300  # keeps a quotient of zeros from having no value
+PIECES = "piecewise(x, (0.0,), (below, above))"
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
 
 
@@ -92,6 +103,30 @@ def arcsinh(x: Any) -> Any:
     return _evaluate("asinh", x)
 
 
+def _takes_no_pairs(function: Callable[P, R]) -> Callable[P, R]:
+    """Let :func:`piecewise` answer the arguments of sympy's Piecewise, of which there may be any number."""
+
+    @wraps(function)
+    def call(*arguments: P.args, **keywords: P.kwargs) -> R:
+        first: Any = arguments[0] if arguments else None
+        if isinstance(first, (tuple, list)) and len(first) == 2 and _is_condition(first[1]):
+            raise ValueError(
+                "x must be what the borders are of, got a pair of an expression and a condition, "
+                f"{abbreviate(first)}: write Piecewise((below, x < 0), (above, True)) as {PIECES}"
+            )
+        return function(*arguments, **keywords)
+
+    return call
+
+
+def _is_condition(value: Any) -> bool:
+    """Whether it is true or false, as x < 0 is, of numbers or symbols."""
+    kinds = "is_Boolean", "is_Relational"
+    return isinstance(value, bool) or any(getattr(value, kind, False) for kind in kinds)
+
+
+@_takes_no_pairs
+@explains_keywords
 def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
     """The first value where x is below the first border, the second from there to the next, and so on.
 
@@ -118,7 +153,7 @@ def piecewise(x: Any, borders: Sequence[Any], values: Sequence[Any]) -> Any:
     >>> force(0.6), force(0.05)
     (2.0, 0.0)
     """
-    cure = "give what holds on each side, piecewise(x, (0.0,), (below, above))"
+    cure = f"give what holds on each side, {PIECES}"
     x = _number_or_expression("x", x)
     borders = [_number_or_expression("borders", one) for one in check_sequence("borders", borders, cure)]
     values = [_number_or_expression("values", one) for one in check_sequence("values", values, cure)]
@@ -155,6 +190,8 @@ def _is_number_of_sympy(value: Any) -> bool:
 
 def _number_or_expression(name: str, value: Any) -> Any:
     """An expression and a plain number as they are; other numbers as a float or an array of floats."""
+    if _is_condition(value):
+        raise ValueError(f"{name} must be numbers or expressions, got the condition {value}: {GIVE_NUMBER}")
     if hasattr(value, "free_symbols") or type(value) is float or (type(value) is int and abs(value) < 2**53):
         return value
     return _plain(float_array(name, value, GIVE_NUMBER))

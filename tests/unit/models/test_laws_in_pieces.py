@@ -546,10 +546,18 @@ def test_a_side_has_the_equations_of_all_sides():
     assert str(model.equations("x < d")) == str(model.equations("only"))
 
 
+X = sympy.Symbol("X")
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: functions.piecewise(0.3, (float("nan"),), (1, 2)), "borders must be numbers .* got nan"),
+        (
+            lambda: functions.piecewise((X, X < 0), (2 * X, True), (X, X > 3), (0, True)),
+            r"x must be what the borders are of, got a pair .* write Piecewise.* as piecewise\(x, ",
+        ),
+        (lambda: functions.piecewise(X, (X < 0,), (X, 2 * X)), "borders must be .* got the condition X < 0"),
         (lambda: functions.absolute("x"), "x must hold numbers, got 'x'"),
         (lambda: functions.sign([None]), "x must hold numbers"),
         (lambda: fl.table(0.3, {}), "values must be given at two times at least, got {}"),
