@@ -95,7 +95,7 @@ def equilibrium_lines(model: ModelOrAutomaton) -> Iterator[str]:
         yield "\nSliding equilibrium"
         for name, value in zip(automaton_of(model).shown_states, point.q, strict=True):
             yield f"  {name:4} {value:+.6f} {unit_of_state(model, name)}"
-        forces = [f"{symbol} {value:.4f} {unit}" for symbol, value, unit in contact_forces(point)]
+        forces = [f"{symbol} {value:.4f} {unit}" for symbol, value, unit in contact_forces(point).values()]
         if math.isfinite(point.penetration):
             unit = output_unit("penetration", model)
             forces = [f"penetration  {point.penetration:+.6f} {unit}", *forces]

@@ -5,7 +5,7 @@ the root locus, or in the plane of growth rate and frequency; and frequency resp
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -16,13 +16,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from frictionlab.models import Model
-from frictionlab.plotting.animation.parts import parts
+from frictionlab.plotting.animation.parts import FORCES, parts
 from frictionlab.plotting.appearance import (
-    BLACK,
     BLUE,
     GREY,
     MODE_COLOURS,
-    VERMILLION,
     ink,
     legible,
     line_style,
@@ -84,10 +82,9 @@ def plot_equilibrium(equilibrium: Equilibrium, ax: Axes | None = None) -> Sequen
     artists = picture.move(picture.draw(ax), 0, MODE_COLOURS["slip"])
     ax.set(xlabel=picture.note)
     set_title(ax, "Equilibrium")
-    acting = [*contact_forces(equilibrium), *(("F", size, "N") for size in picture.loads.values())]
-    texts = (f"${symbol}$ = {size:.4g} {unit}" for symbol, size, unit in acting)
-    colours = BLUE, VERMILLION, BLACK
-    legend_beside(ax, [Line2D([], [], label=text, **pen(c, 3.0, ax)) for text, c in zip(texts, colours)])
+    acting = contact_forces(equilibrium).items()
+    forces = {f"${symbol}$ = {size:.4g} {unit}": FORCES[name] for name, (symbol, size, unit) in acting}
+    legend_beside(ax, replace(picture, forces=forces).handles(ax))
     return artists
 
 

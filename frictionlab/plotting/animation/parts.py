@@ -33,6 +33,7 @@ from frictionlab.plotting.appearance import (
     marker_size,
     pen,
 )
+from frictionlab.plotting.labels import parameter_symbol
 from frictionlab.plotting.time_histories import Array
 from frictionlab.presentation import FORCE_SYMBOLS, is_rotational, output_unit
 
@@ -91,8 +92,8 @@ class Parts:
         On the magnification, which angles of what turns do not have.
     forces : mapping of str to str
         What the legend says of each contact force that is drawn, and its colour.
-    loads : mapping of str to float
-        Parameters that are drawn as forces, N.
+    loads : mapping of str to str
+        The same of each parameter that is drawn as a force.
     """
 
     t: Array
@@ -103,7 +104,7 @@ class Parts:
     shapes: tuple[Shape, ...]
     note: str
     forces: dict[str, str]
-    loads: dict[str, float]
+    loads: dict[str, str]
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -113,10 +114,12 @@ class Parts:
         (x0, y0), (x1, y1) = np.nanmin(points, axis=1) - MARGIN, np.nanmax(points, axis=1) + MARGIN
         return (float(x0), float(x1)), (float(y0), float(y1))
 
-    def handles(self) -> list[Any]:
+    def handles(self, ax: Axes | None = None) -> list[Any]:
         """Legend entries of the forces."""
-        texts = self.forces | {f"${name}$ = {size:.4g} N": BLACK for name, size in self.loads.items()}
-        return [Line2D([], [], label=text, **pen(colour, 3.0)) for text, colour in texts.items()]
+        return [
+            Line2D([], [], label=text, **pen(colour, 3.0, ax))
+            for text, colour in (self.forces | self.loads).items()
+        ]
 
     def draw(self, ax: Axes) -> list[list[Any]]:
         """The artists of all shapes, as they are in the first frame."""
@@ -281,8 +284,8 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
         if isinstance(part, Forces)
         for name in FORCES
     }
-    loads = {part.force: float(values[part.force][0]) for part in mechanism.parts if isinstance(part, Load)}
-    top = max((*map(_size, forces.values()), *map(abs, loads.values())), default=0.0)
+    loads = {part.force: values[part.force] for part in mechanism.parts if isinstance(part, Load)}
+    top = max(map(_size, (forces | loads).values()), default=0.0)
     samples = SampledRun(run, t, values | forces, run.modes_at(t), s, LONGEST / top if top > 0 else 1.0)
     shapes = [shape for part in mechanism.parts for shape in _shapes(part, samples)]
     first, turns = run.automaton.shown_state, any(point.turn for point in points)
@@ -296,7 +299,7 @@ def parts(run: Any, mechanism: Mechanism, t: Array, magnify: float | None = None
         tuple(shapes),
         ", ".join(notes),
         _legend(run, forces),
-        loads,
+        {f"{parameter_symbol(run.source, name)} = {size[0]:.4g} N": BLACK for name, size in loads.items()},
     )
 
 
@@ -312,7 +315,8 @@ def _legend(run: Any, forces: dict[str, Array]) -> dict[str, str]:
 
 
 def _size(values: Array) -> float:
-    return float(np.abs(values).max())
+    """The largest absolute value; NaN, as of a force that an equilibrium does not have, is left out."""
+    return float(np.fmax.reduce(np.abs(values), initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -291,7 +291,8 @@ class Equilibrium(Drawable):
         units |= {name: unit_of_state(self.model, name) for name, _ in turning}
         numbers = [*zip(self.names, self.q), *turning, *zip(self._further_names, self.state[2 * n :])]
         places = shorten(f"{name} {value:.4g} {units.get(name, '')}".rstrip() for name, value in numbers)
-        acting = "".join(f", {name} {force:.4g} {unit}" for name, force, unit in contact_forces(self))
+        forces = contact_forces(self).values()
+        acting = "".join(f", {name} {force:.4g} {unit}" for name, force, unit in forces)
         return f"Equilibrium({places}{acting})"
 
     @property
@@ -302,14 +303,14 @@ class Equilibrium(Drawable):
         return automaton_of(self.model).state_names[2 * len(self.names) :]
 
 
-def contact_forces(point: Equilibrium) -> list[tuple[str, float, str]]:
-    """Symbol, value and unit of the contact forces, or moments, that an equilibrium has."""
+def contact_forces(point: Equilibrium) -> dict[str, tuple[str, float, str]]:
+    """Symbol, value and unit of each contact force, or moment, that an equilibrium has."""
     sizes = {"normal_force": point.normal_force, "friction_force": point.friction_force}
-    return [
-        (force_symbol(name, point.model), size, output_unit(name, point.model))
+    return {
+        name: (force_symbol(name, point.model), size, output_unit(name, point.model))
         for name, size in sizes.items()
         if np.isfinite(size)
-    ]
+    }
 
 
 class Equilibria(tuple[Equilibrium, ...]):

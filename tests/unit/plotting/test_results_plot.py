@@ -9,6 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import frictionlab as fl
+from frictionlab.models.mechanism import Block, Forces, Load, Mechanism, Point
+from frictionlab.plotting.animation.parts import LONGEST
+from frictionlab.plotting.appearance import BLACK
 from tests.helpers.cases import slow_but
 from tests.helpers.results import BUILDERS, result
 
@@ -92,6 +95,31 @@ def test_a_hopf_point_shows_the_vibration_on_its_side():
     assert ax.get_title().startswith("Subcritical")
     with pytest.raises(ValueError, match="name"):
         point.plot(name="z")
+
+
+def test_a_load_on_a_body_with_two_contacts_keeps_its_name_colour_and_size():
+    @fl.model
+    class Loaded(fl.MechanicalModel):
+        P: float = 200.0
+        friction: fl.FrictionLaw = fl.Coulomb()
+        coordinates = "x", "y"
+
+        def mechanics(self, q, v):
+            contacts = (fl.Friction(0.5 - rate, self.P, self.friction) for rate in v)
+            return fl.Mechanics((v.x**2 + v.y**2) / 2, 5 * (q.x**2 + q.y**2), contacts=tuple(contacts))
+
+        @property
+        def mechanism(self):
+            body = Point(0.0, 0.0, right="x", up="y")
+            return Mechanism(Block(body), Load(body, "P"), Forces(body, "_1"))
+
+    point = fl.equilibrium(Loaded())
+    assert np.isnan(point.normal_force)  # one number cannot be that of two contacts
+    ax = point.plot()
+    (entry,) = ax.get_legend().get_lines()
+    assert (entry.get_label(), entry.get_color()) == ("$P$ = 200 N", BLACK)
+    arrow = next(line for line in ax.lines if line.get_color() == BLACK)
+    assert np.ptp(arrow.get_ydata()) == pytest.approx(LONGEST)
 
 
 def test_a_supercritical_vibration_is_solid_where_no_other_mode_grows():
