@@ -6,11 +6,12 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.models.mechanism import Mechanism, Wall
+from frictionlab.models.mechanism import Mechanism, Point, Spring, Wall
 from frictionlab.pages.export import text_of
 from frictionlab.pages.javascript import javascript_function
 from frictionlab.pages.page_data import structure_data
@@ -120,17 +121,30 @@ def _leaves(data):
         yield from _leaves(field) if isinstance(field, (dict, list)) else (field,)
 
 
-def test_a_mechanism_that_takes_no_symbols_is_refused_by_a_page():
+@pytest.mark.parametrize(
+    "rod",
+    [
+        lambda l: Wall((0.0, 0.0), (math.hypot(l, 1.0), 0.0)),
+        lambda l: Wall((0.0, 0.0), (np.hypot(l, 1.0), 0.0)),
+        lambda l: Wall((0.0, 0.0), (round(l, 1), 0.0)),
+        lambda l: Wall((0.0, 0.0), (1.0 if l == 0.2 else l, 0.0)),
+        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{l:.2f} m"),
+        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{l} m"),
+        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long"),
+    ],
+)
+def test_a_picture_that_takes_no_symbols_is_that_of_the_present_values(rod):
     @fl.model
     class Rod(fl.FreeCoulomb):
         l: float = 0.2
 
         @property
         def mechanism(self):
-            return Mechanism(Wall((0.0, 0.0), (math.hypot(self.l, 1.0), 0.0)))
+            return Mechanism(rod(self.l))
 
-    with pytest.raises(ValueError, match=r"mechanism of Rod must take symbols too.*fl\.functions"):
-        structure_data(Rod())
+    about = structure_data(Rod())["mechanism"]
+    assert about["parts"] == mechanism_data(Rod())
+    assert about["numbers"].endswith("return [];}")
 
 
 def test_names_that_javascript_cannot_read_are_renamed():
