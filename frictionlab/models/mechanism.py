@@ -68,6 +68,14 @@ class Point:
         """A point that moves with this one."""
         return replace(self, x=self.x + x, y=self.y + y)
 
+    def level_at(self, x: float) -> Point:
+        """A point that stays at `x`, as high as this one."""
+        return replace(self, x=x, right="", turn=self.turn and replace(self.turn, right=0.0))
+
+    def upright_at(self, y: float) -> Point:
+        """A point that stays at the height `y`, above or below this one."""
+        return replace(self, y=y, up="", turn=self.turn and replace(self.turn, up=0.0))
+
 
 @dataclass(frozen=True)
 class Wall:

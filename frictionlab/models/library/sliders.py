@@ -144,7 +144,10 @@ class SliderOnBelt(MechanicalModel):
 
     @property
     def mechanism(self) -> Mechanism:
-        """Fig. 1 of the paper: the slider on its contact spring, on the belt that tilts about two wheels."""
+        """Fig. 1 of the paper: the slider on its contact spring, on the belt that tilts about two wheels.
+
+        Springs along x or y stay so, as Eq. (1) has it: their ends on walls move with the bodies.
+        """
         slider, corner = Point(0.0, 0.95, right="x1", up="y1"), (-1.1, 2.0)
         far = functions.maximum(functions.maximum(self.l1, self.l2), LEAST_DISTANCE)
         x1, x2 = (
@@ -156,16 +159,16 @@ class SliderOnBelt(MechanicalModel):
         law = ", ".join(f"${about.symbol}$" for about in parameters_of(type(self.contact)).values())
         foot = Point(0.0, 0.0, right="x1", on=belt)
         springs = (
-            Spring(Point(-1.6, 0.95), slider.beside(-0.2), label="$k_1$"),
+            Spring(slider.level_at(-1.6), slider.beside(-0.2), label="$k_1$"),
             Spring(Point(*corner), slider.beside(-0.2, 0.15), label="$k_3$"),
-            Spring(right, Point(2.1, -WHEEL), label="$k_4$"),
-            Spring(Point(x1, -1.3), left, label="$k_5$"),
-            Spring(right, Point(x2, -1.3), label="$k_6$"),
+            Spring(right, right.level_at(2.1), label="$k_4$"),
+            Spring(left.upright_at(-1.3), left, label="$k_5$"),
+            Spring(right, right.upright_at(-1.3), label="$k_6$"),
             Spring(foot, slider.beside(0.0, -0.15), loose="separation", label=law),
         )
         walls = (
-            Wall((-1.6, 0.55), (-1.6, 1.35)),
-            Wall((2.1, -0.65), (2.1, 0.25)),
+            Wall((-1.6, 0.4), (-1.6, 1.5)),
+            Wall((2.1, -0.75), (2.1, 0.35)),
             Wall((-1.5, -1.3), (1.5, -1.3)),
             Wall((corner[0] - 0.12, corner[1] - 0.12), (corner[0] + 0.12, corner[1] + 0.12)),
         )

@@ -19,7 +19,7 @@ import frictionlab as fl
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point
 from frictionlab.plotting.animation.animate import HistoryPicture, check_film_path, frame_times
 from frictionlab.plotting.animation.parts import belt_outline, outlines_of, parts, spring_outline
-from frictionlab.plotting.appearance import MODE_COLOURS
+from frictionlab.plotting.appearance import BLUE, MODE_COLOURS
 from frictionlab.plotting.figure import AnimatedFigure
 from tests.helpers.cases import slow_but
 from tests.helpers.results import result
@@ -77,7 +77,9 @@ def test_the_foot_is_on_the_belt_in_contact_and_above_it_in_flight(run):
         x, y, above, top = foot[k]
         flying = run.mode[k] == "separation"
         # What is drawn between slider and belt is the gap of the run, magnified.
-        assert y - surface(belt[k], x) == pytest.approx(-s * run.penetration[k] if flying else 0.0, abs=1e-11)
+        gap = y - surface(belt[k], x)
+        assert gap == pytest.approx(-s * run.penetration[k] if flying else 0.0, abs=1e-11)
+        assert not flying or gap > 0
         assert 0.8 - (top - y) == pytest.approx(0.0 if flying else s * run.penetration[k], abs=1e-11)
         assert above == pytest.approx(x)
         assert picture.mode[k] == run.mode[k]
@@ -90,6 +92,13 @@ def test_the_belt_tilts_about_wheels_of_its_size(run):
     assert (y2 - y1) / (x2 - x1) == pytest.approx(-phi, abs=1e-12)
     ends = [max(p[name] / max(p["l1"], p["l2"]), 0.25) for name in ("l1", "l2")]
     assert np.hypot(x2 - x1, y2 - y1) == pytest.approx(sum(ends))
+
+
+def test_springs_along_the_axes_stay_so_as_their_energies_have_it(run):
+    picture, _ = drawn(run)
+    ends = {shape.label: shape.rows.T for shape in picture.shapes if shape.kind == "spring"}
+    for name, axis in ("$k_1$", 1), ("$k_4$", 1), ("$k_5$", 0), ("$k_6$", 0):
+        assert ends[name][axis] == pytest.approx(ends[name][axis + 2], abs=1e-12)
 
 
 def test_a_slider_that_sticks_moves_with_the_marks_on_the_belt():
@@ -126,11 +135,18 @@ def test_the_animation_follows_mode_time_and_state(run):
     FigureCanvasAgg(figure)
     picture, phase = figure.axes
     slider = max(picture.patches, key=lambda patch: patch.get_zorder())  # drawn last
-    count = 0
+    arrow = next(line for line in picture.lines if to_hex(line.get_color()).upper() == BLUE)
+    count, s = 0, float(picture.get_xlabel().split(" × ")[1].split(",")[0])
     for k, _ in enumerate(animation.new_frame_seq()):
         animation._draw_frame(k)
         count += 1
         assert to_hex(slider.get_facecolor()).upper() == MODE_COLOURS[run.mode[k]]
+        # What is on the figure: the slider's centre, and the foot of the arrow of its normal force there.
+        centre = slider.get_xy()[:4].mean(axis=0)
+        assert centre[0] == pytest.approx(s * run["x1"][k], abs=1e-12)
+        assert centre[1] - 0.95 == pytest.approx(s * run["y1"][k], abs=1e-12)
+        if run.normal_force[k] > 0:
+            assert np.transpose(arrow.get_data())[0] == pytest.approx(centre)
         x, rate = phase.lines[-1].get_data()
         assert (x[0], rate[0]) == (run["x1"][k], run["x1'"][k])
         assert picture.get_title() == f"t = {T[k]:.3f} s: {run.mode[k]}; 25 times slower"
