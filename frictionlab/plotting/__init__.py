@@ -18,7 +18,7 @@ None of them uses pyplot, so a figure is freed with its last reference and no wi
                             an equilibrium loses its stability
     studies/                what analyses found: sweeps and bifurcations, ablations, motions and basins in
                             state space, sensitivities and uncertainties of quantities
-    animation/              the slider on its belt, frame by frame
+    animation/              the mechanism or the time history of a run, frame by frame
 
 Each function takes the result of an analysis and returns artists; all it computes are samples of a run.
 """

@@ -179,7 +179,8 @@ def animate(
     fps : float
         Frames a second.
     magnify : float or None
-        Factor of the displacements, which the picture states; None makes the largest one well visible.
+        Factor of the displacements, which the picture states; None makes the largest one well visible.  By a
+        large factor bodies are drawn over each other.
     figure : Figure or None
         Where to draw; None makes a new figure that belongs to no window.
 
