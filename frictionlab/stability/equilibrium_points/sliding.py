@@ -126,6 +126,8 @@ class Statics(NamedTuple):
         """
         n, forces = len(q), list(map(np.abs, self.balance.arrays(*q, *values)))
         residual = reduce(np.maximum, forces[:n]) / reduce(np.maximum, forces[n:], SMALLEST_FORCE)
+        if not (residual >= tolerance).any():
+            return residual, residual < tolerance
         with np.errstate(all="ignore"):
             ahead = self.normal_force(np.nextafter(penetration, np.inf), values)
             _, slope = self.excess_and_slope(penetration, values)
