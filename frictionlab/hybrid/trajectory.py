@@ -376,7 +376,7 @@ class Trajectory(Drawable):
         measured as a share of the motion's size, in some steps of each mode whose equations are no
         polynomials of a low degree.
         """
-        if self.status is not Status.FINISHED and (words := self._words_for_its_end()):
+        if self.status is not Status.FINISHED and (words := self._cause_of_end()):
             return f"it ended at {self.raw.t:g} s with {words}"
         code, order, codes = self.problem.program.code, self.samples.order, self.raw.event_codes
         if codes[:, 2].any() and np.isin(codes[:, 1], code.limits).any():
@@ -391,7 +391,7 @@ class Trajectory(Drawable):
             return None
         return defect_warning(self.problem, self.raw, order, tol, sampled_steps(self.raw, modes))
 
-    def _words_for_its_end(self) -> str:
+    def _cause_of_end(self) -> str:
         raw, about = self.raw, (self.automaton, self.problem, self.raw.state)
         words = ""
         if raw.status is Status.NOT_FINITE and self.problem.program.code.powers[raw.mode]:

@@ -189,7 +189,7 @@ def refuse_unknown(
     names = [*parameters, *components, *structural_fields(cls)]
     for name in given:
         if name not in names:
-            raise unknown_parameter(cls.__name__, name, names, where_it_is(name, cls, components))
+            raise unknown_parameter(cls.__name__, name, names, owner_hint(name, cls, components))
 
 
 def check_component(role: str, base: type, component: object) -> Component:
@@ -250,7 +250,7 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
     return about
 
 
-def where_it_is(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
+def owner_hint(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
     """The end of a message: the class has a constant of the name, or a law the parameter; else empty."""
     if not isinstance(name, str):
         return ""

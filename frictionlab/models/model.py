@@ -37,6 +37,7 @@ from .composition import (
     is_number_of_class,
     model_signature,
     nonlinearities_of,
+    owner_hint,
     parameter_owners,
     parameter_table,
     parameters_of_model,
@@ -46,7 +47,6 @@ from .composition import (
     structural_defaults,
     structural_fields,
     structural_values,
-    where_it_is,
     with_values,
     without,
 )
@@ -540,7 +540,7 @@ def check_parameter_name(model: ModelOrAutomaton, name: Any) -> None:
     """Raise TypeError, with a suggestion, unless `name` is a parameter of the model or automaton."""
     known = list(values_of(model))
     if not isinstance(name, str) or name not in known:
-        hint = where_it_is(name, type(model), model.components) if isinstance(model, Model) else ""
+        hint = owner_hint(name, type(model), model.components) if isinstance(model, Model) else ""
         kind = HybridAutomaton if isinstance(model, HybridAutomaton) else type(model)
         raise unknown_parameter(kind.__name__, name, known, hint)
 

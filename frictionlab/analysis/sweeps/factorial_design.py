@@ -95,16 +95,16 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
         check_mapping("switches", switches, "write {'contact': [fl.LinearContact(), fl.CubicContact()]}")
         alternatives = switches
     else:
-        alternatives = {_known(model, name): None for name in switches}
+        alternatives = {_check_nonlinearity(model, name): None for name in switches}
     if not alternatives:
         raise ValueError("switches must name one at least, got none: leave it out for all nonlinearities")
     return tuple(
-        _on_off(_known(model, n)) if a is None else _alternatives(model, n, a)
+        _on_off(_check_nonlinearity(model, n)) if a is None else _alternatives(model, n, a)
         for n, a in alternatives.items()
     )
 
 
-def _known(model: ModelOrAutomaton, name: Any) -> str:
+def _check_nonlinearity(model: ModelOrAutomaton, name: Any) -> str:
     of_model = model if isinstance(model, Model) else None
     names = () if of_model is None else tuple(of_model.nonlinearities)
     if not isinstance(name, str) or name not in names:
