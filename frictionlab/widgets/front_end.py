@@ -211,9 +211,11 @@ def _finite(value: float) -> float | None:
 def run_data(result: Result) -> Data:
     """The run, sampled over the part that is shown, and its end."""
     run, samples = result.run, result.samples()
+    codes = run.raw.event_codes[run.raw.event_times > samples[0][0], 0]
+    guards = {(*run.problem.program.guards, "")[code] for code in codes.tolist()}
     return sampled_run(run, result.model, *samples) | {
         "mode": run.mode_names[run.raw.step_modes[-1]] if len(run.raw.step_modes) else "",
-        "struck": bool(np.any((run.events.t > samples[0][0]) & (run.events.guard != TURN_OF_FORCE))),
+        "struck": bool(guards - {TURN_OF_FORCE}),
     }
 
 

@@ -224,15 +224,14 @@ class Result:
     def samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
         """Times (N,), states (N, 2n) and modes (N,) of what is shown: at :meth:`times` and, where there are
         few, on both sides of each event."""
-        run, times = self.run, self.times()
-        events = run.events
-        inside = np.flatnonzero((events.t > times[0]) & (events.t < times[-1]))
-        first = inside[np.diff(events.t[inside], prepend=-np.inf) > 0] if len(inside) <= MAX_EVENTS else []
-        jumps = events.t[first]
-        states, modes = run.states_and_modes(np.concatenate([times, jumps]))
-        before = events.before[first]
-        names = list(run.mode_names)
-        sources = np.array([names.index(name) for name in events.source[first]], dtype=np.int64)
+        times, raw = self.times(), self.run.raw
+        inside = np.flatnonzero((raw.event_times > times[0]) & (raw.event_times < times[-1]))
+        inside = inside if len(inside) <= MAX_EVENTS else inside[:0]
+        first = inside[np.diff(raw.event_times[inside], prepend=-np.inf) > 0]
+        jumps = raw.event_times[first]
+        states, modes = self.run.states_and_modes(np.concatenate([times, jumps]))
+        before = raw.event_states[first, 0]
+        sources = self.run.problem.program.guard_modes[raw.event_codes[first, 0]]
         times = np.concatenate([times, jumps, jumps])
         states, modes = np.concatenate([states, before]), np.concatenate([modes, sources])
         side = np.concatenate([np.ones(len(states) - len(jumps)), np.zeros(len(jumps))])
