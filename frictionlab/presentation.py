@@ -38,6 +38,7 @@ SI = "m", "N"  # units of length and of force
 ROTATIONAL_UNITS = {"m": "rad", "m/s": "rad/s", "s/m": "s/rad", "1/m": "1/rad", "N": "N m", "N s/m": "N m s"}
 STIFFNESS_UNIT = re.compile(r"N/m(\^[\d.]+)?")  # also of a force that is a power of the penetration
 FORCE_SYMBOLS = {"normal_force": "F_N", "reaction": "F_N", "friction_force": "F_T"}
+DISTANCE = "distance"  # begins the names of the outputs of how far open rigid contacts are
 REACTION = "reaction"  # begins the names of the outputs of rigid contacts
 WEDGE = "wedge"  # begins the names of events at which a rigid contact that rubs loses its reaction
 TIME = "t"  # the state of models that depend on time otherwise, s

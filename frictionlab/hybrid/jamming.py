@@ -1,4 +1,5 @@
-"""Where a run ends because a rigid contact that rubs has no reaction: Painleve's paradox."""
+"""Where a run ends because a rigid contact that rubs has no reaction, Painleve's paradox, or cannot begin
+because it is behind one."""
 
 from __future__ import annotations
 
@@ -6,8 +7,9 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.guard_bounds import Tape
+from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem
-from frictionlab.presentation import REACTION, WEDGE
+from frictionlab.presentation import DISTANCE, REACTION, WEDGE
 
 ZERO_SHARE = 1e-9  # share of a function's size that counts as zero
 
@@ -35,3 +37,17 @@ def jammed_contact(automaton: HybridAutomaton, problem: Problem, state: np.ndarr
                     "closed: lower its friction, or give it a stiffness, Contact in place of Stop"
                 )
     return ""
+
+
+def contact_behind(automaton: HybridAutomaton, state: np.ndarray) -> str:
+    """Words for the rigid contact whose bodies overlap most at a start; empty where none do."""
+    states, mode = state[None, : len(automaton.states)], next(iter(automaton.names))
+    distances = {
+        name: float(evaluate_output(automaton, name, states, np.zeros(1, dtype=int), [mode])[0])
+        for name in automaton.outputs
+        if name.startswith(DISTANCE) and name.replace(DISTANCE, REACTION) in automaton.outputs
+    }
+    name = min(distances, key=distances.__getitem__, default="")
+    if not distances.get(name, 0.0) < 0.0:
+        return ""
+    return f"x0 behind a stop: {name!r} is {distances[name]:.3g}: start where it is zero or positive"

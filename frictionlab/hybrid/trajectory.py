@@ -22,7 +22,7 @@ from frictionlab.hybrid.accuracy import chatter_warning, defect_warning, defects
 from frictionlab.hybrid.chatter_limit import CHATTER
 from frictionlab.hybrid.codegen.native_cache import native_code
 from frictionlab.hybrid.guard_bounds import condition_violation
-from frictionlab.hybrid.jamming import jammed_contact
+from frictionlab.hybrid.jamming import contact_behind, jammed_contact
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
 from frictionlab.hybrid.outputs import evaluate_output
@@ -370,9 +370,10 @@ class Trajectory(Drawable):
     def warning(self) -> str | None:
         """What is wrong with the run, or None.
 
-        There are four warnings.  Some steps by series are far less exact than the tolerance.  Flights were
+        There are five warnings.  Some steps by series are far less exact than the tolerance.  Flights were
         replaced by their limit and are not short beside the stays in modes.  The run ended because the base
-        of a power became negative, or because a rigid contact that rubs has no reaction.  Defects are
+        of a power became negative, or because a rigid contact that rubs has no reaction.  It began behind a
+        rigid contact.  Defects are
         measured as a share of the motion's size, in some steps of each mode whose equations are no
         polynomials of a low degree.
         """
@@ -397,7 +398,10 @@ class Trajectory(Drawable):
         if raw.status is Status.NOT_FINITE and self.problem.program.code.powers[raw.mode]:
             words = negative_base(*about, raw.mode)
         jams = raw.status in (Status.NO_ADMISSIBLE_MODE, Status.NOT_FINITE, Status.STALLED)
-        return words or (jammed_contact(*about) if jams else "")
+        words = words or (jammed_contact(*about) if jams else "")
+        if not words and raw.status is Status.NO_ADMISSIBLE_MODE and not len(raw.event_times):
+            words = contact_behind(self.automaton, raw.state)
+        return words
 
     @property
     def _tolerance(self) -> float | None:

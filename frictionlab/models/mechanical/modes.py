@@ -23,7 +23,7 @@ from frictionlab.components.component import StructureKey
 from frictionlab.models.automaton_of_model import automaton_of_structure
 from frictionlab.models.serialisation import structure_to_data
 from frictionlab.models.symbols import expand_products
-from frictionlab.presentation import REACTION
+from frictionlab.presentation import DISTANCE, REACTION
 
 from .contact_regimes import (
     CHATTER_TIME,
@@ -454,7 +454,7 @@ def contact_outputs(
 
 def _outputs_of_contact(contact: AnyContact, regime: ContactRegime, force: Any, friction: Any) -> Any:
     if isinstance(contact, Stop):
-        rigid = ("distance", contact.distance), (REACTION, force)
+        rigid = (DISTANCE, contact.distance), (REACTION, force)
         return (*rigid, *rubbing_outputs(contact, friction).items()) if contact.rubs else rigid
     shown = (("normal_force", regime.pressing),)
     if isinstance(contact, Friction):

@@ -181,6 +181,13 @@ def test_a_rod_that_slides_into_the_paradox_says_so():
     assert run["theta"][-1] == pytest.approx(theta, rel=1e-6)
 
 
+def test_a_start_behind_a_stop_names_it_and_its_distance():
+    with pytest.warns(RuntimeWarning, match="at 0 s with x0 behind a stop: 'distance' is -0.01: start where"):
+        assert not fl.simulate(Puck(), 1.0, x0={"y": -0.01}, progress=False).status.ok
+    with pytest.warns(RuntimeWarning, match="'distance_2' is -0.21"):
+        fl.simulate(Sledge(), 1.0, x0={"y": 0.09, "theta": -1.0}, progress=False)
+
+
 def test_an_event_of_ones_own_may_be_called_wedge():
     x, v = sp.symbols("x v")
     mode = fl.Mode("on", (v, sp.Integer(-1)), (fl.Event("wedge", x, ()),))
