@@ -116,7 +116,8 @@ def test_no_admissible_mode_at_the_start_is_a_status():
     assert len(run.events) == 0
     assert run.final_state.tolist() == [-1.0, 0.0]
     assert run.t.tolist() == [0.0]
-    overlapped = fl.simulate(fl.BouncingBall(), 2.0, x0=[-1.0, 0.0], progress=False)
+    with pytest.warns(RuntimeWarning, match="behind a stop: 'distance' is -1"):
+        overlapped = fl.simulate(fl.BouncingBall(), 2.0, x0=[-1.0, 0.0], progress=False)
     assert np.isnan(overlapped["reaction"]).all()  # as it is in no mode
     with pytest.raises(ValueError, match="its motion ends early: no admissible mode"):
         fl.periodic_orbit(fl.BouncingBall(), overlapped)
