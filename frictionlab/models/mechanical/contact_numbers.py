@@ -140,7 +140,7 @@ def _laws_of_contacts(key: StructureKey) -> Iterator[tuple[str, set[str]]]:
 
 
 def _names(expressions: Iterable[Any]) -> set[str]:
-    return {one.name for each in expressions for one in sympy.sympify(each).free_symbols}
+    return {one.name for each in expressions for one in sympy.sympify(each, strict=True).free_symbols}
 
 
 def check_contacts(model: MechanicalModel) -> None:

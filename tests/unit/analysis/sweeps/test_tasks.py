@@ -16,6 +16,7 @@ import frictionlab as fl
 from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps import tasks as module
 from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
+from tests.helpers import killed_cluster
 
 MODEL = fl.SliderOnBelt()
 QUIET = {"progress": False}
@@ -272,7 +273,8 @@ def test_values_of_a_large_grid_are_checked_before_any_is_computed():
 def test_a_cluster_whose_processes_are_killed(tmp_path, lost):
     """Others take over from workers that are killed; after a scheduler's end another cluster goes on."""
     pytest.importorskip("distributed", reason="the extra dask is not installed")
-    here = fl.sweep(MODEL, friction, {"mu_k": np.linspace(0, 3, 100)}, resume=tmp_path / "here", **QUIET)
+    grid = {"mu_k": np.linspace(0, 3, 100)}
+    here = fl.sweep(MODEL, killed_cluster.friction, grid, resume=tmp_path / "here", **QUIET)
     script = [sys.executable, "-m", "tests.helpers.killed_cluster", str(tmp_path / "there"), lost]
     said = subprocess.run(script, capture_output=True, text=True, timeout=300, check=True).stdout
     assert ("the executor was lost after" in said) == (lost == "scheduler")
