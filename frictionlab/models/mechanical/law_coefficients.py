@@ -22,6 +22,8 @@ from frictionlab.tape.formulas import Formulas, formulas_of
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
+    from .equations_of_motion import LagrangeSystem
+
 PHASES = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
 DIGITS = 12  # of values that are compared; the last ones of a float are rounding
 
@@ -47,10 +49,7 @@ def check_law_coefficients(model: MechanicalModel, start: Any = None) -> None:
 
     Without `start`, a state, laws are checked that depend on parameters and phase only; with it the others.
     """
-    key = model.structure_key
-    if not derivations_of(key).value("laws of expressions", lambda: bool(_laws(key)[0])):
-        return
-    laws, states = _laws(key)
+    laws, states = _laws(model.structure_key)
     for one in laws:
         there = {*one.inputs}.intersection(states)
         if (start is None) != (there <= {PHASE}):
@@ -82,9 +81,15 @@ def _check(model: MechanicalModel, one: LawOfExpressions, values: Mapping[str, A
 @cache
 def _laws(key: StructureKey) -> tuple[list[LawOfExpressions], list[str]]:
     """The laws that `mechanics` makes of expressions, and the names of the states."""
-    from .equations_of_motion import system_of
 
-    system, laws = system_of(key), []
+    def derived() -> LagrangeSystem:
+        from .equations_of_motion import system_of  # which loads sympy
+
+        return system_of(key)
+
+    if not derivations_of(key).value("laws of expressions", lambda: bool(derived().laws_of_expressions)):
+        return [], []
+    system, laws = derived(), []
     for law in system.laws_of_expressions:
         given = [*expressions_of(law).values()]
         inputs = sorted({each for one in given for each in one.free_symbols}, key=str)
