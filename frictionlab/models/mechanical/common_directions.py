@@ -19,6 +19,7 @@ import sympy
 
 from frictionlab.models.symbols import expand_products
 
+LEAST_LIMIT = 1e-290  # N, no summand of any limit but zero: of contacts that are only touched shares are 0/0
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}  # the sign of v_r in the regimes of a contact that can stick
 Row = tuple[Any, ...]
 
@@ -102,11 +103,13 @@ class CommonDirection:
     def shares(self, leader: int, force: Any, limits: dict[int, Any]) -> tuple[dict[int, Any], Any]:
         """The force of each contact, by its limit, and the sum of the limits seen from the leader.
 
-        The leader alone would hold with `force`.
+        The leader alone would hold with `force`.  Contacts that are only touched have no share.
         """
         ratios = {i: self.ratio(i, leader) for i in limits}
         total = sum((sympy.Abs(ratios[i]) * limit for i, limit in limits.items()), sympy.S.Zero)
-        return {i: sympy.sign(ratios[i]) * limit * force / total for i, limit in limits.items()}, total
+        shares = {i: sympy.sign(ratios[i]) * limit for i, limit in limits.items()}
+        some = total if all((share / total).is_number for share in shares.values()) else total + LEAST_LIMIT
+        return {i: share * force / some for i, share in shares.items()}, total
 
 
 def common_directions(
