@@ -185,7 +185,11 @@ def random_initial_values(ranges: dict[str, tuple[float, float]], samples: int, 
 def _collect_labels(
     specification: dict[str, Any], results: dict[int, Any]
 ) -> tuple[np.ndarray, tuple[Attractor, ...]]:
-    """Labels of all initial states, and the attractors: those of the probes, then those of each group."""
+    """Labels of all initial states, and the attractors to which they lead: those of the probes, then those of
+    each group.
+
+    Where a motion is sensitive, that of a probe may end elsewhere than the same one in its group.
+    """
     probes, group = specification["probes"], specification["group"]
     ends = [results[i] for i in range(probes) if i in results]
     catalogue = catalogue_of_probes(ends, specification["coordinates"], specification["rtol"])
@@ -194,7 +198,11 @@ def _collect_labels(
         index = np.array([*range(shared), *(catalogue.place(attractor) for attractor in results[i]["found"])])
         first = (i - probes) * group
         labels[first : first + group] = index[results[i]["labels"]]
-    return labels, name_attractors(catalogue.attractors)
+    attractors = catalogue.attractors
+    if (labels != UNDECIDED).all():
+        reached, labels = np.unique(labels, return_inverse=True)
+        attractors = [attractors[i] for i in reached]
+    return labels, name_attractors(attractors)
 
 
 def _fractions_text(fractions: dict[str, float], errors: dict[str, float] | None = None) -> str:

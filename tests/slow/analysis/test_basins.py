@@ -8,6 +8,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.basins import tasks as module
+from frictionlab.analysis.basins.basins import basins_from_results
 from tests.helpers.automata import V, X, automaton
 from tests.helpers.known_motions import bistable
 
@@ -110,6 +111,15 @@ def test_an_attractor_that_no_probe_found_is_reported(monkeypatch):
     found = fl.basins(wells(), ("x", [-1.0, -0.5, 0.5, 2.0]), ("v", [0.0, 1.0]), **QUIET)
     assert found.labels.tolist() == [[0, 0, 1, 1]] * 2
     assert [a.state[0] for a in found.attractors] == pytest.approx([-1.0, 1.0])
+
+
+def test_an_attractor_of_a_probe_to_which_no_state_leads_is_not_listed():
+    left, right = (fl.basins(wells(), ("x", x), ("v", [0.0, 1.0]), **QUIET) for x in ([-1, -0.5], [0.5, 2.0]))
+    labels = {left.specification["probes"]: {"labels": [1] * 4, "found": []}}
+    found = basins_from_results(left.specification, left.results | {0: right.results[0]} | labels)
+    assert found.fractions == {"equilibrium": 1.0}
+    assert (found.labels == 0).all()
+    assert found.attractors[0].state[0] == pytest.approx(-1.0)
 
 
 def test_what_friction_holds_against_a_force_is_one_attractor_at_all_times():
