@@ -312,16 +312,15 @@ _LAWS_OF_EXPRESSIONS: ContextVar[list[Component] | None] = ContextVar("laws of e
 
 
 @contextmanager
-def laws_of_expressions() -> Iterator[list[Component]]:
-    """A place where laws may be made of expressions, which is `mechanics`, and the laws that are made so.
+def laws_of_expressions(laws: list[Component]) -> Iterator[None]:
+    """A place where laws may be made of expressions: `mechanics`, and methods of laws that are given symbols.
 
-    Rules for their values are checked where these are known.
+    The laws that are made so are added to `laws`.  Rules for the values of those of `mechanics` are checked
+    where the values are known.
     """
-    laws = _LAWS_OF_EXPRESSIONS.get()
-    laws = [] if laws is None else laws
     token = _LAWS_OF_EXPRESSIONS.set(laws)
     try:
-        yield laws
+        yield
     finally:
         _LAWS_OF_EXPRESSIONS.reset(token)
 

@@ -14,7 +14,13 @@ from inspect import signature
 from typing import Any
 
 from frictionlab.components import ContactLaw, FrictionLaw, ImpactLaw
-from frictionlab.components.component import Component, StructureKey, parameters_of, structure_of
+from frictionlab.components.component import (
+    Component,
+    StructureKey,
+    laws_of_expressions,
+    parameters_of,
+    structure_of,
+)
 from frictionlab.components.surroundings import surroundings_of
 from frictionlab.lazy_names import sympy
 from frictionlab.models.symbols import parameter_symbols, symbol
@@ -132,7 +138,8 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
     @wraps(method)
     def explained(*arguments: Any) -> Any:
         try:
-            value = method(*arguments)
+            with laws_of_expressions([]):  # of which a law may make another, whose formula it returns
+                value = method(*arguments)
         except (TypeError, AttributeError) as error:
             if not wants_number(error):
                 raise

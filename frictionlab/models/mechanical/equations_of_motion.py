@@ -15,7 +15,7 @@ import sympy
 
 from frictionlab.automaton import Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
-from frictionlab.components.component import Component, StructureKey, laws_of_expressions
+from frictionlab.components.component import Component, StructureKey
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import expand_products, gradient, symbol
@@ -402,8 +402,8 @@ def system_of(key: StructureKey) -> LagrangeSystem:
 def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> LagrangeSystem:
     """Lagrange's equations of a symbolic copy of a model, in these symbols of coordinates and velocities."""
     names, further = model.coordinates, tuple(map(symbol, model.states))
-    with laws_of_expressions() as laws:
-        about, time = _stated(model, q, v, further), time_of(model)
+    laws: list[Component] = []
+    about, time = _stated(model, q, v, further, laws), time_of(model)
     time = tuple(one for one in time if isinstance(about, Mechanics) and about.depends_on(one))
     about = check_mechanics(about, model, q, v, laws)
     about = with_dampers(about, q, v, time)
@@ -417,8 +417,8 @@ def system_at(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any]) -> Lag
     internal = _with_matrices(about, q, v) if linear else _internal(about, momenta, q, v, time)
     of_laws = tuple(tuple(map(symbol, some)) for some in about.law_states)
     check_alone(about, type(model).__name__, v)
-    q, v, laws = tuple(q), tuple(v), tuple(laws)
-    return LagrangeSystem(about, q, v, mass, internal, loads, further, of_laws, time, laws)
+    q, v = tuple(q), tuple(v)
+    return LagrangeSystem(about, q, v, mass, internal, loads, further, of_laws, time, tuple(laws))
 
 
 def time_of(model: MechanicalModel) -> tuple[Any, ...]:
@@ -427,10 +427,16 @@ def time_of(model: MechanicalModel) -> tuple[Any, ...]:
     return () if TIME in own else (symbol(TIME),)
 
 
-def _stated(model: MechanicalModel, q: Sequence[Any], v: Sequence[Any], further: Sequence[Any]) -> Mechanics:
+def _stated(
+    model: MechanicalModel,
+    q: Sequence[Any],
+    v: Sequence[Any],
+    further: Sequence[Any],
+    laws: list[Component],
+) -> Mechanics:
     """What `mechanics` returns; TypeError, with the cure, where it takes symbols for numbers."""
     try:
-        return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model))
+        return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model), laws=laws)
     except (TypeError, AttributeError) as error:
         if not wants_number(error):
             raise

@@ -340,12 +340,16 @@ def mechanics_at(
     phase: Any,
     further: Iterable[Any],
     time: Any = 0.0,
+    laws: list[Component] | None = None,
 ) -> Mechanics:
-    """What a model states at coordinates, velocities, phase, further states and time: symbols or numbers."""
+    """What a model states at coordinates, velocities, phase, further states and time: symbols or numbers.
+
+    The laws that it makes of expressions are added to `laws`.
+    """
     clock = {} if "t" in model.structure_key.parameters else {"t": time}  # a parameter may have the name
     at = _Named(model.coordinates, q, phase=phase, **clock)
     moving, others = _Named(model.coordinates, v), _Named(model.states, further)
-    with laws_of_expressions():
+    with laws_of_expressions([] if laws is None else laws):
         return model.mechanics(at, moving, others) if model.states else model.mechanics(at, moving)
 
 

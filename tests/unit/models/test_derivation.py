@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -311,6 +313,27 @@ def test_a_coefficient_of_friction_may_be_an_expression_in_mechanics_and_nowhere
     for make in (fl.MassOnBelt, fl.Coulomb, lambda mu_k: fl.BeamOnBelt(friction=fl.Coulomb(mu_k, 0.1))):
         with pytest.raises(TypeError, match="mu_k must be one real number, got b"):
             make(mu_k=b)
+
+
+@dataclass(frozen=True)
+class Delegating(fl.FrictionLaw):
+    """Coulomb's law, by one that it makes of its own parameters."""
+
+    mu_k: float = 0.3
+    mu_s: float = 0.4
+
+    def kinetic(self, normal_force, speed):
+        return fl.Coulomb(self.mu_k, self.mu_s).kinetic(normal_force, speed)
+
+    def static_limit(self, normal_force):
+        return dataclasses.replace(fl.Coulomb(), mu_s=self.mu_s).static_limit(normal_force)
+
+
+def test_a_law_may_return_the_formula_of_another():
+    laws = Delegating(), fl.Coulomb(0.3, 0.4)
+    runs = [fl.simulate(fl.MassOnBelt(friction=law), 20.0, progress=False) for law in laws]
+    assert runs[0].states.tobytes() == runs[1].states.tobytes()
+    fl.testing.check_law(Delegating())
 
 
 @fl.model
