@@ -39,6 +39,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
+from frictionlab.stability.state_matrices import null_vector
 from frictionlab.validation import abbreviate
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
@@ -80,7 +81,11 @@ def equilibrium_problem(
 
 
 def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> EquilibriumProblem | None:
-    """The problem at the nearest values that have an equilibrium; None where the model's own have one."""
+    """The problem at the nearest values that have an equilibrium; None where the model's own have one.
+
+    An equilibrium with a singular state matrix, as at a fold, is taken only where all are: it may not be
+    possible to follow it.
+    """
     if by_penetration(model):
         return None
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
@@ -92,12 +97,17 @@ def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> Equ
         values[np.linspace(0, len(values) - 1, min(len(values), BRANCH_SEARCH_POINTS)).astype(int)]
         for values in within.values()
     ]
+    singular = None
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))
-        mode, points, *_ = first_mode_equilibria(automaton.replace(**change), sliding)
+        there = automaton.replace(**change)
+        mode, points, *_ = first_mode_equilibria(there, sliding)
         if points.size:
-            return _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
-    return None
+            problem = _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
+            if null_vector(problem.flow.jacobian(points[:, 0], parameter_values(there))) is None:
+                return problem
+            singular = singular or problem
+    return singular
 
 
 def _new_problem(model: ModelOrAutomaton, near: Array | None = None) -> EquilibriumProblem:

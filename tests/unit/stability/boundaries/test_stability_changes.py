@@ -289,6 +289,18 @@ def test_an_equilibrium_that_the_models_own_value_lacks_is_found_in_the_range():
         fl.critical_value(model, "p", (-3.0, -2.0))
 
 
+def test_a_fold_among_the_searched_values_is_passed_over():
+    """x^2 = p begins at p = 0, which the search meets first; the growth rate of x = sqrt(p) is (p - c)/2."""
+    x, v, p, c = sympy.symbols("x v p c")
+    mode = fl.Mode("on", (v, p - x**2 - (c - p) * v), (fl.Event("gap", x + 0.25, ()),))
+    model = fl.HybridAutomaton((x, v), (mode,), {p: -0.8, c: 1.5}, 1)
+    found = [fl.critical_value(model, "p", (-1.0, high)) for high in (3.0, 2.9)]
+    assert found == pytest.approx([1.5, 1.5], rel=1e-12)
+    axes = ("p", np.linspace(-1, 3, 9)), ("c", [1.0, 2.0])
+    maps = [fl.stability_map(one, *axes, progress=False) for one in (model, model.replace(p=1.0))]
+    np.testing.assert_allclose(*(plane.growth for plane in maps), atol=1e-12)
+
+
 def test_where_an_equilibrium_begins_nothing_changes():
     """Unstable from its first moment (F = 0) on, or stable: neither is a change."""
     assert fl.stability_changes(S(mu_k=2.5), "F", (-100, 300)) == ()
