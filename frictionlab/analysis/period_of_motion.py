@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -33,24 +33,19 @@ def with_period(automaton: HybridAutomaton, state: Array) -> HybridAutomaton:
     return replace(automaton.derived(), period=_period_from(automaton, state))
 
 
-def oscillation_period(source: ModelOrAutomaton) -> float:
-    """Approximate period of oscillation (s) that is stated, or else found in the motion from rest."""
-    return getattr(source, "period", None) or _period_from_rest(source)
+def oscillation_period(source: ModelOrAutomaton, x0: Any = "rest") -> float:
+    """Approximate period of oscillation (s) that is stated, or else found in the motion from `x0`."""
+    if stated := getattr(source, "period", None):
+        return float(stated)
+    try:
+        return _period_from(automaton_of(source), initial_state_of(source, x0))
+    except (ValueError, ArithmeticError):  # no run from there, as where a law's rule does not hold
+        return NO_PERIOD
 
 
-def rounded_period(source: ModelOrAutomaton) -> float:
-    """That period, rounded down to 1, 2 or 5 times a power of ten."""
-    return round_down_1_2_5(oscillation_period(source))
-
-
-def highest_frequency(source: ModelOrAutomaton) -> float:
-    """The highest frequency (Hz) that a spectrum of a model shows."""
-    return HARMONICS_SHOWN / rounded_period(source)
-
-
-@lru_cache(maxsize=64)
-def _period_from_rest(source: ModelOrAutomaton) -> float:
-    return _period_from(automaton_of(source), initial_state_of(source, "rest"))
+def highest_frequency(period: float) -> float:
+    """The highest frequency (Hz) that a spectrum of a model of this period shows."""
+    return HARMONICS_SHOWN / round_down_1_2_5(period)
 
 
 def _period_from(automaton: HybridAutomaton, state: Array) -> float:

@@ -117,6 +117,7 @@ def _checked_run(
     args: argparse.Namespace, parser: OneLineParser, check_file: Callable[[str, str], Path]
 ) -> Any:
     """A run of the chosen model; the options are checked before it."""
+    from frictionlab.analysis.period_of_motion import oscillation_period
     from frictionlab.analysis.simulate import simulate
     from frictionlab.pages.scene import usual_duration
     from frictionlab.validation import check_number
@@ -125,7 +126,7 @@ def _checked_run(
         check_writable(check_file("-o", args.output), "-o")
         model = model_from_options(args)
         if args.t_end is None:
-            args.t_end = usual_duration(model)
+            args.t_end = usual_duration(model, oscillation_period(model, args.x0))
         check_number("--t-end", args.t_end, above=0.0, cure="give the length of the run in seconds")
         return simulate(model, args.t_end, x0=args.x0)
     except (ValueError, TypeError) as error:

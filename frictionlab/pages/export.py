@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from frictionlab._version import __version__
+from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.compilation.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.compilation.manifest import compiled_object
 from frictionlab.compilation.targets import WEB
@@ -146,12 +147,13 @@ def export_page(
     path = check_path("path", path, (".html", ".htm"))
     title = name if title is None else check_text("title", title, "leave it out for the model's name")
     names = switch_names(model, switches)
+    period = oscillation_period(model, start)
     if t_end is None:
-        t_end = usual_duration(model)
+        t_end = usual_duration(model, period)
     check_t_end(t_end)
     with_laws = page_laws(model, laws)
-    run = run_controls(model, float(t_end), start)
-    scene = page_scene(model, names, sliders, presets, run, title, with_laws)
+    run = run_controls(model, period, float(t_end), start)
+    scene = page_scene(model, period, names, sliders, presets, run, title, with_laws)
     return write_text(path, page_content(model, names, scene, with_laws))
 
 
@@ -183,6 +185,7 @@ def page_content(
 
 def page_scene(
     model: Shown,
+    period: float,
     names: tuple[str, ...],
     sliders: Any,
     presets: Any,
@@ -198,7 +201,7 @@ def page_scene(
     models = [model, *with_laws.values()]
     numbers = controls_of_models(models, chosen, ranges)
     controls = [*switches, *menus, *formula_controls(models), *numbers, *run]
-    scene = scene_data(model, controls, panels_of(model), title=title)
+    scene = scene_data(model, controls, panels_of(model), period, title=title)
     about = f"exact solver, in your browser; frictionlab {__version__}"
     menu = scene_menu(model, names, presets)
     return scene | {"about": about, "switches": names, "menu": menu, "method": method_data()}

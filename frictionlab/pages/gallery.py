@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.file_writing import write_text
 from frictionlab.interruption import progress_bar
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
@@ -156,8 +157,9 @@ def write_scene(scene: LibraryScene, path: Path, menu: list[Data], mark: str = "
     """
     names = switch_names(scene.model, None)
     laws = page_laws(scene.model, None)
-    run = run_controls(scene.model, usual_duration(scene.model))
-    data = page_scene(scene.model, names, None, None, run, scene.name, laws)
+    period = oscillation_period(scene.model)
+    run = run_controls(scene.model, period, usual_duration(scene.model, period))
+    data = page_scene(scene.model, period, names, None, None, run, scene.name, laws)
     data |= {"name": scene.name, "about": scene.about, "menu": menu}
     return write_text(path, page_content(scene.model, names, data, laws, mark))
 

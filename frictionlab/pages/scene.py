@@ -21,8 +21,6 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.analysis.period_of_motion import (
     highest_frequency,
-    oscillation_period,
-    rounded_period,
     with_period,
 )
 from frictionlab.automaton import HybridAutomaton
@@ -192,12 +190,12 @@ def name_of(model: ModelOrAutomaton) -> str:
 
 
 def scene_data(
-    model: Shown, controls: Iterable[Data], panels: Sequence[str], *, title: str | None = None
+    model: Shown, controls: Iterable[Data], panels: Sequence[str], period: float, *, title: str | None = None
 ) -> Data:
-    """A scene of a model or an automaton."""
+    """A scene of a model or an automaton, over multiples of a period (s)."""
     controls = list(controls)
     automaton = automaton_of(model)
-    tone = getattr(model, "sound", None) or tone_of(automaton, oscillation_period(model))
+    tone = getattr(model, "sound", None) or tone_of(automaton, period)
     return {
         "title": title or name_of(model),
         "about": "",
@@ -205,9 +203,9 @@ def scene_data(
         "controls": controls,
         "initial": {each["name"]: each["value"] for each in controls},
         "panels": list(panels),
-        "period": float(rounded_period(model)),
-        "highest": float(highest_frequency(model)),
-        "windows": windows(model),
+        "period": round_down_1_2_5(period),
+        "highest": highest_frequency(period),
+        "windows": windows(period),
         "mechanism": getattr(model, "mechanism", None) is not None,
         "challenges": challenge_data(model),
         "sound": {"signal": tone.signal, "pitch": float(tone.pitch)},
@@ -408,7 +406,9 @@ def choice(
     }
 
 
-def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest") -> list[Data]:
+def run_controls(
+    model: Shown, period: float, t_end: float, x0: str | tuple[float, ...] = "rest"
+) -> list[Data]:
     """How a model is run, and what is shown of it: start, own state, duration, window, coordinate."""
     automaton = automaton_of(model)
     names, is_model = automaton.shown_states, isinstance(model, Model)
@@ -416,8 +416,7 @@ def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest
     needed = automaton.state_names[: count or None]
     numbers = ", ".join(["0"] * len(needed) if isinstance(x0, str) else map(repr, x0))
     duration = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
-    period = rounded_period(model)
-    ends = LEAST_DURATION * period, USUAL_DURATION * period
+    ends = tuple(periods * round_down_1_2_5(period) for periods in (LEAST_DURATION, USUAL_DURATION))
     own = {
         "name": "own",
         "kind": "text",
@@ -433,19 +432,19 @@ def run_controls(model: Shown, t_end: float, x0: str | tuple[float, ...] = "rest
         choice("start", starts, start, "run", starts.values(), "initial state"),
         own,
         number("duration", duration, t_end, "run", ends),
-        choice("window", windows(model), "what moves", "run", hint="part of the run that the panels show"),
+        choice("window", windows(period), "what moves", "run", hint="part of the run that the panels show"),
         choice("coordinate", names, automaton.shown_state, "run", map(label_of, names), OF_COORDINATE),
     ]
 
 
-def usual_duration(model: Shown) -> float:
+def usual_duration(model: Shown, period: float) -> float:
     """Seconds that explorers, pages, films and sounds simulate: 200 periods, fewer for a stiff model, but 10.
 
     >>> import frictionlab as fl
-    >>> usual_duration(fl.SliderOnBelt()), usual_duration(fl.LuGreOscillator())
+    >>> usual_duration(fl.SliderOnBelt(), 0.1), usual_duration(fl.LuGreOscillator(), 4.4)
     (20.0, 50.0)
     """
-    least, seconds = (periods * rounded_period(model) for periods in (LEAST_DURATION, USUAL_PERIODS))
+    least, seconds = (periods * round_down_1_2_5(period) for periods in (LEAST_DURATION, USUAL_PERIODS))
     with suppress(ValueError):  # no equilibrium tells how stiff it is
         fastest = float(np.abs(eigenvalues(model).values).max())
         if fastest:
@@ -453,9 +452,9 @@ def usual_duration(model: Shown) -> float:
     return seconds
 
 
-def windows(model: Shown) -> dict[str, float | str | None]:
+def windows(period: float) -> dict[str, float | str | None]:
     """The parts of a run that may be shown, by their names: seconds at its end, or all of it."""
-    lengths = [round(count * rounded_period(model), 12) for count in SHOWN_PERIODS]
+    lengths = [round(count * round_down_1_2_5(period), 12) for count in SHOWN_PERIODS]
     last = {f"last {s:g} s": s for s in lengths}
     return {"what moves": WHAT_MOVES, "how it begins": BEGINNING, **last, "whole run": None}
 

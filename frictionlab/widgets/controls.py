@@ -208,9 +208,9 @@ def chosen_model(model: Shown, controls: Mapping[str, Control]) -> Shown:
 def run_choices(settings: Settings) -> Iterator[Control]:
     """How a model is run, and what is shown of it."""
     model = settings.model
-    for about in run_controls(model, settings.t_end, settings.x0):
+    for about in run_controls(model, settings.period, settings.t_end, settings.x0):
         rule = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
-        values = windows(model) if about["name"] == "window" else None
+        values = windows(settings.period) if about["name"] == "window" else None
         yield Control(about, values, rule if about["kind"] == "number" else None)
     method = next(option for option, value in METHODS.items() if value == settings.method)
     yield Control(choice("method", METHODS, method, "run", hint=METHOD_HINT), METHODS)
@@ -218,8 +218,8 @@ def run_choices(settings: Settings) -> Iterator[Control]:
     yield Control(about | {"when": ["method", "paper's (RK4)"]}, rule=STEP)
 
 
-def chosen_settings(model: Shown, controls: Mapping[str, Control]) -> Settings:
-    """The settings for a model.
+def chosen_settings(model: Shown, controls: Mapping[str, Control], period: float) -> Settings:
+    """The settings for a model in an explorer of this period (s).
 
     Raises
     ------
@@ -231,7 +231,7 @@ def chosen_settings(model: Shown, controls: Mapping[str, Control]) -> Settings:
     method: Method = RK4(step=value["step"]) if value["method"] == FIXED_STEP else value["method"]
     chosen, automaton = value["coordinate"], automaton_of(model)
     coordinate = chosen if chosen in automaton.shown_states else automaton.shown_state
-    return Settings(model, value["duration"], start, method, value["window"], coordinate)
+    return Settings(model, value["duration"], start, method, value["window"], coordinate, period)
 
 
 def parse_state(text: str) -> tuple[float, ...]:

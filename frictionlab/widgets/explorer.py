@@ -70,9 +70,10 @@ class Explorer:
         self.scheduler = UpdateScheduler(self._update, self._fail)
         self.widget = widget or FrontEnd()
         abouts = [control.about for control in self.controls.values()]
-        scene = scene_data(settings.model, abouts, list(panels)) | {"initial": self.initial} | about
+        scene = scene_data(settings.model, abouts, list(panels), settings.period)
         with self.widget.hold_sync():
-            self.widget.scene, self.widget.state, self.widget.picture = scene, self.initial, {}
+            self.widget.scene = scene | {"initial": self.initial} | about
+            self.widget.state, self.widget.picture = self.initial, {}
         for control in self.controls.values():
             control.observe(self._changed, names="value")
         answers = {"state": self._moved, "sliding": self._stopped, "shown": self._go_on}
@@ -165,7 +166,7 @@ class Explorer:
             model = chosen_model(self.start_model, self.controls)
             if isinstance(model, HybridAutomaton) and model.values == values_of(self.settings.model):
                 model = self.settings.model  # an automaton equals none but itself
-            settings = chosen_settings(model, self.controls)
+            settings = chosen_settings(model, self.controls, self.settings.period)
             result = self.result if settings == self.settings else Result(settings)
             goes_on = result is self.result and bool(self.progress)
             self._draw(result, goes_on)
@@ -278,8 +279,8 @@ def explore(
         Where the run begins, as :func:`simulate` takes it; an automaton is at rest where all its states are
         zero.
     t_end : float or None
-        Its length, s.  None takes 200 periods: those that are stated, or that are found in the motion of an
-        automaton which states none.
+        Its length, s.  None takes 200 periods: those that are stated, or else found in the motion from
+        `x0`.  They are kept while sliders move.
 
     Returns
     -------
@@ -400,5 +401,9 @@ def explore_bifurcation(
     model = settings.model
     parameter = _usual_parameter(model, "mu_k") if parameter is None else parameter
     check_parameter_name(model, parameter)
-    panels = {"bifurcation": BifurcationPanel(model, parameter), "response": None, "phase": None}
+    panels = {
+        "bifurcation": BifurcationPanel(model, parameter, settings.period),
+        "response": None,
+        "phase": None,
+    }
     return Explorer(settings, panels | {"spectrum": None}, settles=parameter)

@@ -15,8 +15,9 @@ from frictionlab.analysis.motion_scales import (
     amplitude_spectrum,
     is_at_rest,
     moving_span,
+    round_down_1_2_5,
 )
-from frictionlab.analysis.period_of_motion import rounded_period
+from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.analysis.simulate import simulate
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component
@@ -73,6 +74,8 @@ class Settings:
         to rest.
     coordinate : str
         The coordinate of phase plane and spectrum.
+    period : float
+        Approximate period (s) of the model with which the explorer began.
     """
 
     model: Shown
@@ -81,6 +84,7 @@ class Settings:
     method: Method
     window: float | str | None
     coordinate: str
+    period: float
 
 
 def starting_settings(model: object, x0: Any = "rest", t_end: float | None = None) -> Settings:
@@ -94,8 +98,9 @@ def starting_settings(model: object, x0: Any = "rest", t_end: float | None = Non
         For a bad `x0` or `t_end`.
     """
     shown, start = shown_model(SliderOnBelt() if model is None else model, x0, MAKE_ONE)
-    seconds = usual_duration(shown) if t_end is None else float(check_t_end(t_end))
-    return Settings(shown, seconds, start, QUICK_METHOD, WHAT_MOVES, automaton_of(shown).shown_state)
+    period = oscillation_period(shown, start)
+    seconds = usual_duration(shown, period) if t_end is None else float(check_t_end(t_end))
+    return Settings(shown, seconds, start, QUICK_METHOD, WHAT_MOVES, automaton_of(shown).shown_state, period)
 
 
 @cache  # methods never change
@@ -187,7 +192,7 @@ class Result:
     @cached_property
     def _period(self) -> float:
         """The period of which the shown part is a multiple, s."""
-        return rounded_period(self.model)
+        return round_down_1_2_5(self.settings.period)
 
     @cached_property
     def _span(self) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from frictionlab.analysis.motion_scales import period_of_run, round_down_1_2_5
@@ -79,11 +78,11 @@ def watch(
         cure = "take a shorter window or a smaller rate"
         raise ValueError(f"window times rate must be at most {MAX_FRAMES} frames, got {count:.0f}: {cure}")
     times = frame_times(start, stop, 1.0 / rate)
-    model = replace(run.automaton.derived(), period=period) if run.source is None else run.source
+    model = run.automaton if run.source is None else run.source
     widget = FrontEnd()
     widget.run = run
     panels = "response" if mechanism is None else "mechanism", "phase"
-    widget.scene = scene_data(model, (), panels) | {"speed": speed}
+    widget.scene = scene_data(model, (), panels, period) | {"speed": speed}
     widget.picture = {
         "parameters": dict(values_of(model)),
         "coordinate": run.automaton.shown_state,

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.analysis.options import SteadyStateOptions
-from frictionlab.analysis.period_of_motion import rounded_period
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
 from frictionlab.analysis.sweeps.tasks import run_tasks
@@ -200,10 +200,10 @@ class BifurcationPanel:
 
     __name__ = "bifurcation"
 
-    def __init__(self, model: Shown, parameter: str) -> None:
+    def __init__(self, model: Shown, parameter: str, period: float) -> None:
         about = parameters_about(model)[parameter]
         span = slider_range(about, values_of(model)[parameter])
-        first, most = (n * rounded_period(model) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT))
+        first, most = (n * round_down_1_2_5(period) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT))
         shown: Data = {"name": "range", "kind": "range", "group": "bifurcation", "value": span}
         shown |= {"text": f"${about.symbol}$ from, to", "hint": "a narrow range is computed more finely"}
         rule = Parameter("", "s", "seconds that are thrown away", minimum=0.0)
@@ -271,7 +271,7 @@ class BifurcationPanel:
         key = structure, others, settings.x0, settings.method, transient
         if self.sweep is None or key != self._key:
             window, method = (
-                WINDOW_PERIODS * rounded_period(result.model),
+                WINDOW_PERIODS * round_down_1_2_5(settings.period),
                 tighten_tolerance(limit_steps(settings.method)),
             )
             options = SteadyStateOptions(transient, window, method=method)

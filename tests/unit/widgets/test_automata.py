@@ -53,6 +53,27 @@ def test_a_model_that_states_no_period_is_shown_with_that_of_its_motion():
     assert explorer.run.t[-1] == 200 * 5000.0
 
 
+def test_the_period_of_a_model_is_found_from_where_its_explorer_starts_and_is_kept():
+    @fl.model
+    class Held(fl.MechanicalModel):  # at rest its coefficient breaks a rule; and it would not move there
+        k: float = 1e6
+        mu: float = -0.1
+        coordinates = ("x",)
+
+        def mechanics(self, q, v):
+            rubbing = fl.Friction(-v.x, 1.0, fl.Coulomb(mu_k=self.mu + q.x, mu_s=1.0))
+            return fl.Mechanics(v.x**2 / 2, self.k * q.x**2 / 2, contacts=(rubbing,))
+
+    with pytest.raises(ValueError, match="mu_k must be at least 0"):
+        fl.explore(Held())
+    explorer = fl.explore(Held(), ["response"], x0=[0.5, 0.0])
+    assert explorer.widget.scene["period"] == 5e-3  # 2 pi / 1000 s
+    assert explorer.run.t[-1] == 200 * 5e-3
+    shown = explorer.result.times()[-1] - explorer.result.times()[0]
+    explorer.controls["k"].value = 1e4
+    assert explorer.result.times()[-1] - explorer.result.times()[0] == pytest.approx(shown)
+
+
 def test_a_period_that_is_stated_is_kept():
     stated = fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=3.0)
     explorer = fl.explore(stated.replace(belt=0.1), ["response"])
@@ -141,7 +162,7 @@ def test_a_parameter_named_friction_is_no_law_in_a_page():
 def test_a_run_of_a_stiff_automaton_has_ten_periods():
     y, rate = sp.symbols("y w")
     both = fl.Mode("both", (V, rate, -((2 * sp.pi) ** 2) * X, -1e12 * y))
-    assert usual_duration(fl.HybridAutomaton((X, y, V, rate), (both,), {}, 2, period=1.0)) == 10.0
+    assert usual_duration(fl.HybridAutomaton((X, y, V, rate), (both,), {}, 2), 1.0) == 10.0
 
 
 def test_a_structure_is_shown_by_its_automaton():
