@@ -297,8 +297,8 @@ def test_a_fold_among_the_searched_values_is_passed_over():
     found = [fl.critical_value(model, "p", (-1.0, high)) for high in (3.0, 2.9)]
     assert found == pytest.approx([1.5, 1.5], rel=1e-12)
     axes = ("p", np.linspace(-1, 3, 9)), ("c", [1.0, 2.0])
-    maps = [fl.stability_map(one, *axes, progress=False) for one in (model, model.replace(p=1.0))]
-    np.testing.assert_allclose(*(plane.growth for plane in maps), atol=1e-12)
+    one, other = (fl.stability_map(m, *axes, progress=False) for m in (model, model.replace(p=1.0)))
+    np.testing.assert_allclose(one.growth, other.growth, atol=1e-12)
 
 
 def test_where_an_equilibrium_begins_nothing_changes():
