@@ -58,9 +58,12 @@ take 871 steps of order 26, heyoka 2,847 of order 12. For all steps these are 23
 1,000,000 products in convolutions beside 720,000. heyoka rounds products and sums together, which we do not,
 as not every processor can; and it keeps no steps, of which we keep all, to give the motion at any time. Less
 than a tenth of our time is a run's fixed cost in Python. Orders from 22 to 30 take nearly the same time at
-1e-12. Multiplications and additions fill the jets' time. Where our modes are compiled for AVX2 (`--avx2`) and
-heyoka uses AVX-512, we take 0.85 of its time on C at 1e-15 and 0.74 at 1e-9, at most 0.26 in the other scenes
-with events, and 0.3 in the linear one.
+1e-12. Multiplications and additions fill the jets' time.
+
+At the same tolerance, 1e-15 and then 1e-9, 15 runs in turns in one process, we take these shares of the time
+of the faster heyoka: A 0.14, 0.12; B 0.16, 0.14; C 0.77, 0.66; D 0.22, 0.20; Coulomb 0.08, 0.07; linear 0.27,
+0.20. With AVX-512 hidden from both (`--avx2`): A 0.15, 0.12; B 0.19, 0.15; C 0.80, 0.67; D 0.23, 0.20;
+Coulomb 0.08, 0.07; linear 0.28, 0.26.
 
 Ours at each tolerance, in ms. It falls as the tolerance is loosened, but for the scatter:
 
