@@ -8,7 +8,7 @@ their difference its error.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -20,7 +20,7 @@ from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
 from frictionlab.models.mechanical.equations_of_motion import time_of, with_dampers
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Stop, mechanics_at
-from frictionlab.models.symbolic_laws import symbolic_copy
+from frictionlab.models.symbolic_laws import symbolic_copy, with_explained_errors
 from frictionlab.models.symbols import parameter_symbols, structure_values, symbol
 from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import function_along_run
@@ -100,6 +100,7 @@ def _statement_of(key: StructureKey) -> Statement:
     phase, further = symbol(PHASE), [*map(symbol, copy.states)]
     time = time_of(copy)
     about = mechanics_at(copy, q, v, phase, further, *time)
+    about = replace(about, contacts=tuple(map(with_explained_errors, about.contacts)))
     time = [one for one in time if about.depends_on(one)]
     about = with_dampers(about, q, v, time)
     in_time = about.frequency is not None

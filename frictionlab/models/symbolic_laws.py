@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from copy import copy
+from dataclasses import fields, replace
 from functools import cache, wraps
 from inspect import signature
 from typing import Any
@@ -30,6 +32,7 @@ from frictionlab.validation import abbreviate
 
 from .kept_structures import derivations_of
 
+LAWS = ContactLaw, FrictionLaw, ImpactLaw
 LAW_METHODS = (
     "force",
     "rates",
@@ -65,13 +68,13 @@ def symbolic_copy(key: StructureKey) -> Any:
             f"a {key.component.__name__} must be as it was when this model was made, but it uses numbers or "
             "methods that have changed: make the model anew"
         )
-    copy = object.__new__(key.component)
+    law = object.__new__(key.component)
     for name in parameters_of(key.component):
-        object.__setattr__(copy, name, symbol(name))
+        object.__setattr__(law, name, symbol(name))
     for name, value in zip(structure_of(key.component), key.values, strict=True):
-        object.__setattr__(copy, name, symbolic_copy(value) if isinstance(value, StructureKey) else value)
-    explain_errors(copy)
-    return copy
+        object.__setattr__(law, name, symbolic_copy(value) if isinstance(value, StructureKey) else value)
+    explain_errors(law)
+    return law
 
 
 def check_laws(key: StructureKey, values: Mapping[str, float]) -> None:
@@ -114,7 +117,7 @@ def law_formulas(laws: Iterable[Any]) -> tuple[tuple[str, Any], ...]:
     """What the methods of symbolic copies of laws return, each with its name, such as "Coulomb.kinetic"."""
     formulas: list[tuple[str, Any]] = []
     for law in laws:
-        for name in LAW_METHODS if isinstance(law, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
+        for name in LAW_METHODS if isinstance(law, LAWS) else ():
             with suppress(AttributeError, NotImplementedError, TypeError):  # deriving raises it if it matters
                 method = getattr(law, name)
                 given = method(*map(_positive, signature(method).parameters))
@@ -127,11 +130,20 @@ def _positive(argument: str) -> Any:
     return sympy.Dummy(argument, positive=True)
 
 
-def explain_errors(copy: Component) -> None:
+def explain_errors(law: Component) -> None:
     """Make the methods of a law's symbolic copy raise errors that name law and method."""
-    for name in LAW_METHODS if isinstance(copy, (ContactLaw, FrictionLaw, ImpactLaw)) else ():
-        if hasattr(copy, name):
-            object.__setattr__(copy, name, _with_explanation(getattr(copy, name), type(copy).__name__, name))
+    for name in LAW_METHODS if isinstance(law, LAWS) else ():
+        if hasattr(law, name):
+            object.__setattr__(law, name, _with_explanation(getattr(law, name), type(law).__name__, name))
+
+
+def with_explained_errors(contact: Any) -> Any:
+    """A contact whose laws, which `mechanics` makes or a field holds, take symbols as symbolic copies do."""
+    laws = {one.name: getattr(contact, one.name) for one in fields(contact)}
+    laws = {name: copy(law) for name, law in laws.items() if isinstance(law, LAWS)}
+    for law in laws.values():
+        explain_errors(law)
+    return replace(contact, **laws)
 
 
 def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callable[..., Any]:

@@ -16,6 +16,7 @@ import sympy
 
 from frictionlab.automaton.expressions import integer_exponent, multiply_out, real_power_cure
 from frictionlab.components.component import Component, expressions_of
+from frictionlab.models.symbolic_laws import with_explained_errors
 from frictionlab.models.symbols import expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, did_you_mean_or_known
@@ -44,6 +45,7 @@ def check_mechanics(
     of = type(model).__name__
     if not isinstance(about, Mechanics):
         raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}")
+    about = replace(about, contacts=tuple(map(with_explained_errors, about.contacts)))
     for name in about.loads:
         if name not in model.coordinates:
             hint = did_you_mean_or_known(name, model.coordinates)

@@ -334,6 +334,9 @@ def test_a_law_may_return_the_formula_of_another():
     runs = [fl.simulate(fl.MassOnBelt(friction=law), 20.0, progress=False) for law in laws]
     assert runs[0].states.tobytes() == runs[1].states.tobytes()
     fl.testing.check_law(Delegating())
+    laws = (lambda mu, q, f: Delegating(mu, 2 * mu)), (lambda mu, q, f: fl.Coulomb(mu, 2 * mu))
+    runs = [fl.simulate(MadeLaw(law=law), 5.0, progress=False) for law in laws]
+    assert runs[0].states.tobytes() == runs[1].states.tobytes()
 
 
 @fl.model
