@@ -1,8 +1,8 @@
 """Whether laws that `mechanics` makes of expressions keep their rules at the values of a model's parameters.
 
-Coefficients that depend on parameters are checked before a run, those that depend on the phase all along a
-period.  Those that depend on place, speed, time or further states may be admissible in some places only, so
-they are checked where a run begins.
+Coefficients that depend on parameters are checked before a run, those that depend on the phase at 64 phases
+of a period.  Those that depend on place, speed, time or further states may be admissible in some places
+only, so they are checked where a run begins.
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from frictionlab.components.component import Component, StructureKey, expressions_of
+from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
+from frictionlab.models.symbols import expand_products
 from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import Formulas, formulas_of
 
@@ -37,6 +39,7 @@ class LawOfExpressions(NamedTuple):
     inputs : tuple of str
         Names of the parameters and the states.
     coefficients : Formulas
+        Their values, then the sums of the sizes of their terms.
     """
 
     law: Component
@@ -63,19 +66,30 @@ def _check(model: MechanicalModel, one: LawOfExpressions, values: Mapping[str, A
     inputs = [values[name] for name in one.inputs]
     with np.errstate(all="ignore"):
         rows = np.broadcast_arrays(*one.coefficients.arrays(*inputs), *inputs, np.zeros(1))
+    n = len(expressions)
     for row in zip(*(each.tolist() for each in rows), strict=True):
-        numbers = [float(f"{each:.{DIGITS}g}") for each in row[: len(expressions)]]
+        numbers = [_rounded(*each) for each in zip(row[:n], row[n : 2 * n], strict=True)]
         try:
             replace(one.law, **dict(zip(expressions, numbers, strict=True)))
         except ValueError as error:
             law, of = type(one.law).__name__, type(model).__name__
             given = ", ".join(f"{name} = {each}" for name, each in expressions.items())
-            at = zip(one.inputs, row[len(expressions) :])
+            at = zip(one.inputs, row[2 * n :])
             where = ", ".join(f"{name} = {each:g}" for name, each in at)
             raise ValueError(
                 f"{error}; the {law} in mechanics of {of} has {given}, here at {where}: change these, or "
                 "refuse such values of parameters by fl.parameter(..., minimum=...)"
             ) from None
+
+
+def _rounded(value: float, size: float) -> float:
+    """A value without its last digits; 0 where terms of this size cancel but for rounding."""
+    return 0.0 if abs(value) < 10.0**-DIGITS * size else float(f"{value:.{DIGITS}g}")
+
+
+def _size(given: Any) -> Any:
+    """The sum of the sizes of an expression's terms."""
+    return sympy.Add(*map(sympy.Abs, sympy.Add.make_args(expand_products(given))))
 
 
 @cache
@@ -93,5 +107,6 @@ def _laws(key: StructureKey) -> tuple[list[LawOfExpressions], list[str]]:
     for law in system.laws_of_expressions:
         given = [*expressions_of(law).values()]
         inputs = sorted({each for one in given for each in one.free_symbols}, key=str)
-        laws.append(LawOfExpressions(law, tuple(map(str, inputs)), formulas_of(inputs, given)))
+        formulas = formulas_of(inputs, [*given, *map(_size, given)])
+        laws.append(LawOfExpressions(law, tuple(map(str, inputs)), formulas))
     return laws, [str(one) for one in system.states]

@@ -378,6 +378,18 @@ def test_rules_of_laws_hold_for_expressions_too(law, x, message):
         fl.simulate(model, 1.0, x0={"x": x}, progress=False)
 
 
+@pytest.mark.parametrize(
+    "zero",
+    [
+        lambda mu, q, f: mu - 3 * q.x,  # 0.3 - 3 * 0.1 = -5.6e-17
+        lambda mu, q, f: mu * (1 - f.cos(q.phase) ** 2 - f.sin(q.phase) ** 2),
+    ],
+)
+def test_rounding_of_a_coefficient_that_is_zero_breaks_no_rule(zero):
+    model = MadeLaw(mu=0.3, law=lambda *given: fl.Coulomb(zero(*given), 0.5))
+    assert fl.simulate(model, 1e-3, x0={"x": 0.1}, progress=False).status.ok
+
+
 def test_a_coefficient_of_friction_may_change_in_time():
     model = MadeLaw(law=lambda mu, q, f: fl.Coulomb(fl.ramp(q.t, mu, 2 * mu, 4.0), 2 * mu))
     run = fl.simulate(model, 1.0, progress=False)
