@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import dis
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from functools import partial
 from hashlib import sha256
-from types import CellType, CodeType, FunctionType, MethodType, ModuleType
+from operator import attrgetter, itemgetter, methodcaller
+from pathlib import PurePath
+from types import CellType, CodeType, FunctionType, MappingProxyType, MethodType, ModuleType
 from typing import Any
 
-PLAIN = bool, int, float, complex, str, bytes, type(None)
+import numpy as np
+
+from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.presentation import FrozenMapping
+
+PLAIN = int, float, complex, Fraction, Decimal, np.generic, str, bytes, range, PurePath, type(None)
 DIGITS = 12
 
 
@@ -17,11 +28,11 @@ def function_name(function: Callable[..., Any]) -> str:
     """The name of a function with digits, by which files tell functions apart.
 
     The digits follow from its code, and from the content of its closure, its defaults, its partial arguments
-    and the object whose method it is: numbers, texts, arrays, models, functions, and what holds such.  They
-    do not follow from docstrings.  What it takes from its module is not seen, so that functions which it
-    calls may change, nor are methods of classes.  Of what cannot be copied, such as an open file or a lock,
-    the type alone is seen.  A function that changes what it holds, such as a list of its calls, is another
-    one afterwards.
+    and the object whose method it is: numbers, texts, tuples, arrays, models, laws, functions, and frozen
+    things, such as frozen dataclasses.  A run counts without the time that it took.  Of what may change while
+    the function runs the type alone is seen: of lists, dictionaries, sets, caches, generators, and objects of
+    ordinary classes.  So a number in a list is not seen, nor are docstrings, nor methods of classes, nor what
+    the function takes from its module: functions which it calls may change.
     """
     name = getattr(function, "__name__", type(function).__name__)
     return f"{getattr(function, '__qualname__', name)} {_Content().digest(function)[:DIGITS]}"
@@ -41,7 +52,7 @@ class _Content:
 
     def digest(self, value: Any) -> str:
         """The digest of an object; of numbers and texts what Python writes."""
-        if type(value) in PLAIN:
+        if isinstance(value, PLAIN) and not isinstance(value, Enum):
             return f"{type(value).__name__} {value!r}"
         if id(value) not in self._digests:
             self._digests[id(value)] = value, f"object {len(self._digests)}"
@@ -55,7 +66,8 @@ class _Content:
         if isinstance(value, CodeType):
             return _parts_of_code(value)
         if isinstance(value, FunctionType):
-            return value.__code__, value.__defaults__, value.__kwdefaults__, value.__closure__
+            keywords = tuple((value.__kwdefaults__ or {}).items())
+            return value.__code__, value.__defaults__, keywords, value.__closure__
         if isinstance(value, MethodType):
             return value.__func__, value.__self__
         if isinstance(value, CellType):
@@ -63,28 +75,48 @@ class _Content:
                 return (value.cell_contents,)
             except ValueError:  # of a name that has no value yet
                 return ()
-        if is_dataclass(value):
-            return [(each.name, getattr(value, each.name, None)) for each in fields(value)]
-        if isinstance(value, Mapping):
-            return value.items()
-        if isinstance(value, Set):
+        if isinstance(value, partial):
+            return value.func, value.args, tuple(value.keywords.items())
+        if isinstance(value, (tuple, attrgetter, itemgetter, methodcaller)):
+            return value if isinstance(value, tuple) else value.__reduce__()
+        if isinstance(value, frozenset):
             return sorted(map(self.digest, value))  # its order is another one in each process
-        return value if type(value) in (tuple, list) else _parts_of_copy(value)
+        return _parts_of_data(value)
+
+
+def _parts_of_data(value: Any) -> Iterable[Any]:
+    """The content of arrays, expressions and frozen things; of other objects a name, if they have one."""
+    if isinstance(value, np.ndarray):
+        items = tuple(value.flat) if value.dtype.hasobject else value.tobytes()
+        return str(value.dtype), value.shape, items
+    if hasattr(type(value), "tocoo"):  # a sparse array
+        sparse = value.tocoo()
+        return sparse.shape, sparse.row, sparse.col, sparse.data
+    if hasattr(type(value), "free_symbols"):  # an expression of sympy
+        from sympy import srepr
+
+        return value.args or (srepr(value),)
+    if isinstance(value, Trajectory):
+        return value.raw, value.samples, value.quadratures, value.source, value.automaton.parameters
+    if isinstance(value, (FrozenMapping, MappingProxyType)):
+        return value.items()
+    if isinstance(value, Enum):
+        return (value.name,)
+    if isinstance(value, slice):
+        return value.start, value.stop, value.step
+    if is_dataclass(value) and type(value).__dataclass_params__.frozen:  # pyright: ignore
+        return [(each.name, getattr(value, each.name, None)) for each in fields(value)]
+    return _parts_of_callable(value) if callable(value) else ()
+
+
+def _parts_of_callable(value: Any) -> Sequence[Any]:
+    """What a compiled or cached function is called, and the function that it wraps; nothing of others."""
+    names = getattr(value, "__module__", None), getattr(value, "__name__", None)
+    return *names, getattr(value, "__dict__", {}).get("__wrapped__")
 
 
 def _parts_of_code(code: CodeType) -> Sequence[Any]:
     """The instructions with the constants and names that they load, which leaves the docstring out."""
-    instructions = [(each.opname, each.argval) for each in dis.get_instructions(code)]
+    instructions = tuple((each.opname, each.argval) for each in dis.get_instructions(code))
     arguments = code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_varnames
     return instructions, arguments, code.co_exceptiontable
-
-
-def _parts_of_copy(value: Any) -> Sequence[Any]:
-    """What a copy of an object would be made from; nothing of one that cannot be copied."""
-    try:
-        made = value.__reduce_ex__(2)
-    except Exception:  # an object may raise what it likes
-        return ()
-    if isinstance(made, str):  # it is found by its name
-        return made, getattr(value, "__wrapped__", None)
-    return [*made[1:3], *map(list, filter(None, made[3:5]))]

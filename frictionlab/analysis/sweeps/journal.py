@@ -37,7 +37,10 @@ HEAD_KEYS = "frictionlab sweep", "version", "python"  # of the first line, befor
 PYTHON = "{}.{}".format(*sys.version_info)  # another version has other code of the same function
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
-
+OF_FUNCTIONS = (
+    "; a function is another one if its code changes, or a number, text, tuple, array, model, law or frozen "
+    "thing that it holds; what is in lists, caches and others that may change does not count"
+)
 
 Result = TypeVar("Result")
 
@@ -352,8 +355,9 @@ def _refuse_another(path: Path, content: _Content, specification: dict[str, Any]
     differing = [name for name in {**stored, **current} if stored.get(name) != current.get(name)]
     if differing:
         by_another = content.python not in (PYTHON, None)
+        of_function = {"function", "quantity", "ablation"}.intersection(differing)
         raise ValueError(
             f"resume must be a file of the same sweep, {path} differs in {', '.join(differing)}"
             f"{f', by Python {content.python} and not {PYTHON}' if by_another else ''}: "
-            "give another path, or delete it"
+            f"give another path, or delete it{OF_FUNCTIONS if of_function else ''}"
         )

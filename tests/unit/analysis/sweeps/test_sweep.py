@@ -3,7 +3,7 @@
 import threading
 import time
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from threading import RLock
 from typing import Any
 
@@ -183,6 +183,12 @@ class Force:
         return 1.0
 
 
+class Ordinary:
+    @cached_property
+    def total(self):
+        return 1.0
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [
@@ -197,8 +203,9 @@ class Force:
         (Force(np.arange(5000)), Force(np.arange(5000) // 4999)),
         *(
             (Force(one), Force(other))
-            for one, other in [([1], [2]), ({0: 1}, {0: 2}), ({"a"}, {"b"}), (b"1", b"2"), (1, True)]
+            for one, other in [((1,), (2,)), (b"1", b"2"), (1, True), (np.sin, np.cos)]
         ),
+        (Force(frozenset("a")), Force(frozenset("b"))),
         (Force(MODEL), Force(MODEL.replace(F=1.0))),
         (Force(RLock()), Force(None)),
     ],
@@ -214,10 +221,33 @@ def test_a_file_of_another_function_of_that_name_is_refused(one, other, tmp_path
 def test_equal_functions_have_equal_names():
     """Wherever what they hold is in memory, and in whatever order a set holds it."""
     one, other = (
-        scaled([some, lambda m: m.F, np.ones(3), MODEL, Force(RLock())]) for some in ({0, 8}, {8, 0})
+        scaled((frozenset(some), lambda m: m.F, np.ones(3), MODEL, Force(RLock())))
+        for some in ([0, 8], [8, 0])
     )
     assert function_name(one) == function_name(other)
     assert function_name(written("the force")) == function_name(written("the preload"))
+
+
+@pytest.mark.parametrize(
+    ("held", "change"),
+    [
+        ([1], lambda held: held.append(2)),
+        ({0: 1}, lambda held: held.update({0: 2})),
+        (np.random.default_rng(1), lambda held: held.random()),
+        (Ordinary(), lambda held: held.total),
+    ],
+)
+def test_what_changes_while_a_function_runs_does_not_count(held, change):
+    before = function_name(scaled(held))
+    change(held)
+    assert function_name(scaled(held)) == before
+
+
+def test_runs_count_without_the_time_that_they_took():
+    one, again, other = (
+        function_name(scaled(fl.simulate(MODEL.replace(F=F), 0.01, progress=False))) for F in (1.0, 1.0, 2.0)
+    )
+    assert one == again != other
 
 
 def test_a_function_whose_closure_is_not_complete_has_a_name():
