@@ -20,14 +20,14 @@ from .impact_oscillators import BouncingBall, ImpactOscillator
 from .sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 
 PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
-WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=0.65)"
+WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
 
 # The models of the rows, made here so that the text of a call need not be run as Python.
 ROW_MODELS: tuple[Model, ...] = (
     SliderOnBelt(),
     MassOnBelt(),
     MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
-    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=0.65),
+    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
     ModeCoupling(),
     SliderOnRigidBelt(),
     DenHartog(),
@@ -97,9 +97,7 @@ MODEL_ROWS = (
         "friction that falls with speed: negative damping",
         "B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138",
     ),
-    ModelRow(
-        WEAKENING_CALL, "weakening, then strengthening: stable sliding beside stick-slip", PAPANGELO_REFERENCE
-    ),
+    ModelRow(WEAKENING_CALL, "weakening, then strengthening: a subcritical Hopf point", PAPANGELO_REFERENCE),
     ModelRow("ModeCoupling()", "two modes that constant friction merges", ModeCoupling.reference),
     ModelRow(
         "SliderOnRigidBelt()",
