@@ -84,8 +84,8 @@ def test_the_browser_draws_the_slider_in_the_colour_of_its_mode(page, run, mode)
     inside = np.flatnonzero((run.mode[1:-1] == mode) & (run.mode[2:] == mode) & (run.mode[:-2] == mode)) + 1
     for k in inside[:: max(1, len(inside) // 5)].tolist():
         assert scrub(page, run.t[k] / 0.5).endswith(f": {mode}")
-        # The slider has 24 x 18 pixels here; the arrows of the forces cover half of them at most.
-        assert coloured(page, MODE_COLOURS[mode]) > 24 * 18 / 2
+        # The slider has 22 x 16 pixels within its edge; arrows of forces and load cover half of them at most.
+        assert coloured(page, MODE_COLOURS[mode]) > 22 * 16 / 2
         others = {MODE_COLOURS[name] for name in ("stick", "separation")} - {MODE_COLOURS[mode]}
         assert not any(coloured(page, other) for other in others)
 
