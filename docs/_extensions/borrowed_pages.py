@@ -23,7 +23,7 @@ PAGES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
 }
-FILES = ("LICENSE", "CITATION.cff", ".github/SECURITY.md")
+FILES = ("LICENSE", "CITATION.cff")
 FOLDERS = {"tutorials/": "course/", "docs/": ""}
 # Where a notebook can be run without installing anything; the project's address is that of pyproject.toml.
 SOURCE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Source"]
@@ -110,6 +110,8 @@ def moved(link: re.Match, up: str) -> str:
         return f"]({up}getting-started.md{anchor})"
     if target in FILES:
         return f"]({up}../{target})"
+    if target.startswith(".github/"):  # of the repository alone, no pages
+        return f"]({SOURCE}/blob/main/{target})"
     for folder, place in FOLDERS.items():
         if target.startswith(folder):
             return f"]({up}{place}{target.removeprefix(folder)}{anchor})"

@@ -206,8 +206,10 @@ class HybridAutomaton:
         measures = ("relative_velocity",) if tangential else ("penetration", "distance", "relative_velocity")
         names = (f"{measure}_{number}" if number else measure for measure in measures)
         motion = next((expressions[each] for each in names if each in expressions), None)
-        moving = [s for s in self.states[: 2 * self.coordinates] if s in getattr(motion, "free_symbols", ())]
-        levers = (motion.diff(s) for s in moving)  # type: ignore[union-attr]
+        if motion is None:
+            return False
+        moving = [s for s in self.states[: 2 * self.coordinates] if s in motion.free_symbols]
+        levers = (motion.diff(s) for s in moving)
         return all(is_angle(s.name) for s in moving) and any(
             lever.is_Integer and abs(lever) == 1 for lever in levers
         )

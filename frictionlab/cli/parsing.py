@@ -149,8 +149,8 @@ def check_writable(path: Path, option: str) -> None:
 def add_model_options(group: Any) -> None:
     """Add `--model`, `--set` and `--without`: which model, with which values and nonlinearities."""
     text = (
-        "of `frictionlab models`, with laws as in Python if you like, or a model or automaton of a file of "
-        f"yours, mymodels.py:Crank, which is run (default: {DEFAULT_MODEL})"
+        "of `frictionlab models`, with laws as in Python if you like, or a model, structure or automaton of "
+        f"a file of yours, mymodels.py:Crank, which is run (default: {DEFAULT_MODEL})"
     )
     group.add_argument("--model", metavar="NAME", default=DEFAULT_MODEL, help=text)
     add_values(group)
@@ -178,7 +178,8 @@ def model_from_options(args: argparse.Namespace) -> Any:
     if not args.without:
         return model.replace(**values)
     if not hasattr(model, "without"):
-        raise ValueError(f"--without needs a model, {args.model!r} is an automaton: leave it out")
+        kind = type(model).__name__
+        raise ValueError(f"--without needs a model, {args.model!r} is of class {kind}: leave it out")
     return model.without(*args.without).replace(**values)
 
 
@@ -225,8 +226,7 @@ def model_of(text: str) -> Any:
 
 
 def _model_of_file(path: Path, name: str | None) -> Any:
-    """The model, structure or automaton of that name in a Python file, which is run; without a name the only
-    one."""
+    """The model, structure or automaton in a Python file, which is run: that of the name, or the only one."""
     from frictionlab.automaton import HybridAutomaton
     from frictionlab.models import Model
     from frictionlab.models.model import MovingSystem

@@ -373,9 +373,8 @@ class Trajectory(Drawable):
         There are five warnings.  Some steps by series are far less exact than the tolerance.  Flights were
         replaced by their limit and are not short beside the stays in modes.  The run ended because the base
         of a power became negative, or because a rigid contact that rubs has no reaction.  It began behind a
-        rigid contact.  Defects are
-        measured as a share of the motion's size, in some steps of each mode whose equations are no
-        polynomials of a low degree.
+        rigid contact.  Defects are measured as a share of the motion's size, in some steps of each mode whose
+        equations are no polynomials of a low degree.
         """
         if self.status is not Status.FINISHED and (words := self._cause_of_end()):
             return f"it ended at {self.raw.t:g} s with {words}"

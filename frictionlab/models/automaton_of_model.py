@@ -56,7 +56,8 @@ class CachedAutomaton(HybridAutomaton):
         self._key, self._outline = key, outline
         vars(self).update(outline, values=MappingProxyType(dict(values)), derivations=derivations)
 
-    def __reduce__(self) -> Any:  # a copy is plain data: where it is read the cache may be empty
+    def __reduce__(self) -> Any:
+        # A copy is plain data, as where it is read the cache may be empty: `replace` gives it back as it is.
         return replace, (self.derived(),)
 
     @cached_property

@@ -239,8 +239,8 @@ def parameter_metadata(cls: type, components: Mapping[str, Component]) -> dict[s
 def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Parameter]:
     """The same of a model; the laws of contacts whose bodies turn have units of angles and moments.
 
-    What a law that also serves other contacts has in both units has none.  Of models that differ in their
-    laws one, `moving_as`, tells how the bodies of all move.
+    Where one law serves contacts of both kinds, the parameters whose units differ have no unit.  Bodies move
+    alike in models that differ in their laws alone: then one model, `moving_as`, stands for all.
     """
     about = parameter_metadata(type(model), model.components)
     for role, alone in (moving_as or model).turning_roles.items():

@@ -138,7 +138,7 @@ def explain_errors(law: Component) -> None:
 
 
 def with_explained_errors(contact: Any) -> Any:
-    """A contact whose laws, which `mechanics` makes or a field holds, take symbols as symbolic copies do."""
+    """A contact whose laws take symbols as symbolic copies do, also laws that are made in `mechanics`."""
     laws = {one.name: getattr(contact, one.name) for one in fields(contact)}
     laws = {name: copy(law) for name, law in laws.items() if isinstance(law, LAWS)}
     for law in laws.values():
@@ -150,7 +150,7 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
     @wraps(method)
     def explained(*arguments: Any) -> Any:
         try:
-            with laws_of_expressions([]):  # of which a law may make another, whose formula it returns
+            with laws_of_expressions([]):  # a law may make another law of symbols, and return its formula
                 value = method(*arguments)
         except (TypeError, AttributeError) as error:
             if not wants_number(error):

@@ -7,6 +7,7 @@ structure get those that all its files name, as the mass may lack some and frict
 from __future__ import annotations
 
 import re
+import warnings
 import zlib
 from collections.abc import Iterable, Iterator
 from importlib import import_module
@@ -374,11 +375,10 @@ def _read_npy(file: Path, _: str | None) -> Any:
 
 
 def _read_csv(file: Path, _: str | None) -> Any:
-    if not file.read_bytes().strip():
-        raise TypeError("it is empty")
     try:
-        return np.loadtxt(file, delimiter=",", ndmin=2)
-    except ValueError as error:
+        with warnings.catch_warnings(action="error"):  # numpy warns of a file without numbers
+            return np.loadtxt(file, delimiter=",", ndmin=2)
+    except (ValueError, UserWarning) as error:
         raise TypeError(error) from None
 
 

@@ -219,7 +219,7 @@ def run_choices(settings: Settings) -> Iterator[Control]:
 
 
 def chosen_settings(model: Shown, controls: Mapping[str, Control], period: float) -> Settings:
-    """The settings for a model in an explorer of this period (s).
+    """The settings for a model in an explorer of this period (s), where the model states none.
 
     Raises
     ------
@@ -231,6 +231,7 @@ def chosen_settings(model: Shown, controls: Mapping[str, Control], period: float
     method: Method = RK4(step=value["step"]) if value["method"] == FIXED_STEP else value["method"]
     chosen, automaton = value["coordinate"], automaton_of(model)
     coordinate = chosen if chosen in automaton.shown_states else automaton.shown_state
+    period = getattr(model, "period", None) or period
     return Settings(model, value["duration"], start, method, value["window"], coordinate, period)
 
 

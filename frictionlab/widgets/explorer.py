@@ -280,7 +280,7 @@ def explore(
         zero.
     t_end : float or None
         Its length, s.  None takes 200 periods: those that are stated, or else found in the motion from
-        `x0`.  They are kept while sliders move.
+        `x0`.  Those that are found are kept while sliders move.
 
     Returns
     -------

@@ -75,7 +75,7 @@ class Settings:
     coordinate : str
         The coordinate of phase plane and spectrum.
     period : float
-        Approximate period (s) of the model with which the explorer began.
+        Approximate period (s) that the model states, or else of that with which the explorer began.
     """
 
     model: Shown

@@ -268,7 +268,7 @@ def cea_against_motion(
     observed: str = automaton.shown_state if state is None else state
     check_choice("state", observed, automaton.state_names)
     if f_max is None:
-        f_max = highest_frequency(oscillation_period(model))
+        f_max = highest_frequency(oscillation_period(model, x0))
     f_max = float(check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own"))
     initial_state_of(model, x0)
     locus = root_locus(model, parameter, values)

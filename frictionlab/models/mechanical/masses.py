@@ -40,8 +40,8 @@ KINETIC = (
 def check_masses(model: MechanicalModel, start: Any = None) -> None:
     """Raise ValueError unless T is positive for every motion, at the values of the model's parameters.
 
-    Masses that change with time are computed all along a period.  Those that depend on place may be positive
-    in some places only: with `start`, a state, they must be positive there, without it somewhere.
+    Masses that change with time are computed at 16 phases of a period.  Those that depend on place may be
+    positive in some places only: with `start`, a state, they must be positive there, without it somewhere.
     """
     about, formulas = _masses(model.structure_key)
     if not about["places"] or (start is not None and not about["in place"]):

@@ -84,12 +84,12 @@ class Friction:
     @property
     def pressing(self) -> Any:
         """F_N (N) as an expression, without the damper."""
-        return self.normal_force(self.penetration) if callable(self.normal_force) else self.normal_force
+        return _at_penetration(self, self.normal_force)
 
     @property
     def damping(self) -> Any:
         """Coefficient of the damper (N s/m) as an expression."""
-        return _damping(self)
+        return _at_penetration(self, self.damper)
 
     def damped(self, rate: Any) -> Friction:
         """The contact with the damper's force in `normal_force`, at this rate of the penetration (m/s)."""
@@ -141,7 +141,7 @@ class Contact:
     @property
     def pressing(self) -> Any:
         """F_N (N) as an expression, without the damper."""
-        return self.force(self.penetration) if callable(self.force) else self.force
+        return _at_penetration(self, self.force)
 
     @property
     def normal_force(self) -> Any:
@@ -156,15 +156,19 @@ class Contact:
     @property
     def damping(self) -> Any:
         """Coefficient of the damper (N s/m) as an expression."""
-        return _damping(self)
+        return _at_penetration(self, self.damper)
 
     def damped(self, rate: Any) -> Contact:
         """The contact with the damper's force in `force`, at this rate of the penetration (m/s)."""
         return replace(self, force=self.pressing + self.damping * rate, damper=0)
 
 
-def _damping(contact: Friction | Contact) -> Any:
-    return contact.damper(contact.penetration) if callable(contact.damper) else contact.damper
+def _at_penetration(contact: Friction | Contact, function: Any) -> Any:
+    """A function of the penetration as an expression; it may make a law of symbols, and return its force."""
+    if not callable(function):
+        return function
+    with laws_of_expressions([]):
+        return function(contact.penetration)
 
 
 @dataclass(frozen=True, eq=False)

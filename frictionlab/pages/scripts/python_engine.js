@@ -5,7 +5,8 @@ const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, vie
 const LONGEST_WAIT = 60000; // ms for an answer of Python
 
 class PythonEngine {
-  answers = {}; // by what is asked
+  answers = {}; // promises that wait, by what is asked
+  heard = {}; // what is done with an answer
   parameters = null;
   images = {};
 
@@ -30,14 +31,20 @@ class PythonEngine {
   }
 
   answer(asked) { // of Python: [content, buffers]
+    this.answers[asked] ??= this.asking(asked).finally(() => { delete this.answers[asked]; });
+    return this.answers[asked];
+  }
+
+  asking(asked) {
     return new Promise((answered, failed) => {
-      this.answers[asked] = (...message) => answered(message);
-      setTimeout(() => failed(new RangeError("Python does not answer: see whether its kernel runs.")), LONGEST_WAIT);
+      const late = () => failed(new RangeError("Python does not answer: see whether its kernel runs."));
+      const timer = setTimeout(late, LONGEST_WAIT);
+      this.heard[asked] = (...message) => { clearTimeout(timer); answered(message); };
       this.model.send({ [asked]: true });
     });
   }
 
-  answered(content, buffers) { this.answers[content.asked]?.(content, buffers); }
+  answered(content, buffers) { this.heard[content.asked]?.(content, buffers); }
 
   async python() {
     const [{ text }] = await this.answer("python");

@@ -1,5 +1,6 @@
 // How mechanisms are drawn on a canvas by the front end (frictionlab/pages), as parts.py draws them. y points up. Colours
 // are those of the scene.
+// Sizes as in parts.py.
 const TURNS = 6, WIDTH = 0.16, MARKS = 16, HUB = 0.75, ASIDE = 0.13, ABOVE = 0.25;
 
 function html(tag, properties = {}, children = []) {

@@ -39,7 +39,6 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
-from frictionlab.stability.state_matrices import null_vector
 from frictionlab.validation import abbreviate
 
 EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again is the same but for rounding
@@ -47,6 +46,8 @@ EQUILIBRIUM_RTOL = 1e-12  # share of a coordinate: an equilibrium computed again
 Array = NDArray[np.float64]
 # Values at which all equilibria are looked for: one branch may live between two of them.
 BRANCH_SEARCH_POINTS = 9
+# Where one is looked for in a range: not in its middle, where a fold is likely.
+BRANCH_SEARCH_SHARES = (np.arange(BRANCH_SEARCH_POINTS) + 0.47) / BRANCH_SEARCH_POINTS
 SAME_BRANCH_RTOL = 1e-6  # share of a state to which two branches agree
 SAME_BRANCH_ROUNDING = 1e-12  # share of the largest state: what differs by less differs by rounding
 
@@ -83,8 +84,7 @@ def equilibrium_problem(
 def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> EquilibriumProblem | None:
     """The problem at the nearest values that have an equilibrium; None where the model's own have one.
 
-    An equilibrium with a singular state matrix, as at a fold, is taken only where all are: it may not be
-    possible to follow it.
+    They are at shares of the ranges that are not round: an equilibrium at a fold could not be followed.
     """
     if by_penetration(model):
         return None
@@ -93,21 +93,13 @@ def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> Equ
         return None
     own = np.array([automaton.values[name] for name in within])
     spans = np.array([np.ptp(values) or 1.0 for values in within.values()])
-    some = [
-        values[np.linspace(0, len(values) - 1, min(len(values), BRANCH_SEARCH_POINTS)).astype(int)]
-        for values in within.values()
-    ]
-    singular = None
+    some = [np.unique(values.min() + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))
-        there = automaton.replace(**change)
-        mode, points, *_ = first_mode_equilibria(there, sliding)
+        mode, points, *_ = first_mode_equilibria(automaton.replace(**change), sliding)
         if points.size:
-            problem = _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
-            if null_vector(problem.flow.jacobian(points[:, 0], parameter_values(there))) is None:
-                return problem
-            singular = singular or problem
-    return singular
+            return _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
+    return None
 
 
 def _new_problem(model: ModelOrAutomaton, near: Array | None = None) -> EquilibriumProblem:

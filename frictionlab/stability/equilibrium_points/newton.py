@@ -500,7 +500,8 @@ def follow_zero(
                     for b, v in zip(base, values)
                 ]
                 zeros = _newton(flow, zeros, between)
-        scale = _replace_unknown(np.abs(x)[:, None] + np.abs(first))
+        # Not by the first step, which has no bounds from a zero near a fold: all would be small beside it.
+        scale = _replace_unknown(np.abs(x)[:, None] + np.abs(zeros - x[:, None]))
         zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
         zeros[:, ~admits(zeros, values)] = np.nan
     return zeros

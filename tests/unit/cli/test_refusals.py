@@ -128,7 +128,7 @@ def test_models_structures_and_automata_of_a_file_of_ones_own(folder, capsys):
         ("bad.py", "bad.py ends in ModuleNotFoundError: No module named 'not_there'"),
         ("exit.py", "exit.py ends in SystemExit: 0"),
         ("none.py:a", "none.py has none: write one"),
-        ("own.py:relay --without cubic", "is an automaton: leave it out"),
+        ("own.py:relay --without cubic", "is of class HybridAutomaton: leave it out"),
     ],
 )
 def test_what_a_file_of_ones_own_lacks_is_told(file, message, folder, refused):

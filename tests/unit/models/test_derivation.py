@@ -340,6 +340,25 @@ def test_a_law_may_return_the_formula_of_another():
 
 
 @fl.model
+class Pressed(fl.MechanicalModel):
+    """A mass on a contact whose force a function gives."""
+
+    mu: float = 3.0
+    force: object = None
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        contact = fl.Contact(q.x, lambda d: self.force(self.mu, d), damper=lambda d: self.force(0.1, 1.0))
+        return fl.Mechanics(v.x**2 / 2, contacts=(contact,), loads={"x": 1.0})
+
+
+def test_a_force_may_be_that_of_a_law_made_of_parameters():
+    forces = (lambda k, d: fl.LinearContact(k2=k).force(d)), (lambda k, d: k * d)
+    runs = [fl.simulate(Pressed(force=one), 5.0, progress=False) for one in forces]
+    assert runs[0].states.tobytes() == runs[1].states.tobytes()
+
+
+@fl.model
 class MadeLaw(fl.MechanicalModel):
     """A mass on a belt, and above a stop, with a law that a function makes of mu, q and functions."""
 

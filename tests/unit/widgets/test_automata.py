@@ -74,6 +74,13 @@ def test_the_period_of_a_model_is_found_from_where_its_explorer_starts_and_is_ke
     assert explorer.result.times()[-1] - explorer.result.times()[0] == pytest.approx(shown)
 
 
+def test_a_period_that_is_stated_follows_the_parameters():
+    explorer = fl.explore(fl.DenHartog(Omega=0.5), ["response"])
+    shown = explorer.result.times()[-1] - explorer.result.times()[0]
+    explorer.controls["Omega"].value = 0.05
+    assert explorer.result.times()[-1] - explorer.result.times()[0] == pytest.approx(10 * shown)
+
+
 def test_a_period_that_is_stated_is_kept():
     stated = fl.HybridAutomaton(BELT.states, BELT.modes, BELT.parameters, 1, period=3.0)
     explorer = fl.explore(stated.replace(belt=0.1), ["response"])

@@ -213,15 +213,16 @@ def test_the_stop_button_interrupts_the_kernel_only_while_the_widget_computes():
 def test_answers_of_python_come_to_what_was_asked():
     assert run_in_node(
         f"""{text_of("python_engine.js").replace("export default", "void")}
-        const engine = new PythonEngine({{ send: () => {{}} }}), code = engine.python();
+        const engine = new PythonEngine({{ send: () => {{}} }});
+        const code = engine.python(), again = engine.python();
         const sound = engine.hear().catch((error) => error.message);
         engine.answered({{ asked: "hear", text: "silent" }}, []);
         engine.answered({{ asked: "python", text: "import frictionlab" }}, []);
-        Promise.all([code, sound]).then((texts) => {{
+        Promise.all([code, sound, again]).then((texts) => {{
           console.log(JSON.stringify(texts));
           process.exit(0);
         }});"""
-    ) == ["import frictionlab", "silent"]
+    ) == ["import frictionlab", "silent", "import frictionlab"]
 
 
 def test_what_takes_long_waits_until_a_slider_stops():

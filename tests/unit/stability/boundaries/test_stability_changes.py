@@ -289,13 +289,16 @@ def test_an_equilibrium_that_the_models_own_value_lacks_is_found_in_the_range():
         fl.critical_value(model, "p", (-3.0, -2.0))
 
 
-def test_a_fold_among_the_searched_values_is_passed_over():
-    """x^2 = p begins at p = 0, which the search meets first; the growth rate of x = sqrt(p) is (p - c)/2."""
+@pytest.mark.parametrize(("at", "own"), [(0, -0.8), (0.3, -0.8), (1, -0.8), (1, -0.9)])
+def test_an_equilibrium_that_begins_at_a_fold_is_followed_from_beyond(at, own):
+    """(x - at)^2 = p begins at p = 0, a round share of the range; the growth rate of the upper one is
+    (p - c)/2."""
     x, v, p, c = sympy.symbols("x v p c")
-    mode = fl.Mode("on", (v, p - x**2 - (c - p) * v), (fl.Event("gap", x + 0.25, ()),))
-    model = fl.HybridAutomaton((x, v), (mode,), {p: -0.8, c: 1.5}, 1)
-    found = [fl.critical_value(model, "p", (-1.0, high)) for high in (3.0, 2.9)]
+    mode = fl.Mode("on", (v, p - (x - at) ** 2 - (c - p) * v), (fl.Event("gap", x - at + 0.25, ()),))
+    model = fl.HybridAutomaton((x, v), (mode,), {p: own, c: 1.5}, 1)
+    found = [change.value for high in (3.0, 2.9) for change in fl.stability_changes(model, "p", (-1.0, high))]
     assert found == pytest.approx([1.5, 1.5], rel=1e-12)
+    assert fl.critical_value(model, "p", (-1.0, 3.0)) == pytest.approx(1.5, rel=1e-12)
     axes = ("p", np.linspace(-1, 3, 9)), ("c", [1.0, 2.0])
     one, other = (fl.stability_map(m, *axes, progress=False) for m in (model, model.replace(p=1.0)))
     np.testing.assert_allclose(one.growth, other.growth, atol=1e-12)
