@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.components.component import StructureKey
+from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.symbols import gradient, parameter_symbols, structure_values, symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
@@ -100,9 +101,17 @@ def _dampers(key: StructureKey) -> tuple[dict[str, Any], Formulas]:
 
 
 def _about_dampers(key: StructureKey) -> dict[str, Any]:
-    """Coordinates all of whose dampers depend on parameters only, together; each of the others alone."""
+    """Coordinates all of whose dampers depend on parameters only, together; each of the others alone.
+
+    None where the dissipation is a sum of squares whose coefficients have a bound of 0 or above.
+    """
+    from .equations_of_motion import system_of
+
     second, parameters, signs = _second_derivatives(key), set(parameter_symbols(key)), known_signs(key)
     known = [[one.free_symbols <= parameters for one in row] for row in second]
+    dissipation = sympy.sympify(system_of(key).mechanics.dissipation, strict=True)
+    if all(map(all, known)) and dissipation.xreplace(signs).is_nonnegative:
+        return {"blocks": [], "places": []}
     count = range(len(second))
     together = [i for i in count if all(known[i]) and any(second[i])]
     coupled = any(second[i][j] != 0 for i in together for j in together if i != j)
