@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
+import copyreg
 import dis
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import fields, is_dataclass
-from decimal import Decimal
+import random
+from collections.abc import Callable, ItemsView, Iterable, KeysView, Sequence, ValuesView
 from enum import Enum
-from fractions import Fraction
-from functools import partial
+from functools import cached_property
 from hashlib import sha256
-from operator import attrgetter, itemgetter, methodcaller
-from pathlib import PurePath
 from types import CellType, CodeType, FunctionType, MappingProxyType, MethodType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.presentation import FrozenMapping
 
-PLAIN = int, float, complex, Fraction, Decimal, np.generic, str, bytes, range, PurePath, type(None)
+PLAIN = bool, int, float, complex, str, bytes, type(None)
+VIEWS = KeysView, ValuesView, ItemsView
+RANDOM = np.random.Generator, np.random.BitGenerator, np.random.RandomState, random.Random
 DIGITS = 12
 
 
@@ -28,11 +26,13 @@ def function_name(function: Callable[..., Any]) -> str:
     """The name of a function with digits, by which files tell functions apart.
 
     The digits follow from its code, and from the content of its closure, its defaults, its partial arguments
-    and the object whose method it is: numbers, texts, tuples, arrays, models, laws, functions, and frozen
-    things, such as frozen dataclasses.  A run counts without the time that it took.  Of what may change while
-    the function runs the type alone is seen: of lists, dictionaries, sets, caches, generators, and objects of
-    ordinary classes.  So a number in a list is not seen, nor are docstrings, nor methods of classes, nor what
-    the function takes from its module: functions which it calls may change.
+    and the object whose method it is: numbers, texts, lists, dictionaries, sets, arrays, models, laws,
+    functions, and the attributes of other objects.  A run counts without the time that it took, and an object
+    without its cached properties.  Of generators of random numbers, locks, files, and what else cannot be
+    taken apart, the type and the name alone are seen.  Docstrings, methods of classes, and what the function
+    takes from its module are not seen: functions which it calls may change.
+
+    A function that changes what it holds while it runs, such as a list or a cache, is another one afterwards.
     """
     name = getattr(function, "__name__", type(function).__name__)
     return f"{getattr(function, '__qualname__', name)} {_Content().digest(function)[:DIGITS]}"
@@ -52,7 +52,7 @@ class _Content:
 
     def digest(self, value: Any) -> str:
         """The digest of an object; of numbers and texts what Python writes."""
-        if isinstance(value, PLAIN) and not isinstance(value, Enum):
+        if type(value) in PLAIN:
             return f"{type(value).__name__} {value!r}"
         if id(value) not in self._digests:
             self._digests[id(value)] = value, f"object {len(self._digests)}"
@@ -66,8 +66,7 @@ class _Content:
         if isinstance(value, CodeType):
             return _parts_of_code(value)
         if isinstance(value, FunctionType):
-            keywords = tuple((value.__kwdefaults__ or {}).items())
-            return value.__code__, value.__defaults__, keywords, value.__closure__
+            return value.__code__, value.__defaults__, value.__kwdefaults__, value.__closure__
         if isinstance(value, MethodType):
             return value.__func__, value.__self__
         if isinstance(value, CellType):
@@ -75,18 +74,19 @@ class _Content:
                 return (value.cell_contents,)
             except ValueError:  # of a name that has no value yet
                 return ()
-        if isinstance(value, partial):
-            return value.func, value.args, tuple(value.keywords.items())
-        if isinstance(value, (tuple, attrgetter, itemgetter, methodcaller)):
-            return value if isinstance(value, tuple) else value.__reduce__()
-        if isinstance(value, frozenset):
-            return sorted(map(self.digest, value))  # its order is another one in each process
+        if isinstance(value, (set, frozenset)):
+            items = sorted(map(self.digest, value))  # its order is another one in each process
+            return items, getattr(value, "__dict__", None)
         return _parts_of_data(value)
 
 
 def _parts_of_data(value: Any) -> Iterable[Any]:
-    """The content of arrays, expressions and frozen things; of other objects a name, if they have one."""
-    if isinstance(value, np.ndarray):
+    """The content of containers, arrays, expressions and runs; of other objects that of a copy."""
+    if type(value) is tuple or isinstance(value, VIEWS):
+        return value
+    if type(value) is dict or isinstance(value, MappingProxyType):
+        return value.items()
+    if type(value) is np.ndarray:
         items = tuple(value.flat) if value.dtype.hasobject else value.tobytes()
         return str(value.dtype), value.shape, items
     if hasattr(type(value), "tocoo"):  # a sparse array
@@ -95,22 +95,43 @@ def _parts_of_data(value: Any) -> Iterable[Any]:
     if hasattr(type(value), "free_symbols"):  # an expression of sympy
         from sympy import srepr
 
-        return value.args or (srepr(value),)
+        return getattr(value, "args", ()) or (srepr(value),)
     if isinstance(value, Trajectory):
         return value.raw, value.samples, value.quadratures, value.source, value.automaton.parameters
-    if isinstance(value, (FrozenMapping, MappingProxyType)):
-        return value.items()
     if isinstance(value, Enum):
         return (value.name,)
-    if isinstance(value, slice):
-        return value.start, value.stop, value.step
-    if is_dataclass(value) and type(value).__dataclass_params__.frozen:  # pyright: ignore
-        return [(each.name, getattr(value, each.name, None)) for each in fields(value)]
-    return _parts_of_callable(value) if callable(value) else ()
+    return () if isinstance(value, RANDOM) else _parts_of_copy(value)
 
 
-def _parts_of_callable(value: Any) -> Sequence[Any]:
-    """What a compiled or cached function is called, and the function that it wraps; nothing of others."""
+def _parts_of_copy(value: Any) -> Sequence[Any]:
+    """What a copy of an object would be made from; name and attributes of one that cannot be copied."""
+    kind = type(value)
+    if kind.__module__.startswith("numba.") and hasattr(
+        value, "__wrapped__"
+    ):  # a copy has a number of its own
+        return _names(value)
+    try:
+        made = copyreg.dispatch_table.get(kind, lambda value: value.__reduce_ex__(2))(value)
+    except Exception:  # an object may raise what it likes
+        return *_names(value), _without_caches(getattr(value, "__dict__", None), kind)
+    if isinstance(made, str):  # it is found by its name
+        return made, *_names(value)
+    arguments, state, *items = *made[1:5], *[None] * (5 - len(made))
+    if isinstance(state, tuple):  # of attributes and slots
+        state = tuple(_without_caches(each, kind) for each in state)
+    return arguments, _without_caches(state, kind), *(tuple(each or ()) for each in items)
+
+
+def _without_caches(state: Any, kind: type) -> Any:
+    """The attributes of an object without the values of cached properties."""
+    if not isinstance(state, dict):
+        return state
+    members = {name: each for base in reversed(kind.__mro__) for name, each in vars(base).items()}
+    return {name: it for name, it in state.items() if not isinstance(members.get(name), cached_property)}
+
+
+def _names(value: Any) -> Sequence[Any]:
+    """Module and name of a compiled or cached function, and the function that it wraps."""
     names = getattr(value, "__module__", None), getattr(value, "__name__", None)
     return *names, getattr(value, "__dict__", {}).get("__wrapped__")
 

@@ -38,8 +38,8 @@ PYTHON = "{}.{}".format(*sys.version_info)  # another version has other code of 
 LINE = re.compile(rb'(\{.*), "crc32": "([0-9a-f]{8})"\}')
 SYNC_TIME = 1.0  # seconds of results that a power cut may destroy: each fsync takes some milliseconds
 OF_FUNCTIONS = (
-    "; a function is another one if its code changes, or a number, text, tuple, array, model, law or frozen "
-    "thing that it holds; what is in lists, caches and others that may change does not count"
+    "; the function has other code, or what it holds has changed, such as a list or a cache: make these "
+    "anew before each call"
 )
 
 Result = TypeVar("Result")

@@ -130,9 +130,11 @@ def sweep(
         File in which results are kept as they come; results that it already holds are not computed again.
         They have to be numbers, texts, or lists and mappings of such.  The file knows the function by its
         name, its code, and the content of its closure, defaults and partial arguments: numbers, texts,
-        tuples, arrays, models, laws, functions and frozen dataclasses.  It does not know what is in lists,
-        dictionaries and other objects that may change, nor functions that it calls by name, nor methods of
-        classes: use another file where these have changed.
+        lists, dictionaries, arrays, models, laws, functions, attributes of objects.  A function that changes
+        these while it runs, as one that adds to a list or fills a cache, is refused at the next call: make
+        the list or the cache anew before.  The file does not know the functions that it calls by name, nor
+        methods of classes, nor states of generators of random numbers: use another file where these have
+        changed.
         The complete file does not depend on the number of workers, nor on how often the sweep was
         interrupted.  Results on damaged lines are computed again, with a RuntimeWarning.
     progress : bool

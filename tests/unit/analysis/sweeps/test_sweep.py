@@ -1,5 +1,6 @@
 """Sweeps of any function, and ablations."""
 
+import re
 import threading
 import time
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import frictionlab as fl
 from frictionlab.analysis.sweeps.function_name import function_name
@@ -183,7 +185,18 @@ class Force:
         return 1.0
 
 
+@dataclass
+class Weighted:
+    weight: Any
+
+    def __call__(self, model):
+        return 1.0
+
+
 class Ordinary:
+    def __init__(self, factor=1.0):
+        self.factor, self.whole = factor, self
+
     @cached_property
     def total(self):
         return 1.0
@@ -205,6 +218,14 @@ class Ordinary:
             (Force(one), Force(other))
             for one, other in [((1,), (2,)), (b"1", b"2"), (1, True), (np.sin, np.cos)]
         ),
+        *(
+            (Weighted(one), Weighted(other))
+            for one, other in [(1.0, 5.0), ([1], [2]), ({0: 1}, {0: 2}), ({"a"}, {"b"})]
+        ),
+        tuple(Force(partial(times, factor={"a": weight})) for weight in (1.0, 5.0)),
+        (Force(Ordinary(1.0)), Force(Ordinary(2.0))),
+        (Force(re.compile("a")), Force(re.compile("b"))),
+        tuple(Force(CubicSpline([0.0, 1.0, 2.0], [0.0, 1.0, end])) for end in (1.0, 2.0)),
         (Force(frozenset("a")), Force(frozenset("b"))),
         (Force(MODEL), Force(MODEL.replace(F=1.0))),
         (Force(RLock()), Force(None)),
@@ -221,7 +242,7 @@ def test_a_file_of_another_function_of_that_name_is_refused(one, other, tmp_path
 def test_equal_functions_have_equal_names():
     """Wherever what they hold is in memory, and in whatever order a set holds it."""
     one, other = (
-        scaled((frozenset(some), lambda m: m.F, np.ones(3), MODEL, Force(RLock())))
+        scaled([set(some), lambda m: m.F, np.ones(3), MODEL, Force(RLock()), Ordinary()])
         for some in ([0, 8], [8, 0])
     )
     assert function_name(one) == function_name(other)
@@ -231,16 +252,29 @@ def test_equal_functions_have_equal_names():
 @pytest.mark.parametrize(
     ("held", "change"),
     [
-        ([1], lambda held: held.append(2)),
-        ({0: 1}, lambda held: held.update({0: 2})),
         (np.random.default_rng(1), lambda held: held.random()),
         (Ordinary(), lambda held: held.total),
     ],
 )
-def test_what_changes_while_a_function_runs_does_not_count(held, change):
+def test_random_numbers_and_cached_properties_do_not_count(held, change):
     before = function_name(scaled(held))
     change(held)
     assert function_name(scaled(held)) == before
+
+
+@pytest.mark.parametrize(
+    ("held", "change"),
+    [([1], lambda held: held.append(2)), ({0: 1}, lambda held: held.update({0: 2}))],
+)
+def test_a_function_that_changes_what_it_holds_is_refused_with_the_cure(held, change, tmp_path):
+    def force(model):
+        change(held)
+        return model.F
+
+    fl.sweep(MODEL, force, {"F": [200.0]}, resume=tmp_path / "results", **QUIET)
+    text = "or what it holds has changed, such as a list or a cache: make these anew before each call"
+    with pytest.raises(ValueError, match=text):
+        fl.sweep(MODEL, force, {"F": [200.0]}, resume=tmp_path / "results", **QUIET)
 
 
 def test_runs_count_without_the_time_that_they_took():
