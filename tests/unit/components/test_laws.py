@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy
 from numpy.polynomial import Polynomial
+from scipy.special import lambertw
 
 import frictionlab as fl
 from frictionlab.components import (
@@ -122,6 +123,44 @@ class Branching(fl.ContactLaw):
 
     def force(self, penetration):
         return self.k * penetration if penetration > 0 else 0 * penetration
+
+
+@dataclass(frozen=True)
+class Hardening(fl.ContactLaw):
+    """F_N = k d / (1 - d/c) of the penetration d: a quotient."""
+
+    k: float = 5e3
+    c: float = 0.1
+
+    def force(self, penetration):
+        return self.k * penetration / (1 - penetration / self.c)
+
+
+@fl.model
+class Pressed(fl.MechanicalModel):
+    """A mass that a force presses on such a contact."""
+
+    m: float = 2.0
+    F: float = 300.0
+    contact: fl.ContactLaw = Hardening()
+    coordinates = ("y",)
+
+    def mechanics(self, q, v):
+        pad = fl.Contact(q.y, self.contact.force)
+        return fl.Mechanics(self.m * v.y**2 / 2, loads={"y": self.F}, contacts=(pad,))
+
+
+def test_a_quotient_has_its_equilibrium_its_frequency_and_its_deepest_point():
+    """With a = F/(k c): d = F/(k + F/c), the frequency sqrt(k/m) (1 + a), and from d = 0 at rest a turn at
+    d/c = 1 + W(-(1 + a) exp(-1 - a))/(1 + a), where the spring has taken all work of F."""
+    model = Pressed()
+    m, F, k, c = (model.parameters[name] for name in "mFkc")
+    a = F / (k * c)
+    assert fl.equilibrium(model).q[0] == pytest.approx(F / (k + F / c), rel=1e-12)
+    assert abs(fl.eigenvalues(model).values[0].imag) == pytest.approx(np.sqrt(k / m) * (1 + a), rel=1e-12)
+    run = fl.simulate(model, 0.2, sections={"turn": ("y'", -1)}, progress=False)
+    deepest = c * (1 + lambertw(-(1 + a) * np.exp(-1 - a)).real / (1 + a))
+    assert run.sections["turn"].state[0, 0] == pytest.approx(deepest, rel=1e-12)
 
 
 @dataclass(frozen=True)
