@@ -240,13 +240,18 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
     """The same of a model; the laws of contacts whose bodies turn have units of angles and moments.
 
     Where one law serves contacts of both kinds, the parameters whose units differ have no unit.  Bodies move
-    alike in models that differ in their laws alone: then one model, `moving_as`, stands for all.
+    alike in models that differ in their laws alone: then one model, `moving_as`, stands for all.  Which
+    contacts turn follows from the mechanics, which are derived only where a law has such a parameter.
     """
     about = parameter_metadata(type(model), model.components)
-    for role, alone in (moving_as or model).turning_roles.items():
-        for name, each in parameters_of(type(model.components[role])).items():
-            if (unit := rotational_unit(each.unit)) != each.unit:
-                about[name] = dataclasses.replace(each, unit=unit if alone else "")
+    of_laws = {role: parameters_of(type(law)) for role, law in model.components.items()}
+    turned = {
+        role: {name: unit for name, each in some.items() if (unit := rotational_unit(each.unit)) != each.unit}
+        for role, some in of_laws.items()
+    }
+    for role, alone in (moving_as or model).turning_roles.items() if any(turned.values()) else ():
+        for name, unit in turned[role].items():
+            about[name] = dataclasses.replace(about[name], unit=unit if alone else "")
     return about
 
 
