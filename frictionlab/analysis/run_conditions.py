@@ -91,10 +91,13 @@ def _sizes_of_rounding(run: Trajectory) -> Array:
 def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
     """The states (n,) that but rounding moves, beside others of their group or together with all of it, as
     the height of a body that slides on two feet: coordinates together with their velocities."""
-    ranges, n = state_ranges(run.states), run.automaton.coordinates
+    n = run.automaton.coordinates
     # errors of other methods are not rounding
     if not is_of_series(run) or not n:
         return np.zeros(len(run.names), dtype=bool)
+    # within steps too: at the events of dry friction all velocities may be zero
+    t = np.linspace(0.0, run.raw.t, SAMPLES_OF_ROUNDING)
+    ranges = state_ranges(np.vstack([run(t), run.raw.step_states[:, : len(run.names)]]))
     small, rounding = np.zeros(len(run.names), dtype=bool), _rounding_of_rates(run)
     for group in state_groups(n):  # contacts that hold a body still leave rounding errors of all forces on it
         largest = ranges[group].max(initial=0.0)
