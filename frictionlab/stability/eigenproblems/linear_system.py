@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_unit
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
-from frictionlab.models.mechanical.mechanics import mechanics_at
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.models.symbols import parameter_symbols
 from frictionlab.presentation import (
@@ -252,9 +250,10 @@ def linearize(
     for name in output_names:
         _place("outputs", name, [*states, *automaton.outputs])
     A: Any = jacobian(model, point.state)
-    held = any(place < 2 * automaton.coordinates for place in given_by_others)
-    pushed = _pushed_in_contact(model, mode) if held and isinstance(model, MechanicalModel) else None
-    B = _input_matrix(model, problem, pushed, point.state, input_names)
+    pushed = None
+    if isinstance(model, MechanicalModel) and not {*input_names}.isdisjoint(coordinates):
+        pushed = _pushed(model, mode)
+    B = _input_matrix(problem, pushed, point.state, input_names)
     C: Any = np.zeros((len(output_names), len(states)))
     D: Any = np.zeros((len(output_names), len(input_names)))
     for row, name in enumerate(output_names):
@@ -283,23 +282,18 @@ def linearize(
 
 
 def _input_matrix(
-    model: ModelOrAutomaton,
-    problem: EquilibriumProblem,
-    pushed: PushedInContact | None,
-    state: Array,
-    inputs: Sequence[str],
+    problem: EquilibriumProblem, pushed: Pushed | None, state: Array, inputs: Sequence[str]
 ) -> Array:
     """B (m, inputs): accelerations by forces along coordinates, and rates by parameters."""
     matrix = np.zeros((len(state), len(inputs)))
     by_parameter = problem.flow.by_parameter.at(state, problem.values)
+    moved: dict[str, Array] = {}
+    if pushed is not None:
+        columns = pushed.slopes(state, pushed.accelerations).T
+        moved = dict(zip(pushed.model.coordinates, columns, strict=True))
     for k, name in enumerate(inputs):
-        if isinstance(model, MechanicalModel) and name in model.coordinates:
-            n, place = len(model.coordinates), list(model.coordinates).index(name)
-            if pushed is None:
-                moved = _compliance(model, state)
-            else:
-                moved = pushed.slopes(state, pushed.accelerations)
-            matrix[n : 2 * n, k] = moved[:, place]
+        if name in moved:
+            matrix[len(moved) : 2 * len(moved), k] = moved[name]
         else:
             matrix[:, k] = by_parameter[:, problem.parameter_names.index(name)]
     return matrix
@@ -330,16 +324,10 @@ def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
     return mode.name, [place for place in mode.following if place not in cyclic]
 
 
-def _compliance(model: MechanicalModel, state: Array) -> Array:
-    """Accelerations (n, n) by forces along the coordinates, where no contact holds."""
-    inverse: Any = np.linalg.inv(mass_matrix(model, state))
-    return inverse
+class Pushed(NamedTuple):
+    """Accelerations and outputs of a mode with forces along the coordinates.
 
-
-class PushedInContact(NamedTuple):
-    """Accelerations and outputs of a mode with forces along the coordinates, where contacts hold.
-
-    What these contacts do follows the forces, and friction with it.
+    What contacts do that hold follows the forces, and friction with it.
     """
 
     model: MechanicalModel
@@ -357,7 +345,7 @@ class PushedInContact(NamedTuple):
         return numbers.reshape(len(functions), len(self.pushes))
 
 
-def _pushed_in_contact(model: MechanicalModel, mode: str) -> PushedInContact:
+def _pushed(model: MechanicalModel, mode: str) -> Pushed:
     from frictionlab.models.mechanical.equations_of_motion import system_of  # which load sympy
     from frictionlab.models.mechanical.modes import contact_outputs, solve_contact_forces
 
@@ -366,7 +354,7 @@ def _pushed_in_contact(model: MechanicalModel, mode: str) -> PushedInContact:
     pushes = [sympy.Dummy(f"push {name}", real=True) for name in model.coordinates]
     loads = tuple(load + push for load, push in zip(system.loads, pushes, strict=True))
     forces = solve_contact_forces(replace(system, loads=loads), regimes)
-    return PushedInContact(model, pushes, forces.accelerations, contact_outputs(system, regimes, forces))
+    return Pushed(model, pushes, forces.accelerations, contact_outputs(system, regimes, forces))
 
 
 def _names(what: str, names: Any, usual: Sequence[str]) -> tuple[str, ...]:
@@ -379,21 +367,3 @@ def _place(what: str, name: Any, names: Sequence[str]) -> int:
     if not isinstance(name, str) or name not in names:
         raise ValueError(f"{what} must be known, got {abbreviate(name)}{did_you_mean_or_known(name, names)}")
     return list(names).index(name)
-
-
-def mass_matrix(model: MechanicalModel, state: Array) -> Array:
-    """M (n, n) at a state, from the kinetic energy: T is a polynomial of degree 2 in the velocities."""
-    n = len(model.coordinates)
-    of_states = dict(zip(automaton_of(model).state_names, state))
-    further = [of_states[name] for name in model.states]
-
-    def energy(v: Array) -> float:
-        return float(mechanics_at(model, state[:n], v, 0.0, further).kinetic)
-
-    unit, mass = np.eye(n), np.zeros((n, n))
-    still = energy(np.zeros(n))
-    for i, j in combinations_with_replacement(range(n), 2):
-        other = -unit[i] if i == j else unit[j]
-        mixed = energy(unit[i]) + energy(other) - still
-        mass[i, j] = mass[j, i] = mixed - still if i == j else energy(unit[i] + other) - mixed
-    return mass
