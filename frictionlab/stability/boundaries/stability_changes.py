@@ -119,9 +119,9 @@ def stability_changes(
 ) -> tuple[StabilityChange, ...]:
     """Every change of stability of one equilibrium as a parameter grows.
 
-    It is followed from the model's own value of the parameter, as far as it exists; where there is none, from
-    the nearest of 9 values in the range that has one.  If it ends and no other takes over, that is no change
-    of stability: :class:`FoldValue` tells where it ends.
+    It is followed from the model's own value of the parameter, as far as it exists; where there is none, or a
+    fold, from the nearest of 9 values in the range that has one.  If it ends and no other takes over, that is
+    no change of stability: :class:`FoldValue` tells where it ends.
 
     The range is scanned.  The scan is finer where growth rates come near zero or two eigenvalues near each
     other, down to some 1e-9 of the range.  Each change is then solved for to rounding.

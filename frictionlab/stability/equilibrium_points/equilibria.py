@@ -48,6 +48,8 @@ Array = NDArray[np.float64]
 BRANCH_SEARCH_POINTS = 9
 # Where one is looked for in a range: not in its middle, where a fold is likely.
 BRANCH_SEARCH_SHARES = (np.arange(BRANCH_SEARCH_POINTS) + 0.47) / BRANCH_SEARCH_POINTS
+# Shares of a range beside a value: if an equilibrium is lost on both sides, it is at a fold.
+BESIDE_SHARES = np.array([-1e-9, 1e-9])
 SAME_BRANCH_RTOL = 1e-6  # share of a state to which two branches agree
 SAME_BRANCH_ROUNDING = 1e-12  # share of the largest state: what differs by less differs by rounding
 
@@ -61,8 +63,8 @@ def equilibrium_problem(
 ) -> EquilibriumProblem:
     """The problem of a model or an automaton, at its default equilibrium or at a given one.
 
-    Where the model's own parameters have none, it is that at the nearest of values (N,) `within` which some
-    parameters vary, of those that are searched.
+    Where the model's own parameters have none, or have it at a fold, it is that at the nearest of values (N,)
+    `within` which some parameters vary, of those that are searched.
 
     Raises
     ------
@@ -73,26 +75,28 @@ def equilibrium_problem(
     """
     if equilibrium is not None:
         return _new_problem(model, _check_equilibrium(model, equilibrium))
+    if within and not by_penetration(model) and (problem := _problem_within(model, within)):
+        return problem
     notes = vars(model) if isinstance(model, Model) else {}
     if PROBLEM not in notes:
-        if within and (problem := _problem_within(model, within)):
-            return problem
         notes[PROBLEM] = _new_problem(model)
     return notes[PROBLEM]
 
 
 def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> EquilibriumProblem | None:
-    """The problem at the nearest values that have an equilibrium; None where the model's own have one.
+    """The problem at the nearest values that have an equilibrium; None where that of the model's own values
+    can be followed, or there is no other.
 
     They are at shares of the ranges that are not round: an equilibrium at a fold could not be followed.
     """
-    if by_penetration(model):
-        return None
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
-    if first_mode_equilibria(automaton, sliding).points.size:
-        return None
     own = np.array([automaton.values[name] for name in within])
     spans = np.array([np.ptp(values) or 1.0 for values in within.values()])
+    if first_mode_equilibria(automaton, sliding).points.size:
+        beside = own[:, None] + BESIDE_SHARES * spans[:, None]
+        problem = equilibrium_problem(model)
+        if np.isfinite(problem.solve(*problem.at(dict(zip(within, beside))))).all(axis=0).any():
+            return None
     some = [np.unique(values.min() + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))

@@ -40,8 +40,10 @@ START_DECADES = 15.0  # by which a state may differ from the linearised flow's z
 RESTART_ROUNDS = 8  # of new starts from the zeros found
 RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
-HOMOTOPY_STEPS, CORRECTOR_STEPS = 16, 8
+CORRECTOR_STEPS = 8
 SAFE_CONTRACTION = 0.25
+STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
+SHORTEST_PART = 2.0**-14  # of the way to other values of the parameters
 
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
 MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
@@ -478,33 +480,54 @@ def follow_zero(
 ) -> Array:
     """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`.
 
-    They are NaN where the zero is lost, and at states that `admits(states, values)` refuses.
+    They are NaN where the zero is lost, and at states that `admits(states, values)` refuses.  The way to the
+    values is divided until each part is safe.  A zero is lost where the parts become too short, as at a fold.
     """
     zeros = np.repeat(x[:, None], count, axis=1)
+    share, part, going = np.zeros(count), np.ones(count), np.arange(count)
     with np.errstate(all="ignore"):
-        first = newton_step(flow, zeros, values)
-        second = newton_step(flow, zeros + first, values)
-        # Steps that shrink fast are safe (Newton-Kantorovich), and so are steps of rounding; otherwise the
-        # change of parameters is divided.
-        last = np.abs(second).max(axis=0)
-        safe = last <= SAFE_CONTRACTION * np.abs(first).max(axis=0)
-        safe |= last <= LAST_STEP_RTOL * np.abs(zeros).max(axis=0)
-        if safe.all():
-            zeros = zeros + first + second
-            if (np.abs(second) > MACHINE_EPSILON * np.abs(zeros)).any():
-                zeros = _newton(flow, zeros, values)
-        else:
-            for s in np.linspace(0, 1, HOMOTOPY_STEPS + 1)[1:]:
-                between = [
-                    v if s == 1 or (np.ndim(v) == 0 and v == b) else b + s * (v - b)
-                    for b, v in zip(base, values)
-                ]
-                zeros = _newton(flow, zeros, between)
+        while going.size:
+            ahead = np.fmin(share[going] + part[going], 1.0)
+            between = [_between(b, _chosen(v, going), ahead) for b, v in zip(base, values, strict=True)]
+            step, safe = _first_step(flow, zeros[:, going], between)
+            zeros[:, going[safe]] += step[:, safe]
+            share[going[safe]] = ahead[safe]
+            part[going] *= np.where(safe, 2.0, 0.5)
+            going = going[(share[going] < 1.0) & (part[going] >= SHORTEST_PART)]
+        zeros[:, share < 1.0] = np.nan
+        zeros = _newton(flow, zeros, values)
         # Not by the first step, which has no bounds from a zero near a fold: all would be small beside it.
         scale = _replace_unknown(np.abs(x)[:, None] + np.abs(zeros - x[:, None]))
         zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
         zeros[:, ~admits(zeros, values)] = np.nan
     return zeros
+
+
+def _between(base: float, values: Any, share: Array) -> Any:
+    """The values of a parameter at shares (N,) of the way from `base`."""
+    if (share == 1.0).all() or (np.ndim(values) == 0 and values == base):
+        return values
+    return np.where(share == 1.0, values, base + share * (values - base))
+
+
+def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any]:
+    """Newton's step (m, N) at other values, and where his method converges from there to the zero at hand.
+
+    By Newton and Kantorovich it does where the next step by the same matrix is at most a quarter of this one.
+    Near another zero that is so by chance.  So what is not linear is bounded within the step too.
+    """
+    matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
+    step = _newton_step(matrices, rates)
+    size, safe = np.abs(step).max(axis=0), np.isfinite(step).all(axis=0)
+    if flow.linear or not safe.any():
+        return step, safe
+    rests = [flow.rhs(x + share * step, values) - (1 - share) * rates for share in STEP_SHARES]
+    right = np.stack(rests, axis=-1).swapaxes(0, 1)
+    safe &= np.isfinite(right).all(axis=(1, 2))
+    next_steps = np.abs(solve_matrices(matrices[safe], right[safe])).max(axis=(1, 2))
+    rounding = LAST_STEP_RTOL * np.abs(x[:, safe]).max(axis=0)
+    safe[safe] = next_steps <= np.fmax(SAFE_CONTRACTION * size[safe], rounding)
+    return step, safe
 
 
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:

@@ -289,10 +289,12 @@ def test_an_equilibrium_that_the_models_own_value_lacks_is_found_in_the_range():
         fl.critical_value(model, "p", (-3.0, -2.0))
 
 
-@pytest.mark.parametrize(("at", "own"), [(0, -0.8), (0.3, -0.8), (1, -0.8), (1, -0.9)])
+@pytest.mark.parametrize(
+    ("at", "own"), [(0, -0.8), (0.3, -0.8), (1, -0.8), (1, -0.9), (0, 0), (1 / 3, 0), (9, 0)]
+)
 def test_an_equilibrium_that_begins_at_a_fold_is_followed_from_beyond(at, own):
-    """(x - at)^2 = p begins at p = 0, a round share of the range; the growth rate of the upper one is
-    (p - c)/2."""
+    """(x - at)^2 = p begins at p = 0, a round share of the range, or the model's own value; the growth rate
+    of the upper one is (p - c)/2."""
     x, v, p, c = sympy.symbols("x v p c")
     mode = fl.Mode("on", (v, p - (x - at) ** 2 - (c - p) * v), (fl.Event("gap", x - at + 0.25, ()),))
     model = fl.HybridAutomaton((x, v), (mode,), {p: own, c: 1.5}, 1)

@@ -319,6 +319,16 @@ def test_a_branch_is_followed_to_its_fold_and_no_further():
     assert fl.stability_changes(model, "p", (-4, 4)) == ()
 
 
+@pytest.mark.parametrize("own", [0.05, 0.1, 0.5])
+def test_an_equilibrium_is_followed_past_others_that_newtons_method_would_reach(own):
+    """p = 1 - cos(x - 1) has x = 1 - arccos(1 - p), and others a step of Newton's method away."""
+    p = sympy.Symbol("p")
+    model = automaton([p - 1 + sympy.cos(X - 1)], states=(X,), coordinates=0, p=own)
+    at = np.linspace(0.01, 1.99, 100)
+    locus = np.array([fl.root_locus(model, "p", [value]).values[0, 0] for value in at])
+    np.testing.assert_allclose(locus, np.sin(np.arccos(1 - at)), rtol=1e-9)
+
+
 def test_a_zero_row_and_a_rigid_body():
     """Nothing holds the second coordinate: two zero eigenvalues, and no equilibrium of its own."""
     model = linear([[4, 0], [0, 0]])
