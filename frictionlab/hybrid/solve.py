@@ -24,7 +24,6 @@ from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Sampling, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined, undefined_start
 from frictionlab.hybrid.trajectory import Trajectory
-from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.interruption import Progress, interruption
 from frictionlab.presentation import PHASE
 from frictionlab.tape.arguments import (
@@ -179,16 +178,8 @@ def solve(
 
 
 def end_of(run: Trajectory) -> tuple[np.ndarray, str | None]:
-    """The last state (n,) of a run, and its mode; None where the run has ended early.
-
-    The state is on the constraints of the mode: rounding moves a body that rests on two feet off them, by
-    1e-16 m, and where all bodies rest nothing else in the state tells that this is rounding.
-    """
-    if not run.status.ok:
-        return run.final_state, None
-    problem, mode = run.problem, run.raw.mode
-    state = state_on_constraints(problem.program, problem.numbers, mode, run.final_state)
-    return state, run.mode_names[mode]
+    """The last state (n,) of a run, and its mode; None where the run has ended early."""
+    return run.final_state, run.mode_names[run.raw.mode] if run.status.ok else None
 
 
 def solve_from_end(

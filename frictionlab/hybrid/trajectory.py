@@ -30,6 +30,7 @@ from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.real_powers import negative_base
 from frictionlab.hybrid.run_events import Events, SectionPoints
 from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
+from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.presentation import (
     Drawable,
     FrozenMapping,
@@ -75,7 +76,7 @@ class Trajectory(Drawable):
     mode : (N,) names of the modes
     events : Events
     time_in_mode : mapping: seconds spent in each mode
-    final_state : (2n,) state at the end
+    final_state : (2n,) state at the end, on the constraints of its mode, so that a run can go on from it
     status : Status;  str(status) is a sentence
     stats : mapping: steps, events, Zeno accumulations closed, wall time in seconds
     defect : mapping: largest defect of a step in each mode
@@ -336,9 +337,16 @@ class Trajectory(Drawable):
             units=tuple(unit_of_state(self.source, name) for name in self.names),
         )
 
+    @cached_property
+    def _final_state(self) -> np.ndarray:
+        if not self.status.ok:
+            return self.raw.state
+        problem = self.problem
+        return state_on_constraints(problem.program, problem.numbers, self.raw.mode, self.raw.state)
+
     @property
     def final_state(self) -> np.ndarray:
-        return self.raw.state.copy()
+        return self._final_state.copy()
 
     @cached_property
     def time_in_mode(self) -> Mapping[str, float]:

@@ -15,6 +15,7 @@ from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, longest_step
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import cut_where_undefined
+from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
 from frictionlab.tape.program import Numbers
@@ -167,7 +168,17 @@ def batch_result(group: Batch) -> BatchResult:
     status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
     modes, now = runs.counts[:, run_state.MODE], runs.times[:, run_state.NOW]
     steps, events = runs.totals.T.copy()
-    return BatchResult(now.copy(), runs.states, modes.copy(), steps, events, status)
+    states = np.array([_final_state(group, i, how) for i, how in enumerate(status)])
+    return BatchResult(now.copy(), states, modes.copy(), steps, events, status)
+
+
+def _final_state(group: Batch, i: int, status: Status) -> np.ndarray:
+    """That of a single run, which is on the constraints of its mode."""
+    state, mode = group.runs.states[i], int(group.runs.counts[i, run_state.MODE])
+    if not status.ok:
+        return state
+    problem = _problem_of_run(group, i, 0.0).with_derived_modes()
+    return state_on_constraints(problem.program, problem.numbers, mode, state)
 
 
 def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:

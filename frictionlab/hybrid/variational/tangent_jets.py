@@ -326,7 +326,11 @@ def constraint_gradients(program: Program, mode: int, at: LinearisedTape) -> np.
 
 def state_on_constraints(program: Program, numbers: Numbers, mode: int, z: np.ndarray) -> np.ndarray:
     """The state (n,) at the end of a run, back on the constraints of its mode if rounding has moved it off
-    them by more than a share of its terms; states of which nothing but rounding is left are zero."""
+    them by more than a share of its terms; states of which nothing but rounding is left are zero.
+
+    Rounding moves a body that rests on two feet off them, by 1e-16 m, and where all bodies rest nothing else
+    in the state tells that this is rounding.
+    """
     chosen = slice(*program.code.mode_constraints[mode : mode + 2])
     if chosen.start == chosen.stop:
         return z
