@@ -26,7 +26,7 @@ from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.mechanical.common_directions import CommonDirection
-from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rubbing_impulse
+from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rate_after, rubbing_impulse
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
@@ -437,18 +437,19 @@ class StructureSystem(LagrangeSystem):
         (rate,) = matrix_rows(normal[None], self.v)
         softness = sympy.Float(-float(normal @ along_normal))
         impulse = law.impulse(rate, rate, softness)
-        after = expand_products(rate - softness * impulse)
-        order = 2 if after == 0 else 1
+        opening = rate_after(law, -rate, softness)
+        order = 2 if opening == 0 else 1
         coupling = float(normal @ along_tangent)
         share = coupling / float(softness)
         soft = float(self._compliance[i, i]) - coupling * share
         rubbing: Any = sympy.S.Zero
-        if soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
+        rubs = law.has_own_friction or law.friction_coefficient != 0
+        if rubs and soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
             stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
             if share == 0 or law.has_own_friction:
                 rubbing = law.friction(impulse, stopping)
             else:
-                mu, by_opening = law.friction_coefficient, share * after / soft
+                mu, by_opening = law.friction_coefficient, -share * opening / soft
                 rubbing = rubbing_impulse(mu, impulse, share, stopping, by_opening)
         pressing = impulse + share * rubbing
         jump = {

@@ -48,6 +48,7 @@ AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")
 RUBBING_IN_PLANE = ("stick", "breakaway", "slip")  # in this order, as slip takes any v_r, also zero
 APART = ("separation", "relaxation")  # regimes without contact forces
 RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
+COMPLIANCE = sympy.Symbol("compliance", positive=True)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
 LEAST_IMPULSE = 1e-150  # N s, so that nothing is divided by zero without a push; its square is no underflow
 DIRECTIONS = "a", "b"  # the components of friction in the plane, in names of outputs
@@ -572,7 +573,7 @@ def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
     w, rate = system.direction(contact), system.rate(contact.distance)
-    opening = rate_after(law, symbol("rate")).xreplace({symbol("rate"): rate})
+    opening = rate_after(law, rate, compliance(system, w))
     order = 2 if opening == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
@@ -630,10 +631,14 @@ def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, by_opening
     return clip(rubbing, (twice - size(twice)) / 2, (twice + size(twice)) / 2, size)
 
 
-def rate_after(law: ImpactLaw, rate: Any) -> Any:
-    """Rate of the distance from a stop after an impact, as a function of that before."""
-    soft = sympy.Symbol("compliance", positive=True)
-    return expand_products(rate + soft * law.impulse(-rate, -rate, soft))
+def rate_after(law: ImpactLaw, rate: Any, compliance: Any = COMPLIANCE) -> Any:
+    """Rate of a distance after an impact, as a function of that before and, of few laws, of the compliance.
+
+    It is zero where the law makes it so, as it is found with symbols: numbers would leave a rounding error.
+    """
+    given = symbol("rate")
+    after = expand_products(given + COMPLIANCE * law.impulse(-given, -given, COMPLIANCE))
+    return after.xreplace({given: rate, COMPLIANCE: compliance})
 
 
 def rubbing_outputs(contact: Friction | Stop, force: Any) -> dict[str, Any]:

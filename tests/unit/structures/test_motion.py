@@ -400,7 +400,7 @@ def acceleration_by_least_squares(structure: fl.Structure, x: np.ndarray) -> np.
 @pytest.mark.parametrize(
     ("make", "seeds"),
     [
-        (random_structure, (2, 17, 43, 205)),
+        (random_structure, (2, 17, 43, 205, 10059)),  # the last: plastic impacts without end
         (degenerate_structure, (43, 74, 191, 531, 558)),  # no mode was found at their starts
         pytest.param(random_structure, range(60), marks=pytest.mark.slow(reason="60 structures are derived")),
         pytest.param(
@@ -445,6 +445,16 @@ def test_impulses_of_a_contact_whose_directions_are_coupled(seed):
     assert g @ after == pytest.approx(-e * (g @ w), abs=1e-12)
     assert abs(p_T) <= mu * p_N + 1e-12
     assert after @ M @ after / 2 - w @ M @ w / 2 <= p_T * v + 1e-12
+
+
+@pytest.mark.parametrize("law", [fl.PlasticImpact("full"), fl.RestitutionImpact(e=1.0)])
+def test_an_impact_without_friction_pushes_along_the_normal_alone(law):
+    """Also where the contact rubs nearly along its normal, in which friction would have to be large."""
+    g, w, e = np.array([1.0, 1e-3]), np.array([1.0, 0.3]), getattr(law, "e", 0.0)
+    pads = fl.SlidingContacts([[1.0, 0.0]], [g], fl.LinearContact(k2=1.0), v=0.5, impact=law)
+    structure = fl.Structure(np.eye(2), np.zeros((2, 2)), contacts=pads)
+    run = fl.simulate(structure, 0.2, x0=[*(-0.1 * w), *w], progress=False)
+    np.testing.assert_allclose(run.events.state[0, 2:], w - (1 + e) * g * (g @ w) / (g @ g), atol=1e-15)
 
 
 class HalfStopping(fl.FrictionalImpact):
