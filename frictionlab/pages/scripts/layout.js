@@ -1,6 +1,6 @@
 // Where the parts of a mechanism are: sizes from the samples of a window, places from one sample. The rules are
 // those of frictionlab/plotting/animation/parts.py.
-const REACH = 0.5, LONGEST_ARROW = 0.6, MARGIN = 0.25; // of pictures that are not drawn in metres
+const REACH = 0.5, LONGEST_ARROW = 0.6, MARGIN = 0.25, FOOT = 0.1; // of pictures that are not drawn in metres
 const COLOURS = { orange: "#E69F00", sky: "#56B4E9", green: "#009E73", blue: "#0072B2", vermillion: "#D55E00",
   purple: "#CC79A7", grey: "#999999" };
 
@@ -50,7 +50,7 @@ function pictureOf(result, look) {
       const end = at(part.end, d, i), loose = part.loose && structure.modes[d.modes[i]] === part.loose;
       const start = loose ? [end[0] + part.start.x - part.end.x, end[1] + part.start.y - part.end.y]
         : at(part.start, d, i);
-      return [[...start, ...end]];
+      return part.loose ? [[...start, ...end], footOf(start, end)] : [[...start, ...end]];
     },
     Block: (part, d, i) => [[...at(part.at, d, i), part.width, part.height]],
     Belt: (part, d, i) => [[...at(part.start, d, i), ...at(part.end, d, i), part.radius,
@@ -67,11 +67,11 @@ function pictureOf(result, look) {
   };
   let count = 0;
   for (const part of parts) {
-    const kinds = { Wall: ["wall"], Spring: ["spring"], Block: [part.disc ? "disc" : "block"], Belt: ["belt"],
-      Forces: ["arrow", "arrow"], Load: ["arrow"] }[part.part];
+    const kinds = { Wall: ["wall"], Spring: part.loose ? ["spring", "wall"] : ["spring"], Belt: ["belt"],
+      Block: [part.disc ? "disc" : "block"], Forces: ["arrow", "arrow"], Load: ["arrow"] }[part.part];
     kinds.forEach((kind, k) => {
-      const colour = { wall: grey, arrow: part.part === "Load" ? ink : forceColours[k] }[kind];
-      shapes.push({ kind, first: count, colour: colour ?? ink, label: part.label });
+      const colour = part.part === "Wall" ? grey : part.part === "Forces" ? forceColours[k] : ink;
+      shapes.push({ kind, first: count, colour, label: kind === "spring" ? part.label : "" });
       count += kind === "belt" ? 6 : 4;
     });
   }
@@ -104,6 +104,11 @@ function pictureOf(result, look) {
     }).filter(({ along }) => Object.keys(along).length),
     row: (data, i) => ({ all: numbers(data, i), mode: data.modes[i] }),
   };
+}
+
+function footOf([ax, ay], [bx, by]) { // both ends of the plate across the start of a contact spring
+  const share = FOOT / (Math.hypot(bx - ax, by - ay) || 1), [x, y] = [(ay - by) * share, (bx - ax) * share];
+  return [ax - x, ay - y, ax + x, ay + y];
 }
 
 // what can be dragged of a part: a block; of a belt its middle, and both wheels

@@ -46,6 +46,7 @@ MARGIN = 0.25
 WIDTH = 0.16  # of springs
 SPRING_TURNS = 6
 MARKS = 16  # on a belt, so that its motion is seen
+FOOT = 0.1  # half the plate at the free end of a contact spring
 HUB = 0.75  # radius of a wheel, as a share of the belt's around it
 ASIDE, ABOVE = 0.13, 0.25  # of a spring's label from its middle: beside it, and above or below
 ROUND = 40  # corners of a disc
@@ -366,7 +367,9 @@ def _shapes(part: Any, samples: SampledRun) -> list[Shape]:
     if isinstance(part, Wall):
         return [Shape("wall", np.column_stack([*at(part.start), *at(part.end)]), GREY)]
     if isinstance(part, Spring):
-        return [Shape("spring", _spring(part, samples), label=part.label)]
+        rows = _spring(part, samples)
+        spring = Shape("spring", rows, label=part.label)
+        return [spring, Shape("wall", _foot(rows))] if part.loose else [spring]
     if isinstance(part, Block):
         sizes = part.width * ones, part.height * ones
         return [Shape("disc" if part.disc else "block", np.column_stack([*at(part.at), *sizes]))]
@@ -392,3 +395,11 @@ def _spring(part: Spring, samples: SampledRun) -> Array:
         hangs, rest = samples.mode == part.loose, (part.start.x - part.end.x, part.start.y - part.end.y)
         start = [np.where(hangs, x + dx, y) for x, dx, y in zip(end, rest, start, strict=True)]
     return np.column_stack([*start, *end])
+
+
+def _foot(spring: Array) -> Array:
+    """Both ends (K, 4) of the plate across the start of a spring, which is on a belt or a ground in contact."""
+    start, way = spring[:, :2], spring[:, 2:] - spring[:, :2]
+    length = np.hypot(way[:, 0], way[:, 1])
+    across = np.column_stack([-way[:, 1], way[:, 0]]) * (FOOT / np.where(length > 0, length, 1.0))[:, None]
+    return np.hstack([start - across, start + across])

@@ -72,7 +72,9 @@ def test_the_slider_is_where_the_run_has_it_magnified(run, magnify):
 def test_the_foot_is_on_the_belt_in_contact_and_above_it_in_flight(run):
     picture, rows = drawn(run)
     s, (belt,) = magnification(picture), rows["belt"]
-    (foot,) = (shape.rows for shape in picture.shapes if "nl" in shape.label)
+    (place,) = (i for i, shape in enumerate(picture.shapes) if "nl" in shape.label)
+    foot, plate = picture.shapes[place].rows, picture.shapes[place + 1].rows
+    assert plate == pytest.approx(foot[:, [0, 1, 0, 1]] + [0.1, 0.0, -0.1, 0.0])
     for k in range(0, len(T), 3):
         x, y, above, top = foot[k]
         flying = run.mode[k] == "separation"
