@@ -1,8 +1,9 @@
 """The mechanism of a model as data, which animations, the live canvas and the explorer draw.
 
 Lengths are in units of the picture.  A coordinate moves a point to the right or up; how far it moves for one
-metre is chosen when it is drawn, so that the largest displacement is well visible.  A number may depend on
-parameters, by arithmetic and `fl.functions` as in laws, so that an exported page can draw it too::
+metre is chosen when it is drawn, so that the largest displacement is well visible.  What is drawn may depend
+on parameters by arithmetic, comparisons, functions of numpy and `fl.functions`; an exported page draws it
+too::
 
     @property
     def mechanism(self):

@@ -1,8 +1,9 @@
 """A model as one HTML file with the exact solver in it: `fl.export_page`.
 
 ``javascript``
-    Formulas as JavaScript that computes the same numbers as Python, to the last bit; the rules that a model
-    checks when parameters are set, with the same messages.
+    Formulas as JavaScript that computes the same numbers as Python, to the last bit.
+``cases``
+    The rules that a model checks when parameters are set, with the same messages, and its picture.
 ``page_data``
     The data of a page: structures of a model, with the tape's arrays, numbers, outputs and equilibria;
     sliders, switches and presets, checked.

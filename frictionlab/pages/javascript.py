@@ -1,31 +1,16 @@
-"""Formulas as JavaScript that computes what Python computes, and the rules that parameters keep.
+"""Formulas as JavaScript that computes what Python computes.
 
 Each operation is a statement, in the order in which Python computes them, so that numbers are the same to the
 last bit.  Powers and functions are calls of the kernels that Python calls too, through the object ``F`` of
 ``functions.js``.
-
-Bounds of single parameters are in their metadata.  Rules between parameters are Python code: the `check` of a
-law or a model.  It is run with values that record the comparisons made with them, once for each combination
-of outcomes, so that a page can make the same comparisons with numbers and show the same messages.
 """
 
 from __future__ import annotations
 
-import operator
-import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any
 
-from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component, Parameter, check_value, parameters_of, structure_of
-from frictionlab.lazy_names import sympy as sp
-from frictionlab.models import Model
-from frictionlab.models.mechanical.limits import Limit, limits_of
-from frictionlab.models.mechanical.mechanical_model import MechanicalModel
-from frictionlab.models.model import parameters_about
-from frictionlab.models.symbols import symbol
 from frictionlab.tape.formulas import (
     ABS,
     AND,
@@ -50,9 +35,6 @@ from frictionlab.tape.formulas import (
 )
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, SQUARE
 from frictionlab.tape.tape import Tape
-
-MAX_OUTCOMES = 64  # combinations of outcomes in one `check`; a page leaves out the rules of one with more
-MARK = "\0"  # encloses the places of values in a message
 
 
 class JavaScript(str):
@@ -146,185 +128,3 @@ TEMPLATES = {
     NOT: "!{a}",
     SELECT: "{condition}?{a}:{b}",
 }
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A rule that is broken where all relations in `broken` hold.
-
-    In the message each value is replaced by its format, as "g", between marks.
-    """
-
-    broken: tuple[Any, ...]
-    values: tuple[Any, ...]
-    message: str
-
-    @property
-    def numbers(self) -> tuple[Any, ...]:
-        return (*self.broken, *self.values)
-
-
-def rule_data(model: Model | HybridAutomaton, parameters: tuple[Any, ...]) -> dict[str, Any]:
-    """The rules that a page checks, in the order in which Python does; `parameters` are symbols.
-
-    ``numbers`` is a JavaScript function that returns, for one rule after the other, the relations that must
-    all hold for its message to be shown, and the values in the message; ``words`` has for each rule the
-    number of relations, the number of values, and the message.
-    """
-    known = set(parameters)
-    every = list(_rules_of(model, parameters))
-    if isinstance(model, MechanicalModel):
-        every += map(_rule_of, limits_of(model))
-    rules = [rule for rule in every if set().union(*(x.free_symbols for x in rule.numbers)) <= known]
-    words = [
-        {"relations": len(rule.broken), "values": len(rule.values), "message": rule.message.split(MARK)}
-        for rule in rules
-    ]
-    numbers = [number for rule in rules for number in rule.numbers]
-    return {"numbers": javascript_function([parameters], numbers), "words": words}
-
-
-def _rules_of(model: Model | HybridAutomaton, parameters: tuple[Any, ...]) -> Iterator[Rule]:
-    if isinstance(model, HybridAutomaton):
-        about = parameters_about(model)
-        for each in parameters:
-            yield from _bounds(each, about[each.name])
-        return
-    for component in (*model.components.values(), model):
-        for name, its in parameters_of(type(component)).items():
-            yield from _bounds(symbol(name), its)
-        yield from _checked(component)
-
-
-def _bounds(x: Any, about: Parameter) -> Iterator[Rule]:
-    """Rules for the bounds of a parameter, with the messages of :func:`check_value`."""
-    bounds = (
-        (about.exclusive_minimum, sp.Le, -1.0),
-        (about.minimum, sp.Lt, -1.0),
-        (about.maximum, sp.Gt, 1.0),
-    )
-    for bound, relation, away in bounds:
-        if bound is None:
-            continue
-        value = bound + away
-        try:
-            check_value(x.name, value, about)
-        except ValueError as error:
-            words = str(error).replace(f"got {value}:", f"got {MARK}{MARK}:")
-            yield Rule((relation(x, bound),), (x,), words)
-
-
-def _rule_of(limit: Limit) -> Rule:
-    """The rule of a mass, a damper or a normal force."""
-    names = re.findall(r"\{(\w+)\}", limit.words)
-    values = tuple(limit.value if name == "value" else symbol(name) for name in names)
-    relation = sp.Le if limit.above else sp.Lt
-    return Rule((relation(limit.value, 0),), values, re.sub(r"\{\w+\}", f"{MARK}g{MARK}", limit.words))
-
-
-def _checked(component: Component | Model) -> Iterator[Rule]:
-    """The rules of a `check`, which raise ValueError; none if it needs more than formulas and comparisons."""
-    waiting: list[tuple[bool, ...]] = [()]
-    rules: list[Rule] = []
-    for _ in range(MAX_OUTCOMES):
-        if not waiting:
-            yield from rules
-            return
-        trace = _Trace(waiting.pop())
-        copy = object.__new__(type(component))
-        for name in parameters_of(type(component)):
-            object.__setattr__(copy, name, _Traced(symbol(name), trace))
-        for name in structure_of(type(component)):
-            object.__setattr__(copy, name, getattr(component, name))
-        try:
-            copy.check()
-        except ValueError as error:
-            rules.append(Rule(tuple(trace.relations), tuple(trace.values), str(error)))
-        except (TypeError, AttributeError, ArithmeticError):
-            return
-        waiting += trace.others()
-
-
-@dataclass
-class _Trace:
-    """One run of a `check`: its first comparisons have given outcomes, the others are false.
-
-    It records the relations that held so, and the values in the message.
-    """
-
-    given: tuple[bool, ...]
-    relations: list[Any] = field(default_factory=list)
-    values: list[Any] = field(default_factory=list)
-
-    def outcome(self, relation: Any) -> bool:
-        place = len(self.relations)
-        holds = self.given[place] if place < len(self.given) else False
-        self.relations.append(relation if holds else sp.Not(relation))
-        return holds
-
-    def others(self) -> list[tuple[bool, ...]]:
-        """Outcomes to try next: as in this run up to a comparison that was not given, and that one true."""
-        free = range(len(self.given), len(self.relations))
-        return [(*self.given, *[False] * (place - len(self.given)), True) for place in free]
-
-
-class _Relation:
-    """A comparison whose outcome is chosen when its truth value is asked for."""
-
-    def __init__(self, relation: Any, trace: _Trace) -> None:
-        self.relation, self.trace = relation, trace
-
-    def __bool__(self) -> bool:
-        if self.relation in (sp.true, sp.false):
-            return bool(self.relation)
-        return self.trace.outcome(self.relation)
-
-
-class _Traced:
-    """A number as a formula of parameters; its comparisons, and its places in messages, are recorded."""
-
-    __hash__ = None  # type: ignore[assignment]  # as == gives a _Relation
-
-    def __init__(self, formula: Any, trace: _Trace) -> None:
-        self.formula, self.trace = formula, trace
-
-    def __format__(self, spec: str) -> str:
-        self.trace.values.append(self.formula)
-        return f"{MARK}{spec}{MARK}"
-
-    def __repr__(self) -> str:
-        return format(self, "")
-
-    __str__ = __repr__
-
-    def __bool__(self) -> bool:
-        return bool(_Relation(sp.Ne(self.formula, 0), self.trace))
-
-
-def _plain(value: Any) -> Any:
-    return value.formula if isinstance(value, _Traced) else sp.sympify(value, strict=True)
-
-
-def _arithmetic(operation: Any, swapped: bool) -> Any:
-    def method(self: _Traced, other: Any) -> _Traced:
-        pair = (_plain(other), self.formula) if swapped else (self.formula, _plain(other))
-        return _Traced(operation(*pair), self.trace)
-
-    return method
-
-
-def _of_itself(operation: Any) -> Any:
-    return lambda self: _Traced(operation(self.formula), self.trace)
-
-
-def _comparison(relation: str) -> Any:
-    return lambda self, other: _Relation(getattr(sp, relation)(self.formula, _plain(other)), self.trace)
-
-
-for _name in ("add", "sub", "mul", "truediv", "pow"):
-    setattr(_Traced, f"__{_name}__", _arithmetic(getattr(operator, _name), False))
-    setattr(_Traced, f"__r{_name}__", _arithmetic(getattr(operator, _name), True))
-for _name in ("neg", "abs"):
-    setattr(_Traced, f"__{_name}__", _of_itself(getattr(operator, _name)))
-for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
-    setattr(_Traced, f"__{_name}__", _comparison(_name.capitalize()))

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from itertools import combinations
 from typing import Any
 
@@ -28,14 +27,14 @@ from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.model import automaton_of, nonlinearities_in, values_of
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
-from frictionlab.pages.javascript import JavaScript, javascript_function, javascript_of_formulas, rule_data
+from frictionlab.pages.cases import picture_data, rule_data
+from frictionlab.pages.javascript import JavaScript, javascript_function, javascript_of_formulas
 from frictionlab.pages.scene import (
     MAX_MODES,
     Shown,
     has_friction_curve,
     law_menus,
     main_parameters,
-    mechanism_data,
     model_call,
     name_of,
     own_law,
@@ -103,7 +102,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         ],
         "rules": rule_data(model, parameters),
         "friction": _friction_force(model, tuple(automaton.values)),
-        "mechanism": _mechanism(model, automaton.parameters),
+        "mechanism": picture_data(model, parameters),
         "call": model_call(model),
         "near": _known_equilibrium(model, automaton),
     }
@@ -132,48 +131,6 @@ def _friction_force(model: Shown, names: tuple[str, ...]) -> JavaScript | None:
     if not isinstance(model, Model) or not has_friction_curve(model):
         return None
     return javascript_of_formulas(friction_formulas(model.structure_key, names), [2, len(names)])
-
-
-def _mechanism(model: Shown, parameters: Mapping[Any, float]) -> dict[str, Any] | None:
-    """The picture's parts, and a function of the parameters for the numbers that depend on these.
-
-    In the parts such a number is a list of its place.  A picture that fails with symbols, or is another one
-    with them, is that of the present values.
-    """
-    present = mechanism_data(model)
-    if not isinstance(model, Model) or not present:
-        return None
-    copy = symbolic_copy(model.structure_key)
-    with suppress(Exception):  # any that numpy, formats or conditions raise: with numbers there is none
-        numbers: list[tuple[Any, float]] = []
-        parts = _with_places(mechanism_data(copy), present, numbers)
-        formulas = formulas_of([*parameters], [formula for formula, _ in numbers])
-        if np.allclose(formulas.numbers(*parameters.values()), [number for _, number in numbers]):
-            return {"parts": parts, "numbers": javascript_of_formulas(formulas, [len(parameters)])}
-    return {"parts": present, "numbers": javascript_function([tuple(parameters)], [])}
-
-
-def _with_places(field: Any, present: Any, numbers: list[tuple[Any, float]]) -> Any:
-    """A field of a picture of symbols, where each formula is a list of its place in `numbers`.
-
-    `numbers` gets the formulas, each with its present value.
-
-    Raises
-    ------
-    ValueError
-        Where it differs from the present field by more than formulas in place of numbers.
-    """
-    if hasattr(field, "free_symbols"):
-        numbers.append((field, present))
-        return [len(numbers) - 1]
-    if isinstance(field, list):
-        pairs = zip(field, present, strict=True)
-        return [_with_places(each, other, numbers) for each, other in pairs]
-    if isinstance(field, dict) and field.keys() == present.keys():
-        return {name: _with_places(each, present[name], numbers) for name, each in field.items()}
-    if field != present:
-        raise ValueError(f"{field} is {present} at present")
-    return field
 
 
 def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:

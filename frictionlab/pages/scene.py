@@ -123,6 +123,7 @@ TAKEN = frozenset(
 )
 SWITCH = "switch-"  # begins the names of switches
 OF_COORDINATE = "coordinate of the phase plane and the spectrum"
+NOTHING_SAID = str, bool, type(None)  # where a field of a picture is empty, false or missing
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
 
@@ -544,6 +545,6 @@ def mechanism_data(model: Shown) -> list[Data] | None:
 
 def _stated(fields: Any) -> Data:
     """The fields that say something: no names that are empty, no parts that are missing."""
-    said = {name: one for name, one in vars(fields).items() if one not in ("", None) and one is not False}
+    said = {name: one for name, one in vars(fields).items() if not isinstance(one, NOTHING_SAID) or one}
     points = {name: Point(*one) if isinstance(one, tuple) else one for name, one in said.items()}
     return {name: _stated(one) if is_dataclass(one) else one for name, one in points.items()}

@@ -218,15 +218,20 @@ function ownState(text, structure = null, released = []) { // further states beg
   return values;
 }
 
-function mechanismAt({ parts, numbers }, values) { // where a number depends on parameters, its place stands in a list
+function mechanismAt({ cases, numbers }, values) { // where a number depends on parameters, its place stands in a list
   const found = numbers(values);
   const filled = (each) => {
     if (Array.isArray(each)) return found[each[0]];
     if (typeof each !== "object") return each;
+    if (each.text) return textOf(each.text, found);
     return Object.fromEntries(Object.entries(each).map(([name, field]) => [name, filled(field)]));
   };
-  return parts.map(filled);
+  return caseOf(cases, found).parts.map(filled);
 }
+
+const caseOf = (cases, found) => cases.find(({ when }) => when.every((place) => found[place]));
+const textOf = (parts, found) => parts.map((part) => (Array.isArray(part) ? formatted(found[part[0]], part[1]) : part))
+  .join("");
 
 function chatterLimit(rate) { // seconds, as hybrid/chatter_limit.py computes them
   return 0 < rate && rate < Infinity ? SCENE.method.chatter_share / rate : 0;
@@ -252,15 +257,10 @@ function lastValue(holds, good, bad) { // by bisection
 }
 
 function brokenRule({ rules }, values) { // the model's message for the first rule that the parameters break, or null
-  let found, at = 0;
+  let found;
   try { found = rules.numbers(values); } catch { return null; } // a formula without a value here
-  for (const { relations, values: count, message } of rules.words) {
-    const broken = found.slice(at, at + relations).every(Boolean),
-      shown = found.slice(at + relations, at + relations + count);
-    at += relations + count;
-    if (broken) return message.map((part, i) => i % 2 ? formatted(shown[(i - 1) / 2], part) : part).join("");
-  }
-  return null;
+  const broken = caseOf(rules.cases, found);
+  return broken ? textOf(broken.message, found) : null;
 }
 
 function withExponent(v, digits) { // as Python writes it
@@ -268,10 +268,12 @@ function withExponent(v, digits) { // as Python writes it
   return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
 }
 
-function formatted(v, format) { // as Python's format "g" writes it; else all digits, as repr does
-  const size = Math.abs(v);
-  if (format !== "g") return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0`
+function formatted(v, format = "") { // as Python's formats "g", ".3g", ".2f" write it; else all digits, as repr does
+  const size = Math.abs(v), [, places, kind] = format.match(/^(?:\.(\d+))?([fg])$/) ?? [], digits = Number(places ?? 6);
+  if (kind === "f") return v.toFixed(digits);
+  if (!kind) return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0`
     : String(v);
-  const rounded = Number(v.toPrecision(6));
-  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 1e6) ? withExponent(v, 5) : String(rounded);
+  const shown = Math.max(digits, 1), rounded = Number(v.toPrecision(shown));
+  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 10 ** shown) ? withExponent(v, shown - 1)
+    : String(rounded);
 }

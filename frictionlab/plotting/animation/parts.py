@@ -398,7 +398,7 @@ def _spring(part: Spring, samples: SampledRun) -> Array:
 
 
 def _foot(spring: Array) -> Array:
-    """Both ends (K, 4) of the plate across the start of a spring, which is on a belt or a ground in contact."""
+    """Both ends (K, 4) of the plate across the start of a contact spring."""
     start, way = spring[:, :2], spring[:, 2:] - spring[:, :2]
     length = np.hypot(way[:, 0], way[:, 1])
     across = np.column_stack([-way[:, 1], way[:, 0]]) * (FOOT / np.where(length > 0, length, 1.0))[:, None]

@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.models.mechanism import Mechanism, Point, Spring, Wall
+from frictionlab.models.mechanism import Block, Mechanism, Point, Spring, Wall
 from frictionlab.pages.export import text_of
 from frictionlab.pages.javascript import javascript_function
 from frictionlab.pages.page_data import structure_data
@@ -105,14 +105,19 @@ def test_functions_are_calls_of_the_kernels():
 def test_a_page_draws_the_mechanism_of_the_parameters_that_are_set(model, moved):
     data, there = structure_data(model), model.replace(**moved)
     assert mechanism_data(there) != mechanism_data(model)
-    values = [there.parameters.get(name, 0.0) for name in data["parameters"]]
-    about = f"{{parts: {json.dumps(data['mechanism']['parts'])}, numbers: {data['mechanism']['numbers']}}}"
+    assert_the_page_draws(data, there)
+
+
+def assert_the_page_draws(data, model):
+    """The page of these data has the picture that the model has in Python."""
+    values = [model.parameters.get(name, 0.0) for name in data["parameters"]]
+    about = f"{{cases: {json.dumps(data['mechanism']['cases'])}, numbers: {data['mechanism']['numbers']}}}"
     shown = f"console.log(JSON.stringify(mechanismAt({about}, {json.dumps(values)})))"
     functions = (
         f"{FUNCTIONS.read_text()} Object.assign(F, {{ sin: Math.sin, cos: Math.cos, atan: Math.atan }});"
     )
     drawn = run_in_node(f"{functions} {text_of('browser_engine.js')} {shown}")
-    assert list(_leaves(drawn)) == pytest.approx(list(_leaves(mechanism_data(there))), abs=1e-14)
+    assert list(_leaves(drawn)) == pytest.approx(list(_leaves(mechanism_data(model))), abs=1e-14)
 
 
 def _leaves(data):
@@ -121,30 +126,55 @@ def _leaves(data):
         yield from _leaves(field) if isinstance(field, (dict, list)) else (field,)
 
 
-@pytest.mark.parametrize(
-    "rod",
-    [
-        lambda l: Wall((0.0, 0.0), (math.hypot(l, 1.0), 0.0)),
-        lambda l: Wall((0.0, 0.0), (np.hypot(l, 1.0), 0.0)),
-        lambda l: Wall((0.0, 0.0), (round(l, 1), 0.0)),
-        lambda l: Wall((0.0, 0.0), (1.0 if l == 0.2 else l, 0.0)),
-        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{l:.2f} m"),
-        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{l} m"),
-        lambda l: Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long"),
-    ],
-)
-def test_a_picture_that_takes_no_symbols_is_that_of_the_present_values(rod):
+def rod(picture):
+    """A model whose picture follows from its length l and the stiffness of a law of contact."""
+
     @fl.model
     class Rod(fl.FreeCoulomb):
         l: float = 0.2
+        contact: fl.ContactLaw = fl.CubicContact()
 
         @property
         def mechanism(self):
-            return Mechanism(rod(self.l))
+            return Mechanism(*picture(self.l, self))
 
-    about = structure_data(Rod())["mechanism"]
-    assert about["parts"] == mechanism_data(Rod())
-    assert about["numbers"].endswith("return [];}")
+    return Rod()
+
+
+@pytest.mark.parametrize("l", [0.2, -1.5, 1234.5, 0.0])
+@pytest.mark.parametrize(
+    "picture",
+    [
+        lambda l, _: [Wall((0.0, 0.0), (np.hypot(l, 1.0), np.cos(np.deg2rad(l))))],
+        lambda l, _: [Wall((0.0, 0.0), (1.0 if l == 0.2 else l, max(l, 0.1) - min(abs(l), 3)))],
+        lambda l, _: [Wall((0.0, 0.0), (fl.functions.maximum(l, 0.1), 2 * np.arctan2(l, 1.0)))],
+        lambda l, _: [Block(Point(0.0, 0.0))] * 2 if l > 0.5 else [Block(Point(l, 0.0), disc=True)],
+        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long")],
+        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{2 * l:.2f} m, {l:.3g}, {l:g}, {l}")],
+        lambda l, rod: [Block(Point(rod.contact.k2 / 5e3 * l, 0.0), 0.5 if rod.contact.k2 > 6e3 else 0.2)],
+    ],
+)
+def test_a_picture_with_conditions_functions_of_numpy_and_numbers_in_words_follows(picture, l):
+    model = rod(picture)
+    data = structure_data(model)
+    for k2 in (5e3, 1e4):
+        assert_the_page_draws(data, model.replace(l=l, k2=k2))
+
+
+@pytest.mark.parametrize(
+    "picture",
+    [
+        lambda l, _: [Wall((0.0, 0.0), (math.hypot(l, 1.0), 0.0))],
+        lambda l, _: [Wall((0.0, 0.0), (round(l, 1), 0.0))],
+        lambda l, _: [Wall((0.0, 0.0), (sum(l > i for i in range(70)), 0.0))],
+        lambda l, _: [Block(Point(0.0, 0.0), disc=l > 0)],
+    ],
+)
+def test_a_picture_that_takes_no_formulas_is_the_present_one_and_a_warning_says_so(picture):
+    model = rod(picture)
+    with pytest.warns(RuntimeWarning, match="picture of a Rod does not follow"):
+        data = structure_data(model)
+    assert data["mechanism"]["cases"] == [{"when": [], "parts": mechanism_data(model)}]
 
 
 def test_names_that_javascript_cannot_read_are_renamed():

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import pytest
 
 import frictionlab as fl
+from frictionlab.pages.cases import rule_data
 from frictionlab.pages.export import text_of
-from frictionlab.pages.javascript import rule_data
 from tests.unit.pages.test_javascript import run_in_node
 
 
 def words(model):
     found = rule_data(model, tuple(model.automaton().parameters))
-    return ["?".join(each["message"][::2]) for each in found["words"]]
+    return ["?".join(each["message"][::2]) for each in found["cases"]]
 
 
 def test_bounds_and_the_rule_between_two_coefficients():
@@ -95,7 +95,7 @@ def test_masses_dampers_and_normal_forces_are_refused_in_the_same_words(name, va
     values = [model.parameters.get(one.name, 0.0) for one in symbols]
     said = run_in_node(
         f"""{functions}{"".join(scripts)}
-        const rules = {{ numbers: {rules["numbers"]}, words: {json.dumps(rules["words"])} }};
+        const rules = {{ numbers: {rules["numbers"]}, cases: {json.dumps(rules["cases"])} }};
         console.log(JSON.stringify(brokenRule({{ rules }}, {json.dumps(values)})));"""
     )
     if not rule:
