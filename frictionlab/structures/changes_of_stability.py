@@ -32,16 +32,15 @@ from frictionlab.stability.boundaries.stability_changes import (
 )
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL
 from frictionlab.structures.mode_paths import (
-    SAME_MODE,
     Place,
     SmallSpectra,
     check_masses,
     is_small,
-    likeness,
+    places_of_modes,
 )
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import DAMPED_SHARE, EXACT, Sample, over_box, reduced
-from frictionlab.structures.window_eigenvalues import EQUAL_RTOL, dense_spectrum, left_vectors_of
+from frictionlab.structures.window_eigenvalues import dense_spectrum, equal_values, left_vectors_of
 from frictionlab.validation import check_limits
 
 if TYPE_CHECKING:
@@ -334,8 +333,7 @@ def _separated(
     """Of equal eigenvalues the vectors that have slopes of their own; y (dQ/dp) x (m, m) of all."""
     values, m = right.values, len(right.values)
     mix = np.eye(m, dtype=complex)
-    equal = np.abs(values[:, None] - values) <= EQUAL_RTOL * np.abs(values).max(initial=0.0)
-    for group in {tuple(np.flatnonzero(row)) for row in equal if row.sum() > 1}:
+    for group in {tuple(np.flatnonzero(row)) for row in equal_values(values) if row.sum() > 1}:
         places = np.ix_(group, group)
         mix[places] = np.linalg.eig(products[places])[1]
     if (mix == np.eye(m)).all():
@@ -376,7 +374,7 @@ def _passes(a: _Modes | None, middle: _Modes | None, b: _Modes | None) -> list[C
 def _chains(nodes: Sequence[_Modes], doubtful: Sequence[NDArray[np.bool_]]) -> list[tuple[int, ...]] | None:
     """Places in three nodes of the modes that are doubtful, or whose growth changes sign; None if unclear."""
     first, middle, last = nodes
-    before, after = _matched(middle, first), _matched(middle, last)
+    before, after = places_of_modes(middle, first), places_of_modes(middle, last)
     chains = []
     for i, (j, k) in enumerate(zip(before, after, strict=True)):
         unclear = doubtful[1][i] or (j >= 0 and doubtful[0][j]) or (k >= 0 and doubtful[2][k])
@@ -390,16 +388,6 @@ def _chains(nodes: Sequence[_Modes], doubtful: Sequence[NDArray[np.bool_]]) -> l
         if ends[np.setdiff1d(np.arange(len(ends)), match)].any():
             return None
     return chains
-
-
-def _matched(a: _Modes, b: _Modes) -> NDArray[np.intp]:
-    """For each mode of `a` its place in `b`, -1 where it has none."""
-    likenesses = likeness(a, b)
-    rows, columns = linear_sum_assignment(-likenesses)
-    match = np.full(len(a.growth), -1)
-    same = likenesses[rows, columns] >= SAME_MODE
-    match[rows[same]] = columns[same]
-    return match
 
 
 def _pass_of(nodes: Sequence[_Modes], chain: Sequence[int], pushed: float) -> list[Candidate] | None:

@@ -33,8 +33,8 @@ from frictionlab.structures.reduction import (
     reduced,
 )
 from frictionlab.structures.window_eigenvalues import (
-    EQUAL_RTOL,
     dense_spectrum,
+    equal_values,
     has_regular_mass,
     left_vectors_of,
 )
@@ -247,11 +247,7 @@ def _place(small: Structure, sample: Sample, basis: Array | None = None) -> Plac
 
 def _match(small: Structure, a: Place, b: Place, halvings: int) -> NDArray[np.intp]:
     """For each mode of `a` its place in `b`, -1 where it has none; the step is halved where it is unclear."""
-    alike = likeness(a, b)
-    rows, columns = linear_sum_assignment(-alike)
-    match = np.full(len(alike), -1)
-    same = alike[rows, columns] >= SAME_MODE
-    match[rows[same]] = columns[same]
+    match = places_of_modes(a, b)
     if not halvings or not _is_unclear(small, match, a.right.values, b.right.values):
         return match
     (name,) = a.point
@@ -261,7 +257,17 @@ def _match(small: Structure, a: Place, b: Place, halvings: int) -> NDArray[np.in
     return np.where(first >= 0, second[first], -1)
 
 
-def likeness(a: Place, b: Place) -> Array:
+def places_of_modes(a: Place, b: Place) -> NDArray[np.intp]:
+    """For each mode of `a` its place in `b`, -1 where it has none."""
+    alike = _likeness(a, b)
+    rows, columns = linear_sum_assignment(-alike)
+    places = np.full(len(alike), -1)
+    same = alike[rows, columns] >= SAME_MODE
+    places[rows[same]] = columns[same]
+    return places
+
+
+def _likeness(a: Place, b: Place) -> Array:
     """Similarity of the modes of `a` (k,) and `b` (m,), as (k, m).
 
     It is the product of left with right vectors, both ways.  Modes with equal eigenvalues are compared as a
@@ -269,15 +275,9 @@ def likeness(a: Place, b: Place) -> Array:
     """
     there = a.pencil.products_of_modes(a.left, b.right)
     back = b.pencil.products_of_modes(b.left, a.right)
-    first, second = _equal(a.right.values), _equal(b.right.values)
+    first, second = (equal_values(one.right.values).astype(float) for one in (a, b))
     size = np.minimum(first.sum(axis=1)[:, None], second.sum(axis=0))
     return np.sqrt(np.abs(first @ (there * back.T) @ second) / size)
-
-
-def _equal(values: ComplexArray) -> Array:
-    """Which eigenvalues (k, k) are equal but for rounding, as ones and zeros."""
-    largest = np.abs(values).max(initial=0.0)
-    return (np.abs(values[:, None] - values) <= EQUAL_RTOL * largest).astype(float)
 
 
 def _is_unclear(structure: Structure, match: NDArray[np.intp], a: ComplexArray, b: ComplexArray) -> bool:

@@ -282,10 +282,14 @@ def left_vectors_of(
     """
     left = right if _is_symmetric(pencil) else _matched(of_transposed(), right)
     products = pencil.products_of_modes(left, right)
-    distances = np.abs(right.values[:, None] - right.values)
-    equal = distances <= EQUAL_RTOL * np.abs(right.values).max(initial=0.0)
     # Among equal eigenvalues any combination is a left vector: that is taken which belongs to each right one.
-    return left.vectors @ np.linalg.pinv(np.where(equal, products, 0.0)).T
+    return left.vectors @ np.linalg.pinv(np.where(equal_values(right.values), products, 0.0)).T
+
+
+def equal_values(values: ComplexArray) -> NDArray[np.bool_]:
+    """Which eigenvalues (k, k) are equal but for rounding."""
+    equal: Any = np.abs(values[:, None] - values) <= EQUAL_RTOL * np.abs(values).max(initial=0.0)
+    return equal
 
 
 def _is_symmetric(pencil: QuadraticPencil) -> bool:
