@@ -15,6 +15,7 @@ from frictionlab.components.contact import Interface, SlidingOnly, StickSlip
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
+from tests.reference.phases import until_events
 
 ROLES: Mapping[str, type] = MappingProxyType({"friction": FrictionLaw})
 
@@ -184,13 +185,8 @@ def test_bounces_without_friction_are_those_of_another_integrator(hunt):
     def lands(t, z):
         return z[0]
 
-    opens.terminal = lands.terminal = True
-    opens.direction = lands.direction = -1
-    phases, t, z, now = [(apart, lands), (pressed, opens)], 0.0, np.array([0.3, 0.0]), 0
-    while t < 1.5:
-        rates, event = phases[now]
-        found = solve_ivp(rates, (t, 1.5), z, "DOP853", events=event, rtol=1e-12, atol=1e-14)
-        t, z, now = found.t[-1], found.y[:, -1], 1 - now
+    phases = {"apart": (apart, ((lands, "pressed"),)), "pressed": (pressed, ((opens, "apart"),))}
+    z, _ = until_events(phases, "apart", [0.3, 0.0], 1.5, atol=1e-14)
     run = fl.simulate(model, 1.5, x0=[0.3, 0.0])
     assert len(run.events) >= 3
     assert ("relaxation" in run.events.target) != hunt

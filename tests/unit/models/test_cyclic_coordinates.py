@@ -1,13 +1,14 @@
 """Coordinates that turn for ever: steady rotation is an equilibrium, and orbits close up to turns."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import frictionlab as fl
+from tests.reference.phases import until_events
 
 J1, J2, K, C, DRIVE, TORQUE = 2000.0, 400.0, 500.0, 50.0, 400.0, 2000.0
 MU_K, MU_S, DECAY = 0.5, 1.0, 3.0
@@ -98,32 +99,16 @@ def test_stick_slip_of_the_bit_is_an_orbit_that_closes_up_to_a_turn():
         pull = 0.0 if sticks else (string - TORQUE * bit_friction(bit)) / J2
         return [table - bit, (DRIVE * (5.0 - table) - string) / J1, pull]
 
-    def stops(t, z, sticks):
-        return z[1 + 1]
-
-    def breaks(t, z, sticks):
+    def breaks(t, z):
         return TORQUE * MU_S - K * z[0] - C * z[1]
 
-    stops.terminal, breaks.terminal = True, True
-    stops.direction = -1
+    phases = {
+        "slip": (partial(rates, sticks=False), ((lambda t, z: z[2], lambda t, z: ("stick", [*z[:2], 0.0])),)),
+        "stick": (partial(rates, sticks=True), ((breaks, "slip"),)),
+    }
     table, bit, *speeds = orbit.state
-    start, z, sticks = 0.0, [table - bit, *speeds], speeds[1] == 0.0
-    first = np.array(z)
-    while start < orbit.period:
-        part = solve_ivp(
-            rates,
-            (start, orbit.period),
-            z,
-            "DOP853",
-            events=breaks if sticks else stops,
-            args=(sticks,),
-            rtol=1e-11,
-            atol=1e-13,
-        )
-        start, z = part.t[-1], part.y[:, -1]
-        if start < orbit.period:
-            sticks = not sticks
-            z[2] = 0.0 if sticks else z[2]
+    first = [table - bit, *speeds]
+    z, _ = until_events(phases, "stick" if speeds[1] == 0.0 else "slip", first, orbit.period)
     assert np.allclose(z, first, atol=1e-7)
 
 

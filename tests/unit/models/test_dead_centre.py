@@ -1,10 +1,10 @@
 """Friction at the piston of a crank: at a dead centre the piston stands still and cannot hold the crank."""
 
+from functools import partial
 from math import pi, sin
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import frictionlab as fl
 from frictionlab.analysis.stated_conditions import broken_statement
@@ -12,6 +12,7 @@ from frictionlab.components import functions
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.models import MechanicalModel, Mechanics
 from frictionlab.models.mechanical.mechanics import Friction
+from tests.reference.phases import until_events
 
 INERTIA, RADIUS, PRESS = 2.0, 0.3, 1.5
 STATIC, KINETIC = 0.5, 0.4
@@ -141,29 +142,22 @@ def _length_of_path(begin, end):
 
 def independent_crank(k, start, t_end):
     """Turning points, and where it stays, by scipy, with friction against the crank's rate."""
-    t, state, sign = 0.0, np.array(start), np.sign(start[1])
-    turns = []
-    while True:
 
-        def rates(_, x, sign=sign):
-            return [x[1], (-k * (x[0] - 2.0) - sign * KINETIC * PRESS * RADIUS * abs(sin(x[0]))) / INERTIA]
+    def rates(_, x, sign):
+        return [x[1], (-k * (x[0] - 2.0) - sign * KINETIC * PRESS * RADIUS * abs(sin(x[0]))) / INERTIA]
 
-        def stands(_, x, sign=sign):
-            return sign * x[1] + (1e-9 if abs(x[1]) < 1e-12 and not turns else 0.0)
+    def then(_, x):
+        pull = -k * (x[0] - 2.0)
+        held = abs(pull) <= STATIC * PRESS * RADIUS * abs(sin(x[0]))
+        return ("rest", [x[0], 0.0]) if held else (np.sign(pull), [x[0], np.sign(pull) * 1e-13])
 
-        stands.terminal, stands.direction = True, -1.0
-        found = solve_ivp(
-            rates, (t, t_end), state, "DOP853", rtol=1e-12, atol=1e-13, events=stands, max_step=0.02
-        )
-        if not found.t_events[0].size:
-            return turns, found.y[:, -1]
-        t, state = found.t[-1], found.y[:, -1] * [1.0, 0.0]
-        turns.append(state[0])
-        pull = -k * (state[0] - 2.0)
-        if abs(pull) <= STATIC * PRESS * RADIUS * abs(sin(state[0])):
-            return turns, state
-        sign = np.sign(pull)
-        state[1] = sign * 1e-13
+    phases = {"rest": (lambda _, x: [0.0, 0.0], ())}
+    phases |= {
+        sign: (partial(rates, sign=sign), ((lambda _, x, sign=sign: sign * x[1], then),))
+        for sign in (1.0, -1.0)
+    }
+    end, turns = until_events(phases, np.sign(start[1]), start, t_end, max_step=0.02)
+    return [x[0] for _, _, x in turns], end
 
 
 @pytest.mark.parametrize("pads", [1, 2])

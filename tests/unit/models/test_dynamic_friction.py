@@ -3,12 +3,13 @@
 import itertools
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import frictionlab as fl
+from tests.reference.phases import until_events
 
 pytestmark = pytest.mark.blas
 
@@ -76,19 +77,13 @@ def test_a_run_agrees_with_an_independent_integrator_split_where_v_r_is_zero():
         deflecting = v_r - 200.0 * sign * v_r / stribeck(v_r)[0] * z
         return [v, (2.0 * (200.0 * z + 0.5 * deflecting + 0.02 * v_r) - 3.0 * x) / 0.5, deflecting]
 
-    def zero(t, state, sign):
-        return 0.2 - state[1] if t > start + 1e-9 else sign
-
-    zero.terminal = True
-    start, state, sign, crossings = 0.0, np.array([0.0, 0.0, 1e-4]), 1.0, []
-    while start < 4.0:
-        part = solve_ivp(
-            rates, (start, 4.0), state, "DOP853", events=zero, args=(sign,), rtol=1e-12, atol=1e-14
-        )
-        start, state, sign = part.t[-1], part.y[:, -1], -sign
-        crossings.append(start)
-    assert len(run.events) == len(crossings) - 1 > 3
-    assert np.allclose(run.events.t, crossings[:-1], atol=1e-8)
+    phases = {
+        sign: (partial(rates, sign=sign), ((lambda t, z, sign=sign: sign * (0.2 - z[1]), -sign),))
+        for sign in (1.0, -1.0)
+    }
+    state, crossings = until_events(phases, 1.0, [0.0, 0.0, 1e-4], 4.0)
+    assert len(run.events) == len(crossings) > 3
+    assert np.allclose(run.events.t, [t for t, *_ in crossings], atol=1e-8)
     assert np.allclose(run.final_state, state, atol=1e-8)
     assert {*run.mode} == {"slip+", "slip-"}
     assert np.array_equal(run["z"], run.states[:, 2])

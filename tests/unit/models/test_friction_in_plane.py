@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
+from tests.reference.phases import until_events
 
 
 @fl.model
@@ -180,10 +181,8 @@ def test_steady_sliding_is_damped_across_the_slip():
 
 def stick_slip_by_dop853(x, t_end, belt=0.2, mu_k=0.5, mu_s=1.0, least=1e-8):
     """Motion of `Coupled` in stick at first; slip begins and ends at a least speed."""
-    K, t, z = np.array([[3.0, 0.4], [0.4, 2.0]]), 0.0, np.array([*x, belt, 0.0])
+    K = np.array([[3.0, 0.4], [0.4, 2.0]])
     hold = lambda z: K @ z[:2] - [0.0, 0.1]  # noqa: E731  the force that holds
-    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
-    instants = []
 
     def slip(t, z):
         v = np.array([belt - z[2], -z[3]])
@@ -195,19 +194,15 @@ def stick_slip_by_dop853(x, t_end, belt=0.2, mu_k=0.5, mu_s=1.0, least=1e-8):
     def breaks(t, z):
         return mu_s - np.hypot(*hold(z))
 
-    for event in (stops, breaks):
-        event.terminal, event.direction = True, -1
-    while t < t_end:
-        stuck = solve_ivp(lambda t, z: [belt, 0.0, 0.0, 0.0], (t, t_end), z, events=breaks, **options)
-        t, z = stuck.t[-1], stuck.y[:, -1]
-        if t < t_end:
-            instants.append(t)
-            z[2:] = [belt, 0.0] - least * hold(z) / np.hypot(*hold(z))
-            slipped = solve_ivp(slip, (t, t_end), z, events=stops, **options)
-            t, z = slipped.t[-1], slipped.y[:, -1]
-            z = np.array([*z[:2], belt, 0.0]) if t < t_end else z
-            instants += [t] if t < t_end else []
-    return z, instants
+    def loose(t, z):
+        return "slip", [*z[:2], *([belt, 0.0] - least * hold(z) / np.hypot(*hold(z)))]
+
+    phases = {
+        "stick": (lambda t, z: [belt, 0.0, 0.0, 0.0], ((breaks, loose),)),
+        "slip": (slip, ((stops, lambda t, z: ("stick", [*z[:2], belt, 0.0])),)),
+    }
+    z, events = until_events(phases, "stick", [*x, belt, 0.0], t_end, atol=1e-14)
+    return z, [t for t, *_ in events]
 
 
 @pytest.mark.parametrize("time", [1e-9, 1e-6, 1e-3, 1e3, 1e6])

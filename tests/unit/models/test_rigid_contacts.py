@@ -2,6 +2,7 @@
 
 import math
 from contextlib import nullcontext
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import frictionlab as fl
 from frictionlab.hybrid.solve import end_of, solve_from_end
 from frictionlab.models.mechanical.contact_regimes import rubbing_impulse
 from tests.reference.moreau import RigidSystem, time_steps
+from tests.reference.phases import until_events
 
 sin, cos = fl.functions.sin, fl.functions.cos
 
@@ -537,27 +539,27 @@ def test_a_body_on_two_feet_rests_under_a_load_that_friction_holds(F, start):
 
 def after_one_period(model, x, v, phase):
     """Of a block that slides and sticks: DOP853 from event to event."""
-    t, limit, sign = phase / model.Omega, 0.3 * 9.81, np.sign(v)
-    end = t + 2 * np.pi / model.Omega
+    start, limit = phase / model.Omega, 0.3 * 9.81
 
     def pull(t, x, v):
         return 5.0 * np.cos(model.Omega * t) - model.k * x - model.c * v
 
-    while t < end:
+    def rates(t, z, sign):
+        return [z[1], pull(t, *z) - limit * sign] if sign else [0.0, 0.0]
 
-        def rates(t, z, sign=sign):
-            return [z[1], pull(t, *z) - limit * sign] if sign else [0.0, 0.0]
+    def leaves(t, z, sign):
+        return sign * z[1] if sign else limit - abs(pull(t, *z))
 
-        def leaves(t, z, sign=sign):
-            return sign * z[1] if sign else limit - abs(pull(t, *z))
+    def then(t, z, sign):
+        force = pull(t, z[0], 0.0)
+        return np.sign(force) if not sign or abs(force) > limit else 0.0, [z[0], 0.0]
 
-        leaves.terminal, leaves.direction = True, -1
-        found = solve_ivp(rates, (t, end), [x, v], "DOP853", events=leaves, rtol=1e-12, atol=1e-14)
-        t, (x, v) = found.t[-1], found.y[:, -1]
-        if t < end:
-            v, force = 0.0, pull(t, x, 0.0)
-            sign = np.sign(force) if not sign or abs(force) > limit else 0
-    return x, v
+    phases = {
+        sign: (partial(rates, sign=sign), ((partial(leaves, sign=sign), partial(then, sign=sign)),))
+        for sign in (-1.0, 0.0, 1.0)
+    }
+    z, _ = until_events(phases, np.sign(v), [x, v], start + 2 * np.pi / model.Omega, t=start, atol=1e-14)
+    return z
 
 
 def test_orbits_of_a_body_on_two_feet_are_those_of_a_block():

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
+from tests.reference.phases import until_events
 
 V0, T, C, MU_K, MU_S, DECAY = 1.0, 40.0, 0.02, 0.2, 0.5, 0.3
 
@@ -45,19 +46,12 @@ def braking_reference(z, t_end):
     def breaks(t, z):
         return MU_S - (-V0 / T + z[0] + C * belt(t))
 
-    stops.terminal = breaks.terminal = True
-    stops.direction = -1
-    t, events, exact = 0.0, [], {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
-    while t < t_end:
-        part = solve_ivp(slip, (t, t_end), z, events=stops, **exact)
-        t, z = part.t[-1], part.y[:, -1]
-        if t < t_end:
-            events.append(t)
-            stick = solve_ivp(lambda t, z: [belt(t)], (t, t_end), z[:1], events=breaks, **exact)
-            t = stick.t[-1]
-            z = [stick.y[0, -1], belt(t)]
-            events.append(t)
-    return np.array(events[: len(events) - (t >= t_end)]), np.array(z)
+    phases = {
+        "slip": (slip, ((stops, lambda t, z: ("stick", [z[0], belt(t)])),)),
+        "stick": (lambda t, z: [belt(t), -V0 / T], ((breaks, "slip"),)),
+    }
+    z, events = until_events(phases, "slip", z, t_end, atol=1e-14)
+    return np.array([t for t, *_ in events]), z
 
 
 def test_a_belt_that_brakes_against_an_independent_integration():

@@ -15,6 +15,7 @@ from tests.helpers.automata import V, X, automaton, ball, coulomb, oscillator
 from tests.helpers.cases import slow_but
 from tests.helpers.known_motions import FLAT, TILTED, W, bistable
 from tests.helpers.mode_coupling_cycle import by_differences, cycle
+from tests.reference.phases import until_events
 
 BELT = coulomb(0.2, 1.0, 0.5)
 
@@ -132,27 +133,14 @@ def test_the_monodromy_matrix_of_impacts_is_that_of_differences_by_another_integ
     orbit = fl.periodic_orbit(model, fl.steady_state(model, progress=False))
     assert "impact" in orbit.trajectory.events.guard
 
-    def closing(t, z):
-        return d - z[0]
+    def flight(_, z):
+        return [z[1], (F * np.cos(z[2]) - c * z[1] - k * z[0]) / m, omega]
 
-    closing.terminal, closing.direction = True, -1
+    impact = (lambda _, z: d - z[0], lambda _, z: ("flight", [d, -e * z[1], z[2]]))
 
     def end(start):
-        t, z = 0.0, np.array(start)
-        while t < orbit.period:
-            part = solve_ivp(
-                lambda _, z: [z[1], (F * np.cos(z[2]) - c * z[1] - k * z[0]) / m, omega],
-                (t, orbit.period),
-                z,
-                method="DOP853",
-                rtol=1e-13,
-                atol=1e-14,
-                events=closing,
-            )
-            t, z = part.t[-1], part.y[:, -1]
-            if part.status == 1:
-                z = np.array([d, -e * z[1], z[2]])
-        return z
+        phases = {"flight": (flight, (impact,))}
+        return until_events(phases, "flight", start, orbit.period, rtol=1e-13, atol=1e-14)[0]
 
     size = np.ptp(orbit.trajectory.states, axis=0)
 

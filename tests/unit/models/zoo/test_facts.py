@@ -1,6 +1,7 @@
 """Each system of the zoo shows what is known of it: closed forms, and integrations that share no code."""
 
 import math
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.special import ellipk
 
 import frictionlab as fl
 from tests.helpers.cases import slow_but
+from tests.reference.phases import until_events
 
 pytestmark = pytest.mark.blas
 
@@ -182,31 +184,21 @@ def test_a_pad_that_sticks_slips_and_flies_is_that_of_another_integrator():
 
         return of
 
-    def event(function, direction=-1):
-        def of(t, z):
-            return function(z)
+    def breaks(t, z):
+        return model.mu_s * model.k_n * z[1] - abs(free(z)[0])
 
-        of.terminal, of.direction = True, direction
-        return of
-
-    stops, opens, lands = event(lambda z: model.v - z[3]), event(lambda z: z[1]), event(lambda z: -z[1])
-    breaks = event(lambda z: model.mu_s * model.k_n * z[1] - abs(free(z)[0]))
-    flow = {"slip": (rates(model.mu_k, True), (stops, opens)), "stick": (rates(None, True), (breaks, opens))}
-    flow["flight"] = rates(0.0, False), (lands,)
-    t, z, now, seen = 0.0, np.array([0.0, 0.5, 3.0, 0.0, 0.0, 0.0]), "slip", []
-    while t < 12.0:
-        flown, events = flow[now]
-        found = solve_ivp(flown, (t, 12.0), z, "DOP853", events=events, rtol=1e-12, atol=1e-13)
-        t, z = found.t[-1], found.y[:, -1]
-        first = len(found.t_events[0]) > 0
-        seen.append(now)
-        now = {"slip": ("flight", "stick"), "stick": ("flight", "slip"), "flight": ("slip", "slip")}[now][
-            first
-        ]
-    run = fl.simulate(model, 12.0, x0=[0.0, 0.5, 3.0, 0.0, 0.0, 0.0], progress=False)
+    opens = (lambda t, z: z[1], "flight")
+    phases = {
+        "slip": (rates(model.mu_k, True), ((lambda t, z: model.v - z[3], "stick"), opens)),
+        "stick": (rates(None, True), ((breaks, "slip"), opens)),
+        "flight": (rates(0.0, False), ((lambda t, z: -z[1], "slip"),)),
+    }
+    start = [0.0, 0.5, 3.0, 0.0, 0.0, 0.0]
+    z, events = until_events(phases, "slip", start, 12.0)
+    run, seen = fl.simulate(model, 12.0, x0=start, progress=False), [phase for _, phase, _ in events]
     assert {*seen} == {"slip", "stick", "flight"}
     assert run.events.target.tolist() == [
-        {"slip": "slip+", "flight": "separation"}.get(name, name) for name in [*seen[1:]]
+        {"slip": "slip+", "flight": "separation"}.get(name, name) for name in seen
     ]
     assert run.final_state == pytest.approx(z, abs=1e-8)
 
@@ -303,26 +295,15 @@ def test_a_bit_that_stops_has_the_period_of_another_integrator():
         ]
         return [table - bit, *turned]
 
-    def loose(t, z, sticks):
-        return model.k * z[0] + model.d * z[1] - model.T
+    def loose(t, z):
+        return model.T - model.k * z[0] - model.d * z[1]
 
-    def stops(t, z, sticks):
-        return z[2]
-
-    loose.terminal = stops.terminal = True
-    loose.direction, stops.direction = 1, -1
-    z, period, last = np.array([0.5, 2.0, 0.0]), 0.0, None
-    for _ in range(60):
-        period = 0.0
-        for sticks, event in ((True, loose), (False, stops)):
-            found = solve_ivp(
-                rates, (0.0, 60.0), z, "DOP853", args=(sticks,), events=event, rtol=1e-12, atol=1e-12
-            )
-            z, period = found.y[:, -1].copy(), period + found.t[-1]
-            z[2] = 0.0
-        if last is not None and abs(period - last) < 1e-12:
-            break
-        last = period
+    phases = {
+        "stick": (partial(rates, sticks=True), ((loose, "slip"),)),
+        "slip": (partial(rates, sticks=False), ((lambda t, z: z[2], lambda t, z: ("stick", [*z[:2], 0.0])),)),
+    }
+    _, events = until_events(phases, "stick", [0.5, 2.0, 0.0], 300.0, atol=1e-12)
+    period = events[-1][0] - events[-3][0]
     assert orbit.period == pytest.approx(period, rel=1e-9)
 
 
@@ -486,21 +467,6 @@ def test_a_woodpecker_hangs_and_rings_as_its_paper_prints():
 # --- what depends on time, and structures in modes
 
 
-def until_events(phases, z, t_end, rtol=1e-12):
-    """Integrate by DOP853 through phases (rates, event function, next phase), from the first one on."""
-    t, now = 0.0, 0
-    while t < t_end:
-        rates, leaves, then = phases[now]
-
-        def leaving(t, z, leaves=leaves):
-            return leaves(t, z)
-
-        leaving.terminal, leaving.direction = True, -1
-        found = solve_ivp(rates, (t, t_end), z, "DOP853", events=leaving, rtol=rtol, atol=1e-13)
-        t, z, now = found.t[-1], found.y[:, -1], then
-    return z
-
-
 def test_a_belt_that_brakes_makes_the_motion_of_another_integrator():
     model = fl.BrakedOscillator(v=1.0, t_b=60.0)
     v, fall = model.v, (model.mu_s - model.mu_k) * model.N
@@ -519,8 +485,11 @@ def test_a_belt_that_brakes_makes_the_motion_of_another_integrator():
         held = model.k * z[0] + model.c * z[1] - model.m * v / 60.0
         return model.mu_s * model.N - held
 
-    phases = [(slip, lambda t, z: belt(t) - z[1], 1), (stick, torn, 0)]
-    exact = until_events(phases, [0.9, 0.0], 58.0)
+    phases = {
+        "slip": (slip, ((lambda t, z: belt(t) - z[1], "stick"),)),
+        "stick": (stick, ((torn, "slip"),)),
+    }
+    exact, _ = until_events(phases, "slip", [0.9, 0.0], 58.0)
     run = fl.simulate(model, 58.0, x0=[0.9, 0.0], progress=False)
     assert sum("stick" in name for name in run.events.target) > 3
     assert run.final_state[:2] == pytest.approx(exact, abs=1e-8)
@@ -553,11 +522,11 @@ def test_a_bowed_string_is_that_of_another_integrator():
     def stick(t, z):
         return np.concatenate([z[3:], free(z) + 2 / model.m * held(z) * shape])
 
-    phases = [
-        (slip, lambda t, z: model.v - shape @ z[3:], 1),
-        (stick, lambda t, z: 0.8 * model.N - held(z), 0),
-    ]
-    exact = until_events(phases, np.zeros(6), 8.0)
+    phases = {
+        "slip": (slip, ((lambda t, z: model.v - shape @ z[3:], "stick"),)),
+        "stick": (stick, ((lambda t, z: 0.8 * model.N - held(z), "slip"),)),
+    }
+    exact, _ = until_events(phases, "slip", np.zeros(6), 8.0)
     run = fl.simulate(model, 8.0, x0=np.zeros(6), progress=False)
     assert run.events.target.tolist().count("stick") > 2
     assert run.final_state == pytest.approx(exact, abs=1e-8)
@@ -609,14 +578,10 @@ def test_a_motor_and_its_cart_are_those_of_another_integrator():
         forces = model.K * current - model.b * u - model.m * model.r**2 * s * c * u**2 + friction
         return [u, forces / (model.J + model.m * (model.r * s) ** 2), (3.0 - current - 0.3 * u) / 0.1]
 
-    z, t = np.array([0.3, 4.0, 1.0]), 0.0
-    for turn in range(1, 4):  # to each dead centre, where the right-hand side has a kink
-
-        def dead(t, z, turn=turn):
-            return turn * math.pi - z[0]
-
-        dead.terminal = True
-        found = solve_ivp(rates, (t, t + 10.0), z, "DOP853", events=dead, rtol=1e-12, atol=1e-13)
-        t, z = found.t[-1], found.y[:, -1]
-    run = fl.simulate(model, t, x0={"alpha": 0.3, "alpha'": 4.0, "i": 1.0}, progress=False)
+    phases = {  # to each dead centre, where the right-hand side has a kink
+        turn: (rates, ((lambda t, z, turn=turn: turn * math.pi - z[0], turn + 1),)) for turn in range(1, 9)
+    }
+    z, events = until_events(phases, 1, [0.3, 4.0, 1.0], 2.5)
+    assert len(events) > 2
+    run = fl.simulate(model, 2.5, x0={"alpha": 0.3, "alpha'": 4.0, "i": 1.0}, progress=False)
     assert run.final_state == pytest.approx(z, abs=1e-8)
