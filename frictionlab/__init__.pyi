@@ -197,6 +197,10 @@ from .stability import linearize as linearize
 from .stability import root_locus as root_locus
 from .stability import stability_changes as stability_changes
 from .stability import stability_map as stability_map
+from .structures.bases import ComplexModes as ComplexModes
+from .structures.bases import CraigBampton as CraigBampton
+from .structures.bases import RealModes as RealModes
+from .structures.bases import reduce as reduce
 from .structures.beam_on_belt import BeamOnBelt as BeamOnBelt
 from .structures.damping import RayleighDamping as RayleighDamping
 from .structures.damping import modal_damping as modal_damping
@@ -204,7 +208,6 @@ from .structures.disc_brake import AnnularPlate as AnnularPlate
 from .structures.disc_brake import DiscBrake as DiscBrake
 from .structures.matrix_files import read_freedoms as read_freedoms
 from .structures.matrix_files import read_matrix as read_matrix
-from .structures.reduction import reduce as reduce
 from .structures.sliding_contacts import SlidingContacts as SlidingContacts
 from .structures.sliding_contacts import relative_rows as relative_rows
 from .structures.sliding_equilibrium import SlidingEquilibrium as SlidingEquilibrium

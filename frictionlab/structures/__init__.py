@@ -21,8 +21,9 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `StructureBalance`: energies and powers along its motion.
 ``quadratic_pencil``
     `QuadraticPencil`: s^2 M + s C + K at one set of values, and its eigenvalues in a window.
-``reduction``
-    `reduce` and `ReducedStructure`: few freedoms with the modes of a large structure.
+``bases``, ``reduction``
+    `reduce`: few freedoms with the modes of a large structure, on complex modes, real modes or those of Craig
+    and Bampton; modes at samples of the parameters, and errors.
 ``eigenvalue_bounds``
     How far known eigenvalues are at most from exact ones.
 ``mode_paths``

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from scipy.sparse import linalg as sparse_linalg
 from frictionlab.structures.parametric_matrix import Matrix
 
 Array = NDArray[Any]
+Product: TypeAlias = Callable[[Array], Array]  # a matrix times columns
 ComplexArray = NDArray[np.complex128]
 FIRST_STEPS = 40  # of Arnoldi's method, before Ritz values are looked at
 GROWTH = 1.2  # of the number of steps between two looks
@@ -192,18 +193,47 @@ class QuadraticPencil:
             If the search does not come to an end.
         """
         operator = _shift_invert(self, shift, radius)
-        known = _Invariant(np.zeros((2 * operator.size, 0), operator.dtype), np.zeros((0, 0), operator.dtype))
-        while (wider := _extend(operator, known)) is not None:
-            known = wider
+        known = _invariant_subspace(operator)
         pairs: Any = np.linalg.eig(known.action)
         inverses, small = pairs
         values = operator.shift + operator.scale / inverses.astype(complex)
         return Spectrum(values, known.basis[: operator.size] @ small.astype(complex))
 
 
+def real_modes(
+    stiffness: Product, mass: Product, solve: Product, size: int, highest: float, shift: float = 0.0
+) -> tuple[Array, Array]:
+    """Modes of K x = w^2 M x with w up to `highest`, both matrices symmetric and none negative.
+
+    Parameters
+    ----------
+    stiffness, mass, solve : callable
+        Give K x, M x and (K + shift^2 M)^-1 b of columns (n, k) or (n,).
+    size : int
+        The number n.
+    highest, shift : float
+        rad/s.
+
+    Returns
+    -------
+    w : array (m,)
+        Ascending, rad/s.
+    shapes : array (n, m)
+        x M x = 1 of each.
+    """
+    basis = _invariant_subspace(_SymmetricShiftInvert(np.hypot(highest, shift), size, mass, solve)).basis
+    if not basis.shape[1]:
+        return np.zeros(0), basis
+    pairs: Any = linalg.eigh(basis.T @ stiffness(basis), basis.T @ mass(basis))
+    return np.sqrt(np.maximum(pairs[0], 0.0)), basis @ pairs[1]
+
+
 def _shares(parts: Array, wholes: Array) -> Array:
     """Parts as shares of wholes; 0 of nothing, as of a rigid motion, in which all terms are zero."""
     return np.divide(parts, wholes, out=np.zeros_like(parts), where=wholes > 0.0)
+
+
+_Operator: TypeAlias = "_ShiftInvert | _SymmetricShiftInvert"
 
 
 class _Invariant(NamedTuple):
@@ -239,6 +269,11 @@ class _ShiftInvert:
         return int(self.M.shape[0])  # as the pencil's
 
     @property
+    def rows(self) -> int:
+        """Of the vectors that it takes."""
+        return 2 * self.size
+
+    @property
     def dtype(self) -> Any:
         return complex if isinstance(self.shift, complex) else float
 
@@ -256,6 +291,20 @@ class _ShiftInvert:
             z = self(z / np.linalg.norm(z))
             size = float(np.linalg.norm(z))
         return size
+
+
+@dataclass(frozen=True, eq=False)
+class _SymmetricShiftInvert:
+    """T = scale^2 K^-1 M: its eigenvalues of 1 and more are those of modes with w up to `scale`, rad/s."""
+
+    scale: float
+    rows: int
+    mass: Product
+    solve: Product
+    dtype: Any = float
+
+    def __call__(self, x: Array) -> Array:
+        return self.scale**2 * self.solve(self.mass(x))
 
 
 def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _ShiftInvert:
@@ -341,7 +390,15 @@ def _nested_dissection(matrix: Matrix) -> NDArray[np.intp] | None:
     return np.argsort(rank[node], kind="stable")
 
 
-def _extend(operator: _ShiftInvert, known: _Invariant) -> _Invariant | None:
+def _invariant_subspace(operator: _Operator) -> _Invariant:
+    """The subspace of all eigenvalues in the disc."""
+    known = _Invariant(np.zeros((operator.rows, 0), operator.dtype), np.zeros((0, 0), operator.dtype))
+    while (wider := _extend(operator, known)) is not None:
+        known = wider
+    return known
+
+
+def _extend(operator: _Operator, known: _Invariant) -> _Invariant | None:
     """A larger invariant subspace, with eigenvalues in the disc that were missing; None if none is."""
     if known.basis.shape[1] == known.basis.shape[0]:  # all eigenvalues are in the disc
         return None
@@ -369,7 +426,7 @@ def _is_inside(value: complex, imaginary: float = 0.0) -> bool:
 class _Krylov:
     """An Arnoldi factorisation T Q = V G + Q H + q e^T beside an invariant subspace V; it grows."""
 
-    def __init__(self, operator: _ShiftInvert, known: _Invariant, start: Array) -> None:
+    def __init__(self, operator: _Operator, known: _Invariant, start: Array) -> None:
         self.operator, self.known, self.steps = operator, known, 0
         self.most = len(start) - known.basis.shape[1]
         room = min(2 * FIRST_STEPS, self.most) + 1
@@ -379,10 +436,10 @@ class _Krylov:
         self._basis[:, 0] = start
 
     @classmethod
-    def start(cls, operator: _ShiftInvert, known: _Invariant) -> _Krylov:
+    def start(cls, operator: _Operator, known: _Invariant) -> _Krylov:
         """From a random vector, always the same one."""
         rng = np.random.default_rng(known.basis.shape[1])
-        vector = operator(rng.standard_normal(2 * operator.size).astype(operator.dtype))
+        vector = operator(rng.standard_normal(operator.rows).astype(operator.dtype))
         for _ in range(2):
             vector = vector - known.basis @ (known.basis.conj().T @ vector)
         return cls(operator, known, vector / np.linalg.norm(vector))

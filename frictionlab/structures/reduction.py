@@ -1,30 +1,26 @@
-"""A structure of few freedoms that has the modes of a large one at some values of its parameters.
+"""Modes of a structure at samples, the structure in their span, and its errors.
 
-The displacements are those in the span of modes at samples: values of parameters at which the eigenvalues in
-the window of frequencies are found.  The matrices are projected on it.  At the samples the smaller structure
-has the same eigenvalues, and between them nearly so.  How nearly is seen at the next sample, before its modes
-are added: samples are added until the eigenvalues there are known already.  Source: N. Graebner, V. Mehrmann,
-S. Quraishi, C. Schroeder, U. von Wagner, "Numerical methods for parametric model reduction in the simulation
-of disk brake squeal", ZAMM 96 (2016) 1388-1405.
+Samples are values of parameters at which the eigenvalues in the window of frequencies are found.  At the
+samples a structure in the span of their modes has the same eigenvalues, and between them nearly so.  How
+nearly is seen at the next sample, before its modes are added.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice, product
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
 
-from frictionlab.stability.large_system import LargeSystem
 from frictionlab.structures.eigenvalue_bounds import eigenvalue_bounds
+from frictionlab.structures.parametric_matrix import Matrix
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
 from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum
-from frictionlab.validation import abbreviate, check_limits, check_mapping, check_number, explains_keywords
+from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import ReducedStructure, Structure
@@ -34,15 +30,12 @@ Point = Mapping[str, float]  # values of some parameters
 EXACT = 1e-9  # length that may be left of unit vectors beside a basis which has them
 CLOSE = 1e-7  # share of the largest singular value: directions of which modes have less are left out
 TOGETHER = 64  # displacements that are solved for at once
-BLOCK = 4096  # rows that are multiplied at once
-LEFT_OUT = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)  # the same, tried until a tolerance is reached
-LEAST_TOL, MOST_TOL = 1e-10, 0.1  # of eigenvalues
+MOST_RESPONSES = 300  # to contact forces: with them and some modes all is done by full matrices
 STIFF_SHARE = 1e-6  # of the largest compliance of contacts: responses of less are left out
 RESPONSE_SHARE = 0.1  # of the largest eigenvalue: the real shift at which responses are taken
 KNOWN_RTOL = 1e-6  # share of an eigenvalue by which a reduced structure may miss it at the last sample
 EDGE_SHARE = 0.02  # of the window's width: modes so near to its ends may enter or leave it
 DAMPED_SHARE = 0.05  # a mode with a larger damping ratio does not grow soon, and need not be known well
-ESTIMATE_SHARE = 0.5  # of the tolerance: estimates are right to a factor of two
 MOST_SAMPLES = 17  # of each parameter
 HALTON_BASES = (2, 3)
 
@@ -96,80 +89,6 @@ def _is_slow(structure: Structure, values: Any) -> Any:
     )
 
 
-@explains_keywords
-def reduce(structure: Structure, over: Any = None, *, tol: float = 1e-6) -> ReducedStructure:
-    """A structure of few freedoms that has the modes of a large one in its window of frequencies.
-
-    The displacements are those in the span of modes at samples of the parameters, of static displacements,
-    and of static responses to the contact forces.  Samples are added until the eigenvalues at two further
-    ones are known already.  Then as many directions are left out as the tolerance allows: it is a proper
-    orthogonal basis (Graebner et al. 2016).
-
-    Parameters
-    ----------
-    structure : Structure
-        With a window.
-    over : mapping of str to (float, float), optional
-        Ranges of parameters, over which it has these modes.  Without it at the values at hand.
-    tol : float
-        Share by which eigenvalues may err, of modes that are damped by less than 5 % of critical damping, or
-        of all vibrations where none is.
-
-    Returns
-    -------
-    ReducedStructure
-
-    Raises
-    ------
-    TypeError
-        For an unknown parameter, or what is no structure.
-    ValueError
-        For a structure without a window or modes in it, ranges that are not two ascending numbers, or a
-        tolerance that is not between 1e-10 and 0.1.
-
-    Warns
-    -----
-    RuntimeWarning
-        Where the tolerance is not reached with 17 samples for each range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import frictionlab as fl
-    >>> springs = 2 * np.eye(60) - np.eye(60, k=1) - np.eye(60, k=-1)
-    >>> chain = fl.Structure(np.eye(60), springs, window=(0, 0.05))
-    >>> small = fl.reduce(chain)
-    >>> small
-    ReducedStructure(60 freedoms to 6 freedoms, 0 to 0.05 Hz)
-    >>> bool(np.allclose(fl.eigenvalues(small).values, fl.eigenvalues(chain).values))
-    True
-    """
-    if not isinstance(structure, LargeSystem):
-        raise TypeError(f"structure must be a fl.Structure, got {abbreviate(structure)}: give one")
-    tol = check_number("tol", tol, least=LEAST_TOL, most=MOST_TOL)
-    if structure.window is None:
-        raise ValueError(
-            "structure must have a window of frequencies to be reduced, got None: give it one, such as "
-            "structure.replace(window=(0, 8000))"
-        )
-    cure = 'give ranges such as {"mu": (0, 1)}'
-    check_mapping("over", {} if over is None else over, cure)
-    box = {name: check_limits(f"over[{abbreviate(name)}]", ends, cure) for name, ends in (over or {}).items()}
-    for name in box:
-        structure.check_parameter(name)
-    samples, error = over_box(structure, box, tol)
-    if error > tol:
-        warnings.warn(
-            f"eigenvalues of the reduced structure may err by {error:.1e}, more than tol = {tol:.1e}: take "
-            "shorter ranges",
-            RuntimeWarning,
-            2,
-        )
-    between = list(islice(_points(box), len(samples), 2 * len(samples))) if box else []
-    samples = _with_samples_between(structure, samples, between, tol)
-    return _smallest(structure, samples, between, max(tol, error))
-
-
 def estimated_errors(small: ReducedStructure) -> Array:
     """Estimated distances (m,) of eigenvalues from those of the large structure, 1/s.
 
@@ -209,53 +128,6 @@ def bounded_errors(small: ReducedStructure, modes: Any = None) -> Array:
     return eigenvalue_bounds(pencil, values, vectors, places)
 
 
-def _with_samples_between(
-    structure: Structure, samples: Sequence[Sample], between: Sequence[Point], tol: float
-) -> Sequence[Sample]:
-    """Samples, and those between them where by estimates an eigenvalue errs by more than the tolerance."""
-    small = reduced(structure, samples)
-    for point in between:
-        if small.size < structure.size and _estimate_at(small, point) > ESTIMATE_SHARE * tol:
-            samples = [*samples, _sample(structure, point)]
-            small = reduced(structure, samples)
-    return samples
-
-
-def _estimate_at(small: ReducedStructure, point: Point) -> float:
-    """Largest share by which an eigenvalue errs at a point, as estimated there."""
-    there = small.at_values(point)
-    values = there.find_eigenvalues().values
-    matters = _matters(small, values) & (values.imag >= 0.0)
-    return float(np.max(there.error_estimates()[matters] / np.abs(values[matters]), initial=0.0))
-
-
-def _smallest(
-    structure: Structure, samples: Sequence[Sample], between: Sequence[Point], tol: float
-) -> ReducedStructure:
-    """The reduced structure with the fewest freedoms whose eigenvalues err by less than `tol`.
-
-    Those between the samples are compared with what all directions of the samples give.
-    """
-    vectors, sizes = proper_orthogonal(structure, samples)
-    fixed = contact_responses(structure)
-    known = [*samples]
-    if between:
-        full = structure.projected(extended(fixed, vectors[:, sizes > CLOSE * sizes[0]], EXACT))
-        known += [Sample.of(full, point) for point in between]
-        del full  # its basis is large
-    for share in LEFT_OUT:
-        small = structure.projected(extended(fixed, vectors[:, sizes > share * sizes[0]], EXACT))
-        error = 0.0
-        for one in known:
-            error = max(error, error_at(small, one))
-            if error > tol:
-                break
-        else:
-            break
-    object.__setattr__(small, "error", error)  # of this structure, which nothing else knows yet
-    return small
-
-
 def reduced(structure: Structure, samples: Sequence[Sample], left_out: float = CLOSE) -> ReducedStructure:
     """The structure in the span of the modes at samples, but for what they have little of."""
     vectors, sizes = proper_orthogonal(structure, samples)
@@ -273,38 +145,53 @@ def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[
             size = np.linalg.norm(sample.displacements) or 1.0
             columns.append(sample.displacements[:, None] / size)
     if not any(column.any() for column in columns):
-        low, high = structure.window or (0.0, np.inf)
-        raise ValueError(
-            f"structure must have modes in its window, got none from {low:g} to {high:g} Hz: give "
-            "it a wider window"
-        )
+        raise no_modes(structure)
     parts: Any = linalg.svd(np.hstack(columns), full_matrices=False)
     return parts[0], parts[1]
 
 
+def no_modes(structure: Structure) -> ValueError:
+    """The error of a window without modes."""
+    low, high = structure.window or (0.0, np.inf)
+    return ValueError(
+        f"structure must have modes in its window, got none from {low:g} to {high:g} Hz: give it a "
+        "wider window"
+    )
+
+
 def contact_responses(structure: Structure) -> Array:
-    """Static displacements (n, k) under unit forces at the contacts, orthonormal; few of many contacts."""
+    """Static displacements (n, k) under forces at the contacts, orthonormal.
+
+    Of many contacts they are those under the combinations of forces that yield most.  All single ones are
+    solved for, and not kept.
+    """
     rows = [part for one in structure.contacts for part in (one.normal, one.tangential) if part is not None]
     if not rows:
         return np.zeros((structure.size, 0))
     forces: Any = sparse.vstack(rows, format="csr")
-    stiffness = structure.pencil.K.real.tocsc()
-    solve = factorised(stiffness)
+    solve = static_solver(structure.pencil.K.real)
+    compliance = np.hstack([forces @ solve(some.T.toarray()) for some in _in_parts(forces)])
+    values, mixes = np.linalg.eigh(0.5 * (compliance + compliance.T))
+    soft = np.flatnonzero(values > STIFF_SHARE * values[-1])[-MOST_RESPONSES:]
+    loads = (mixes[:, soft] / np.sqrt(values[soft])).T @ forces
+    responses = np.empty((structure.size, len(soft)), order="F")
+    for i in range(0, len(soft), TOGETHER):
+        responses[:, i : i + TOGETHER] = solve(loads[i : i + TOGETHER].T)
+    return extended(np.zeros((structure.size, 0)), responses, EXACT)
+
+
+def static_solver(stiffness: Matrix) -> Any:
+    """What solves K q = f; ValueError where K is singular."""
+    solve = factorised(stiffness.tocsc())
     if solve is None:
         raise ValueError(
             "K and the contacts must hold all freedoms, got a singular stiffness: add supports or contacts"
         )
-    responses = np.zeros((structure.size, forces.shape[0]))  # large, so that there is one of it
-    for i in range(0, len(responses.T), TOGETHER):
-        responses[:, i : i + TOGETHER] = solve(forces[i : i + TOGETHER].T.toarray())
-    compliance = forces @ responses
-    values, mixes = np.linalg.eigh(0.5 * (compliance + compliance.T))
-    chosen = values > STIFF_SHARE * values[-1]
-    mixes = mixes[:, chosen] / np.sqrt(values[chosen])
-    for some in np.array_split(responses, range(BLOCK, structure.size, BLOCK)):
-        some[:, : mixes.shape[1]] = some @ mixes
-    responses = responses[:, : mixes.shape[1]]
-    return extended(np.zeros((structure.size, 0)), responses, EXACT)
+    return solve
+
+
+def _in_parts(rows: Matrix) -> Iterator[Matrix]:
+    return (rows[i : i + TOGETHER] for i in range(0, rows.shape[0], TOGETHER))
 
 
 def extended(basis: Array, vectors: Array, tol: float) -> Array:
@@ -327,15 +214,15 @@ def over_box(
     structure: Structure, box: Mapping[str, tuple[float, float]], tol: float = KNOWN_RTOL
 ) -> tuple[list[Sample], float]:
     """Samples over ranges of parameters, by which modes there are known, and by what share they may err."""
-    points = _points(box)
-    samples = [_sample(structure, next(points)) for _ in range(2 ** len(box))]
+    points = points_in(box)
+    samples = [sample_at(structure, next(points)) for _ in range(2 ** len(box))]
     known, errors = 0, [0.0, 0.0]
     for _ in range(MOST_SAMPLES * len(box) - len(samples)):
         small = reduced(structure, samples)
         if small.size == structure.size:
             errors = [0.0, 0.0]
             break
-        samples.append(_sample(structure, next(points)))
+        samples.append(sample_at(structure, next(points)))
         errors.append(error_at(small, samples[-1]))
         known = known + 1 if errors[-1] <= tol else 0
         if known == 2:
@@ -343,11 +230,11 @@ def over_box(
     return samples, max(errors[-2:])
 
 
-def _sample(structure: Structure, point: Point) -> Sample:
+def sample_at(structure: Structure, point: Point) -> Sample:
     return Sample.of(structure, point).weakly_damped(structure)
 
 
-def _points(box: Mapping[str, tuple[float, float]]) -> Iterator[Point]:
+def points_in(box: Mapping[str, tuple[float, float]]) -> Iterator[Point]:
     """The corners of a box, then points that fill it evenly (J. H. Halton, 1960)."""
     yield from (dict(zip(box, corner, strict=True)) for corner in product(*box.values()))
     i = 1
@@ -373,13 +260,13 @@ def error_at(small: Structure, sample: Sample) -> float:
     Those near the window's ends do not count, nor those of strongly damped modes where others are not.
     """
     found = small.at_values(sample.point).find_eigenvalues().values
-    values = sample.values[_matters(small, sample.values)]
+    values = sample.values[matters(small, sample.values)]
     if not len(values) or not len(found):
         return np.inf if len(values) else 0.0
     return float((np.abs(values[:, None] - found).min(axis=1) / np.abs(values)).max())
 
 
-def _matters(small: Structure, values: Any) -> NDArray[np.bool_]:
+def matters(small: Structure, values: Any) -> NDArray[np.bool_]:
     """Which eigenvalues are to be known: not near the window's ends, nor strongly damped if some are not."""
     frequencies = np.abs(values.imag) / (2 * np.pi)
     low, high = small.window or (-np.inf, np.inf)

@@ -2,6 +2,7 @@
 
 import pickle
 import tracemalloc
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 import frictionlab as fl
-from frictionlab.structures import eigenvalue_bounds
-from frictionlab.structures.quadratic_pencil import QuadraticPencil
+from frictionlab.structures import bases, eigenvalue_bounds
+from frictionlab.structures.quadratic_pencil import QuadraticPencil, real_modes
 from frictionlab.structures.reduction import contact_responses
 from tests.helpers.finite_elements import unsymmetric_chain
 from tests.unit.structures.test_sliding_contacts import beam_under_pads
@@ -240,8 +241,91 @@ def test_static_displacements_under_contacts():
         assert np.allclose(q, fl.equilibrium(large.replace(F=F)).q, rtol=1e-7, atol=1e-9)
 
 
+BASES = (fl.ComplexModes(), fl.RealModes(), fl.CraigBampton(), fl.CraigBampton(interface=[3, 40, 41]))
+
+
+@pytest.mark.parametrize("contacts", [0, 1, 4])
+@pytest.mark.parametrize("basis", BASES, ids=repr)
+def test_each_basis_has_the_modes_of_a_random_structure(basis, contacts):
+    """Linear springs with Coulomb friction, pressed by their own length, against LAPACK and own matrices."""
+    rng = np.random.default_rng(contacts)
+    n, k, m = 60, rng.uniform(5e3, 2e4, 61), rng.uniform(5e-3, 2e-2, 60)
+    K, N = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1), np.zeros((n, n))
+    normal, tangential = sparse.random(contacts, n, 0.05, rng=rng).toarray(), np.zeros((contacts, n))
+    normal[:, :contacts], tangential[:, 20 : 20 + contacts] = np.eye(contacts), -np.eye(contacts)
+    added = 300.0 * (normal - 0.3 * tangential).T @ normal
+    edge = 1.02 * np.sqrt(np.linalg.eigvalsh(K / np.sqrt(np.outer(m, m)))[9]) / (2 * np.pi)
+    parts = {"window": (0.0, edge), "C": sparse.coo_array(np.diag(m))}
+    if contacts:
+        laws = fl.LinearContact(k2=300.0), fl.Coulomb(mu_k=0.3, mu_s=0.5)
+        pads = fl.SlidingContacts(sparse.csc_array(tangential), normal, *laws, penetration=1.0)
+        parts |= {"contacts": pads}
+    else:
+        N[5, 9] = added[5, 9] = 2e3
+        parts |= {"circulatory": sparse.lil_array(N)}
+    large = fl.Structure(sparse.dia_array(np.diag(m)), sparse.csr_array(K), **parts)
+    assert not contacts or not fl.equilibrium(large).open.any()
+    small = fl.reduce(large, {"mu_k": (0.1, 0.3)} if contacts else None, tol=1e-4, basis=basis)
+    rates = -np.hstack([K + added, np.diag(m)]) / m[:, None]
+    exact = np.linalg.eigvals(np.vstack([np.eye(n, 2 * n, n), rates]))
+    values = fl.eigenvalues(small).values
+    missed = np.abs(values[:, None] - exact).min(axis=1)
+    inside = np.abs(values.imag) < 0.98 * 2 * np.pi * edge
+    assert inside.sum() >= 16
+    assert (missed <= 1e-4 * np.abs(values))[inside].all()
+    assert (missed <= small.error_bounds() + 1e-11 * np.abs(values)).all()
+    assert small.size < n
+    assert pickle.loads(pickle.dumps(basis)) == basis
+
+
+def test_real_modes_of_a_free_pair_of_chains_are_doublets():
+    """w = 2 sin(k pi / 2n) of each, the rigid motion at 0 included: none of two equal ones is missing."""
+    one = 2 * np.eye(50) - np.eye(50, k=1) - np.eye(50, k=-1)
+    one[0, 0] = one[-1, -1] = 1.0
+    K, M = np.kron(np.eye(2), one), np.eye(100)
+    solve = partial(np.linalg.solve, K + 0.01 * M)
+    w, shapes = real_modes(K.__matmul__, M.__matmul__, solve, 100, 0.7, 0.1)
+    assert np.allclose(w, np.repeat(2 * np.sin(np.arange(12) * np.pi / 100), 2), atol=1e-7)
+    assert np.allclose(shapes.T @ K @ shapes, np.diag(w**2), atol=1e-12)
+
+
+def test_an_interface_may_be_all_freedoms():
+    """Then its modes are those of the structure."""
+    springs = 2 * np.eye(60) - np.eye(60, k=1) - np.eye(60, k=-1)
+    large = fl.Structure(np.eye(60), springs, window=(0, 0.05))
+    small = fl.reduce(large, basis=fl.CraigBampton(interface=range(60)))
+    assert small.size == fl.reduce(large, basis=fl.RealModes()).size < 10
+    assert np.allclose(fl.eigenvalues(small).values, fl.eigenvalues(large).values)
+
+
+def test_a_tolerance_that_a_basis_does_not_reach_is_told(monkeypatch):
+    monkeypatch.setattr(bases, "MOST_FREEDOMS", 40)
+    with pytest.warns(RuntimeWarning, match=r"more than tol = 1\.0e-10: take fl.ComplexModes"):
+        small = fl.reduce(chain(), tol=1e-10, basis=fl.RealModes())
+    assert small.error > 1e-10
+    assert 40 <= small.size < 60
+
+
+@pytest.mark.parametrize(
+    ("interface", "message"),
+    [
+        ([], "different freedoms"),
+        ([1, 1], "different freedoms"),
+        ([-1], "at least 0"),
+        ([80], "0 to 79, got 80"),
+    ],
+)
+def test_interfaces_that_are_none(interface, message):
+    with pytest.raises(ValueError, match=message):
+        fl.reduce(chain(), basis=fl.CraigBampton(interface))
+
+
 def test_refused():
     large = chain()
+    with pytest.raises(ValueError, match="must have contacts or a circulatory matrix to have an interface"):
+        fl.reduce(large.replace(circulatory=None, parameters=None), basis=fl.CraigBampton())
+    with pytest.raises(TypeError, match="basis must be one of displacements, got 'real'"):
+        fl.reduce(large, basis="real")
     with pytest.raises(ValueError, match="must have a window of frequencies to be reduced"):
         fl.reduce(large.replace(window=None))
     with pytest.raises(TypeError, match="has no parameter 'r'"):
