@@ -28,17 +28,6 @@ class Undefined(fl.Coulomb):
 
 
 @dataclass(frozen=True)
-class Hertz(fl.ContactLaw):
-    """A contact law that is not defined for a negative gap."""
-
-    k_h: float = 1e5
-
-    def force(self, penetration):
-        """Hertz."""
-        return self.k_h * penetration**1.5
-
-
-@dataclass(frozen=True)
 class Saturating(fl.ContactLaw):
     """A contact law that is no polynomial."""
 

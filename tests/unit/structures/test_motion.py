@@ -15,30 +15,11 @@ import frictionlab as fl
 from frictionlab.automaton.matrix_rows import matrix_rows
 from frictionlab.plotting import plot_rates
 from frictionlab.tape import packing
+from tests.helpers.flat_slider import slider_on_belt
 from tests.helpers.random_structures import degenerate_structure, random_structure
 from tests.reference.moreau import RubbingSystem, rubbing_steps
 
-
-def slider_on_belt(impact: Any, **values: Any) -> tuple[fl.SliderOnBelt, fl.Structure]:
-    """The paper's slider on a belt that does not tilt, as a model and as a structure."""
-    model = fl.SliderOnBelt(geometry=fl.FixedLoad(), impact=impact, **values)
-    p = model.parameters
-    springs = np.diag([p["k1"], 0.0, p["k4"], p["k5"] + p["k6"]])
-    springs[:2, :2] += p["k3"] / 2 * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    dampers = np.diag([p["c1"], p["c2"], p["c4"], p["c5"] + p["c6"]])
-    contacts = fl.SlidingContacts(
-        [[1.0, 0.0, -1.0, 0.0]],
-        [[0.0, -1.0, 0.0, 1.0]],
-        contact=model.contact,
-        friction=model.friction,
-        v=p["v"],
-        impact=impact,
-    )
-    masses = np.diag([p["M"], p["M"], p["m"], p["m"]])
-    preload = [("F", [0.0, -1.0, 0.0, 0.0])]
-    return model, fl.Structure(
-        masses, springs, dampers, contacts=contacts, load=preload, parameters={"F": p["F"]}
-    )
+FLAT = fl.SliderOnBelt(geometry=fl.FixedLoad())
 
 
 def agree(model: Any, structure: fl.Structure, t_end: float, x0: Any) -> None:
@@ -63,7 +44,8 @@ def agree(model: Any, structure: fl.Structure, t_end: float, x0: Any) -> None:
     ],
 )
 def test_slider_on_belt_from_matrices_moves_as_the_model(impact):
-    agree(*slider_on_belt(impact, mu_k=2.5), 0.5, "rest")
+    model = FLAT.replace(impact=impact, mu_k=2.5)
+    agree(model, slider_on_belt(model), 0.5, "rest")
 
 
 def two_blocks() -> fl.Structure:
@@ -568,7 +550,8 @@ def test_a_run_with_an_integral_lowers_only_the_modes_to_which_it_comes(monkeypa
 
 
 def test_near_begins_along_the_least_stable_mode():
-    model, structure = slider_on_belt(fl.PlasticImpact(), mu_k=1.4)
+    model = FLAT.replace(mu_k=1.4)
+    structure = slider_on_belt(model)
     run = fl.simulate(structure, 0.02, x0="near", progress=False)
     rest = fl.equilibrium(model).q
     shift = run.q[0] - rest
@@ -599,7 +582,7 @@ def test_what_cannot_move_is_refused(M, K, what):
 
 
 def test_the_energy_balance_of_impacts_closes():
-    structure = slider_on_belt(fl.RestitutionImpact(e=0.3), mu_k=2.5)[1]
+    structure = slider_on_belt(FLAT.replace(impact=fl.RestitutionImpact(e=0.3), mu_k=2.5))
     audit = fl.energy_audit(fl.simulate(structure, 0.5, progress=False))
     assert audit.error < 1e-12
     works = {name: work[-1] for name, work in audit.works.items()}

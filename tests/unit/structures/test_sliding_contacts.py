@@ -10,29 +10,12 @@ from scipy import linalg
 import frictionlab as fl
 from frictionlab.structures.sliding_equilibrium import Statics, newton_of_many
 from tests.helpers.finite_elements import beam
+from tests.helpers.flat_slider import slider_on_belt
 
 
 def is_same(found, expected):
     """Whether numbers agree to 1e-12."""
     return np.allclose(found, expected, rtol=1e-12, atol=0.0)
-
-
-def slider_on_belt(model):
-    """Matrices of Eqs. (1) to (3) by hand, of a belt that does not tilt: x1, y1, x2, y2."""
-    half = model.k3 / 2
-    K = np.diag([model.k1 + half, half, model.k4, model.k5 + model.k6])
-    K[0, 1] = K[1, 0] = -half
-    contacts = fl.SlidingContacts(
-        fl.relative_rows([(0, 2)], 4), fl.relative_rows([(3, 1)], 4), model.contact, model.friction, model.v
-    )
-    return fl.Structure(
-        np.diag([model.M, model.M, model.m, model.m]),
-        K,
-        np.diag([model.c1, model.c2, model.c4, model.c5 + model.c6]),
-        load=[("F", [0.0, -1.0, 0.0, 0.0])],
-        contacts=contacts,
-        parameters={"F": model.F},
-    )
 
 
 SLIDERS = [
