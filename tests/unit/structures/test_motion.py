@@ -223,6 +223,11 @@ def test_friction_of_a_counterpart_at_rest_stops_an_oscillator_as_the_closed_for
     # the amplitude falls by 2 mu N/k at each turn, until the spring does not overcome friction
     np.testing.assert_allclose(run.events.t, np.pi * np.arange(1, 6), rtol=1e-12)
     np.testing.assert_allclose(run.final_state, [-0.05, 0.0], atol=1e-14)
+    # FrictionOscillator of siconos-tutorials comes to rest at 0.68204, in steps of 0.01 s
+    strong = fl.Structure([[1.0]], [[1.0]], contacts=rubbed).replace(mu_k=1.0, mu_s=1.0)
+    run = fl.simulate(strong, 100.0, x0=[12.0, 6.0], progress=False)
+    np.testing.assert_allclose(run.final_state, [15 - np.hypot(13, 6), 0.0], atol=1e-12)
+    assert run.final_state[0] == pytest.approx(0.6820441351954105, abs=2e-4)
 
 
 def stuck_at_first(contacts: int) -> tuple[fl.Structure, np.ndarray]:

@@ -200,31 +200,87 @@ def test_a_stack_comes_to_rest():
         assert np.abs(run.final_state).max() < 1e-12
 
 
+@fl.model
+class BallInABox(fl.MechanicalModel):
+    """A ball on a spring between a floor and a ceiling."""
+
+    e: float = 0.8
+    g: float = 10.0
+    k: float = 0.0
+    height: float = 1.5
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        law = fl.RestitutionImpact(e=self.e)
+        stops = Stop(q.x, law), Stop(self.height - q.x, law)
+        return Mechanics(v.x**2 / 2, self.g * q.x + self.k * q.x**2 / 2, contacts=stops)
+
+
+@pytest.mark.parametrize(
+    ("ball", "v", "published"),
+    [
+        (
+            BallInABox(),  # BouncingBallED-TwoContacts: rows t, x, v
+            10.0,
+            [
+                [0.5, 1.357781774917158, -4.418746937951609],
+                [2.0, 0.5866346313569701, 2.718056031221656],
+                [4.0, 0.06572727044458226, 1.922962429366541],
+                [6.0, 0.002473958861317242, -0.09115400281828512],
+                [9.0, 0.0, 0.0],
+            ],
+        ),
+        (
+            BallInABox(e=0.9, g=9.81, k=1e5),  # LinearOscillatorED
+            0.0,
+            [[0.5, 0.0008086143034453319, -1.604808493738425], [3.0, 0.0, 0.0]],
+        ),
+    ],
+)
+def test_a_ball_moves_as_in_published_runs_of_siconos(ball, v, published):
+    """Event-driven examples of siconos-tutorials (V. Acary, F. Perignon 2021), by LSODAR and LCPs."""
+    t, x, velocity = np.transpose(published)
+    run = fl.simulate(ball, t[-1], x0=[1.0, v], progress=False)
+    np.testing.assert_allclose(run(t), np.column_stack([x, velocity]), atol=1e-10)
+    assert run.mode[-1].split(" | ")[0] == "contact"
+
+
+def column(count, e):
+    """Beads of no height above each other and a floor."""
+
+    @fl.model
+    class Column(fl.MechanicalModel):
+        """Beads and their distances."""
+
+        impact: fl.ImpactLaw = fl.RestitutionImpact(e=e)
+        coordinates = tuple(f"z{i}" for i in range(count))
+
+        def mechanics(self, q, v):
+            distances = [q[0], *(b - a for a, b in pairwise(q))]
+            stops = tuple(Stop(one, self.impact) for one in distances)
+            return Mechanics(sum(u**2 for u in v) / 2, 9.81 * sum(q), contacts=stops)
+
+    return Column()
+
+
+@pytest.mark.parametrize("count", slow_but([4], [4, 10]))
+def test_beads_that_touch_fall_and_rise_as_one(count):
+    """BeadColumnED_NewtonLaw of siconos-tutorials: ten beads, elastic, 50 mm above the floor."""
+    run = fl.simulate(column(count, 1.0), 0.492, x0=[0.05] * count + [0.0] * count, progress=False)
+    np.testing.assert_allclose(run.q[-1], 0.01689042018940357 - 0.005, atol=1e-13)
+    np.testing.assert_allclose(run.v[-1], -0.8647022353873588, atol=1e-12)
+    assert len(run.events) == count * (count + 1)  # half of them at each of two falls
+
+
 @pytest.mark.slow(reason="ten balls: some dozens of modes are derived")
 def test_a_column_of_beads_moves_from_impact_to_impact():
     """The tutorial of Siconos: ten beads 1 m apart, the lowest 10.4 m above the floor, e = 0.9.
 
     Between impacts distances of beads are linear in time, and that from the floor is a parabola.
     """
-    names, e, g, t_end = tuple(f"z{i}" for i in range(10)), 0.9, 9.81, 4.0
-
-    @fl.model
-    class Column(fl.MechanicalModel):
-        """Beads above each other."""
-
-        impact: fl.ImpactLaw = fl.RestitutionImpact(e=e)
-        coordinates = names
-
-        def mechanics(self, q, v):
-            distances = [q[0], *(b - a for a, b in pairwise(q))]
-            return Mechanics(
-                kinetic=sum(u**2 for u in v) / 2,
-                potential=g * sum(q),
-                contacts=tuple(Stop(one, self.impact) for one in distances),
-            )
-
+    e, g, t_end = 0.9, 9.81, 4.0
     z, v, t, impacts = 10.4 + np.arange(10.0), np.zeros(10), 0.0, []
-    run = fl.simulate(Column(), t_end, x0=np.concatenate([z, v]), progress=False)
+    run = fl.simulate(column(10, e), t_end, x0=np.concatenate([z, v]), progress=False)
     while True:
         gaps, closing = np.diff(z), -np.diff(v)
         waits = np.where(closing > 1e-12, np.maximum(gaps, 0.0) / np.maximum(closing, 1e-12), np.inf)
