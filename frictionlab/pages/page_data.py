@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
-from itertools import combinations
+from itertools import combinations, islice
 from typing import Any
 
 import numpy as np
@@ -69,13 +69,13 @@ def structure_data(model: Shown) -> dict[str, Any]:
         Where the model has more than 64 modes.
     """
     method = Taylor()
-    automaton = automaton_of(model).derived()
-    count = len(automaton.modes)
-    if count > MAX_MODES:
+    automaton, names = automaton_of(model), automaton_of(model).names
+    if len([*islice(names, MAX_MODES + 1)]) > MAX_MODES:
         raise ValueError(
-            f"a page holds at most {MAX_MODES} modes, and {name_of(model)} has {count}: "
-            "take a model with fewer contacts, or laws of fewer pieces"
+            f"a page holds at most {MAX_MODES} modes, and {name_of(model)} has more: "
+            "take a model with fewer contacts, or laws of fewer pieces or elements"
         )
+    automaton = automaton.derived()
     modes = tuple(automaton.modes)
     program, _ = program_of(automaton)
     parameters = tuple(automaton.parameters)
@@ -86,7 +86,8 @@ def structure_data(model: Shown) -> dict[str, Any]:
         **quantity_data(model, automaton),
         "modes": list(program.modes),
         "guards": list(program.guards),
-        "colours": _colours(program, modes),
+        "wholes": (wholes := [mode.name if mode.whole is None else mode.whole.name for mode in modes]),
+        "colours": _colours(program, wholes),
         "affine": bool(is_affine(program)),
         "order": method.order_of(program),
         "constants": len(program.code.ops),
@@ -147,9 +148,9 @@ def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:
     return kept_formulas(derivations_of(key), f"friction of {', '.join(names)}", derive)
 
 
-def _colours(program: Program, modes: Sequence[Mode]) -> list[str]:
-    wholes = {mode.name: mode.name if mode.whole is None else mode.whole.name for mode in modes}
-    return list(colours_by_whole(list(enumerate(program.modes)), wholes).values())
+def _colours(program: Program, wholes: Sequence[str]) -> list[str]:
+    names = program.modes
+    return list(colours_by_whole(list(enumerate(names)), dict(zip(names, wholes, strict=True))).values())
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:

@@ -29,7 +29,7 @@ from frictionlab.pages.scene import (
     mechanism_data,
     quantity_data,
 )
-from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours
+from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours, whole_names
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.presentation import tally
 from frictionlab.widgets.result import Array, Result
@@ -173,8 +173,9 @@ def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
 def _quantities(model: Shown, run: Trajectory | None) -> Data:
     if run is None:
         return quantity_data(model, automaton_of(model))
-    colours = mode_colours(run)
-    modes = {"modes": list(run.mode_names), "colours": [colours[name] for name in run.mode_names]}
+    names, colours, wholes = run.mode_names, mode_colours(run), whole_names(run)
+    modes = {"modes": list(names), "colours": [colours[name] for name in names]}
+    modes |= {"wholes": [wholes[name] for name in names]}
     return quantity_data(model, run.automaton) | modes
 
 

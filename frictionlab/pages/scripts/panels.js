@@ -43,10 +43,9 @@ function curvesByMode({ structure, samples: { modes } }, x, y, look) {
 function wholeModes(structure, modes) { // the modes that occur; those that a law in pieces splits are one again
   const wholes = new Map();
   for (const mode of [...new Set(modes)].sort((a, b) => a - b)) {
-    const colour = structure.colours[mode], name = structure.modes[mode], [first] = name.split(" | "),
-      key = `${colour} ${first}`;
-    if (wholes.has(key)) Object.assign(wholes.get(key), { label: first }).members.add(mode);
-    else wholes.set(key, { label: name, colour, members: new Set([mode]) });
+    const key = structure.wholes[mode];
+    if (wholes.has(key)) Object.assign(wholes.get(key), { label: key }).members.add(mode);
+    else wholes.set(key, { label: structure.modes[mode], colour: structure.colours[mode], members: new Set([mode]) });
   }
   return [...wholes.values()];
 }
