@@ -86,6 +86,7 @@ from .components import HertzContact as HertzContact
 from .components import HyperbolicDecay as HyperbolicDecay
 from .components import ImpactLaw as ImpactLaw
 from .components import Interface as Interface
+from .components import Iwan as Iwan
 from .components import Jenkins as Jenkins
 from .components import LinearContact as LinearContact
 from .components import LuGre as LuGre

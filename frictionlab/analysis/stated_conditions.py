@@ -26,7 +26,7 @@ from frictionlab.analysis.run_conditions import (
     steps_to_stops,
 )
 from frictionlab.analysis.stated_mechanics import Array, StatedContact, StatedMechanics, differences
-from frictionlab.automaton.modes_on_demand import JOINT
+from frictionlab.automaton.modes_on_demand import JOINT, regimes_in
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, RestitutionImpact
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import MechanicalModel
@@ -302,10 +302,8 @@ class _StatementCheck:
 
     def _separates(self, contact: StatedContact) -> bool:
         """Whether the contact has regimes without forces, so that it does not pull."""
-        i = self.stated.contacts.index(contact)
-        regimes = self.run.automaton.names
-        own_regimes = {name.split(JOINT)[i] for name in regimes} if len(self.stated.contacts) < 4 else set()
-        return bool(own_regimes & {*APART})
+        i, few = self.stated.contacts.index(contact), len(self.stated.contacts) < 4
+        return few and bool(regimes_in(self.run.automaton.names, slice(i, i + 1)) & {*APART})
 
     def _share(self, function: Any) -> Array:
         """A function at the samples as a share of its size: its slopes times the sizes of the states."""

@@ -17,7 +17,7 @@ import sympy as sp
 
 from frictionlab.components.component import StructureKey
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.dynamic_laws import limit_of_state, values_of_contact, values_of_law
+from frictionlab.models.mechanical.dynamic_laws import limits_of_states, values_of_contact, values_of_law
 from frictionlab.models.mechanical.equations_of_motion import time_of, with_dampers
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Stop, mechanics_at
 from frictionlab.models.symbolic_laws import symbolic_copy, with_explained_errors
@@ -141,10 +141,10 @@ def _contact(
     if isinstance(contact, Contact):
         return StatedContact(compiled(-contact.penetration), None, pressing=compiled(contact.pressing))
     (speed, *across), force, law = contact.velocities, contact.pressing, contact.law
-    elastic, largest = None, limit_of_state(contact)
-    if largest is not None:
+    elastic, limits = None, limits_of_states(contact)
+    if len(limits) == 1:
         elastic = compiled(values_of_law(law, force, speed, of_law).force)
-        sliding = {sign: values_of_law(law, force, speed, (sign * largest,)).force for sign in (1, -1)}
+        sliding = {sign: values_of_law(law, force, speed, (sign * limits[0],)).force for sign in (1, -1)}
     elif of_law:
         sliding = {sign: values_of_contact(contact, of_law, sign).force for sign in (1, -1)}
     elif across:

@@ -40,11 +40,14 @@ class Regime:
         Functions that must not be negative where a mode with this regime is entered.
     sticks : bool
         Whether it keeps a velocity at zero wherever the bodies are, as stick does.
+    rates : tuple of Expr
+        The rates of states that only this part moves.
     """
 
     name: str
     conditions: tuple[Expr, ...] = ()
     sticks: bool = False
+    rates: tuple[Expr, ...] = ()
 
 
 Parts = tuple[tuple[Regime, ...], ...]
@@ -94,9 +97,9 @@ class ModeNames(Sequence[str]):
             combination += (numbers.get(words.pop(0) if has_number else "", -1),)
         return combination if not words and -1 not in combination and self.allows(combination) else None
 
-    def has_regime(self, name: str) -> bool:
-        """Whether some part has a regime of this name."""
-        return any(name in names for names in self._names)
+    def regimes(self, parts: slice = slice(None)) -> set[str]:
+        """The names of the regimes that some of these parts has."""
+        return {name for names in self._names[parts] for name in names if name}
 
     def place_of(self, name: str) -> int:
         """The place of a mode in the order, counted as if all combinations were modes."""
@@ -173,11 +176,16 @@ def names_of_parts(parts: Parts, allows: Callable[[Combination], bool]) -> ModeN
     return ModeNames(tuple(tuple(regime.name for regime in part) for part in parts), allows)
 
 
-def has_regime(names: Sequence[str], regime: str) -> bool:
-    """Whether a contact has a regime in some mode; many modes are not gone through one by one."""
+def regimes_in(names: Sequence[str], parts: slice = slice(None)) -> set[str]:
+    """The regimes that contacts, or these parts, have in some mode; many modes are not gone through."""
     if isinstance(names, ModeNames):
-        return names.has_regime(regime)
-    return any(regime in name.split(JOINT) for name in names)
+        return names.regimes(parts)
+    return {regime for name in names for regime in name.split(JOINT)[parts]}
+
+
+def has_regime(names: Sequence[str], regime: str) -> bool:
+    """Whether a contact has a regime in some mode."""
+    return regime in regimes_in(names)
 
 
 class KnownModes(NamedTuple):
@@ -291,8 +299,16 @@ class ModesOnDemand(Sequence[Mode]):
 
     def select(self, suits: Callable[[Regime], bool]) -> Iterator[Mode]:
         """The modes all of whose regimes suit, in order, derived one by one."""
-        suitable = ([i for i, regime in enumerate(part) if suits(regime)] for part in self.parts)
-        return (mode for one in product(*suitable) if (mode := self.mode(one)) is not None)
+        suitable = [[i for i, regime in enumerate(part) if suits(regime)] for part in self.parts]
+        return (mode for one in self._joined(suitable, ()) if (mode := self.mode(one)) is not None)
+
+    def _joined(self, suitable: Sequence[Sequence[int]], leading: Combination) -> Iterator[Combination]:
+        """The combinations with these leading regimes, but for those that exclude each other."""
+        if len(leading) == len(suitable):
+            yield leading
+        elif not leading or self.names.allows(leading):
+            for one in suitable[len(leading)]:
+                yield from self._joined(suitable, (*leading, one))
 
     def __iter__(self) -> Iterator[Mode]:
         return self.select(lambda _: True)

@@ -27,7 +27,7 @@ from .contact import (
     StickSlip,
     StickSlipSeparation,
 )
-from .dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSlip
+from .dynamic_friction import Dahl, Iwan, Jenkins, LuGre, RateAndState, RateAndStateSlip
 from .friction import (
     Coulomb,
     ExponentialDecay,
@@ -57,6 +57,7 @@ __all__ = [
     "HyperbolicDecay",
     "ImpactLaw",
     "Interface",
+    "Iwan",
     "Jenkins",
     "LinearContact",
     "LuGre",

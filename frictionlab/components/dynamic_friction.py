@@ -1,4 +1,4 @@
-"""Dynamic friction laws, which have states of their own: LuGre, Dahl, Jenkins, rate and state.
+"""Dynamic friction laws, which have states of their own: LuGre, Dahl, Jenkins, Iwan, rate and state.
 
 A state is the deflection of bristles, or how long a contact has rested.  v_r has either sign in force and
 rates, which are written with ``abs(relative_velocity)`` where they depend on the speed alone.
@@ -7,11 +7,17 @@ rates, which are written with ``abs(relative_velocity)`` where they depend on th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from math import isclose
 from typing import Any, ClassVar
+
+from frictionlab.validation import check_number, check_sequence
 
 from .component import parameter
 from .friction import FrictionLaw, check_coefficients
 from .functions import arcsinh, exp, log
+
+MOST_ELEMENTS = 30  # of Iwan's
 
 
 def _bristle_stiffness() -> Any:
@@ -33,6 +39,18 @@ def _coefficient(default: float, symbol: str, meaning: str) -> Any:
         meaning=meaning,
         exclusive_minimum=0.0,
         range=(0.01, 3.0),
+    )
+
+
+def _tangential_stiffness() -> Any:
+    return parameter(
+        100.0,
+        unit="N/m",
+        symbol=r"k_{\mathrm{t}}",
+        meaning="tangential stiffness of the contact",
+        exclusive_minimum=0.0,
+        range=(1.0, 1e7),
+        log=True,
     )
 
 
@@ -157,7 +175,7 @@ class Jenkins(FrictionLaw):
     """Jenkins' element, a spring in series with a slider: F_T = k_t z, z' = v_r while |z| < mu_k F_N/k_t.
 
     At its limit the slider slips and F_T = mu_k F_N along v_r.  The mode "stick" is that of the spring alone.
-    Several contacts of one v_r with different laws are an Iwan element.
+    Several of them side by side are :class:`Iwan`'s.
 
     Parameters
     ----------
@@ -174,15 +192,7 @@ class Jenkins(FrictionLaw):
 
     states: ClassVar[tuple[str, ...]] = ("z",)
     mu_k: float = _coefficient(0.3, "k", "coefficient of friction of the slider")
-    k_t: float = parameter(
-        100.0,
-        unit="N/m",
-        symbol=r"k_{\mathrm{t}}",
-        meaning="tangential stiffness of the contact",
-        exclusive_minimum=0.0,
-        range=(1.0, 1e7),
-        log=True,
-    )
+    k_t: float = _tangential_stiffness()
 
     def force(self, normal_force: Any, relative_velocity: Any, z: Any) -> Any:
         """Friction force (N) at a deflection z (m)."""
@@ -199,6 +209,99 @@ class Jenkins(FrictionLaw):
     def state_limit(self, normal_force: Any) -> Any:
         """The deflection (m) at which the slider slips."""
         return self.mu_k * normal_force / self.k_t
+
+
+@dataclass(frozen=True, repr=False)
+class Iwan(FrictionLaw):
+    """Iwan's element, n of Jenkins' side by side: F_T = sum of k_i z_i, z_i' = v_r while |z_i| < F_i/k_i.
+
+    They slip one after the other, and the contact passes from stick through partial slip to slip, where
+    F_T = mu_k F_N along v_r.  By default all have the stiffness k_i = k_t/n, and the forces at which they
+    slip are evenly spread, F_i = (2 i - 1)/n^2 mu_k F_N.  The first loading is then that of Iwan's
+    uniform distribution, F_T = k_t x - (k_t x)^2/(4 mu_k F_N) up to x = 2 mu_k F_N/k_t, at n places between
+    which it is straight but for one slip.
+
+    A mode's name has the regime of each element, as in "contact | slip+ | stick | stick".
+
+    Parameters
+    ----------
+    mu_k : float
+        Coefficient of friction where all elements slip, above 0.
+    k_t : float
+        Tangential stiffness where all stick, N/m, above 0.
+    elements : int
+        n, from 1 to 30.
+    strengths, stiffnesses : tuple of float or None
+        For each element in proportion to what F_i and k_i are; None for those above.
+
+    References
+    ----------
+    W. D. Iwan, Journal of Applied Mechanics 33 (1966) 893-900.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> model = fl.MassOnBelt(friction=fl.Iwan())
+    >>> fl.simulate(model, 1.0).names
+    ('x', "x'", 'z1', 'z2', 'z3')
+    """
+
+    mu_k: float = _coefficient(0.3, "k", "coefficient of friction of all sliders")
+    k_t: float = _tangential_stiffness()
+    elements: int = 3
+    strengths: tuple[float, ...] | None = None
+    stiffnesses: tuple[float, ...] | None = None
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the deflections: z1, z2, ..."""
+        return tuple(f"z{i + 1}" for i in range(self.elements))
+
+    def check(self) -> None:
+        """Refuse no elements, strengths and stiffnesses that are not one positive number for each, and
+        elements that slip together."""
+        n = check_number("elements", self.elements, integer=True, least=1, most=MOST_ELEMENTS)
+        for name in ("strengths", "stiffnesses"):
+            given, cure = getattr(self, name), f"write {name}=(1.0, 2.0), with elements=2, or leave it out"
+            for one in () if given is None else check_sequence(name, given, cure):
+                check_number(f"each of {name}", one, above=0, cure=cure)
+            if given is not None and len(given) != n:
+                raise ValueError(
+                    f"{name} must have one number for each of {n} elements, got {len(given)}: {cure}"
+                )
+
+        ratios = sorted(f / k for f, k in zip(self._f, self._k))
+        if any(isclose(one, following) for one, following in pairwise(ratios)):
+            raise ValueError(
+                "strengths must be in different ratios to stiffnesses, as elements that slip together are "
+                f"one, got {self.strengths} and {self.stiffnesses}: add up those of such elements"
+            )
+
+    def force(self, normal_force: Any, relative_velocity: Any, *z: Any) -> Any:
+        """Friction force (N) at the deflections z_i (m)."""
+        return self.k_t * sum(k * one for k, one in zip(self._k, z)) / sum(self._k)
+
+    def rates(self, normal_force: Any, relative_velocity: Any, *z: Any) -> dict[str, Any]:
+        """The rates of the deflections of elements that stick, m/s."""
+        return dict.fromkeys(self.states, relative_velocity)
+
+    def stored_energy(self, normal_force: Any, *z: Any) -> Any:
+        """Energy (J) of the springs, the sum of k_i z_i^2/2."""
+        return self.k_t * sum(k * one**2 for k, one in zip(self._k, z)) / (2 * sum(self._k))
+
+    def state_limit(self, normal_force: Any) -> dict[str, Any]:
+        """The deflections (m) at which the elements slip, F_i/k_i."""
+        limit, pairs = self.mu_k * normal_force / self.k_t, zip(self._f, self._k)
+        limits = (limit * (f * sum(self._k)) / (k * sum(self._f)) for f, k in pairs)
+        return dict(zip(self.states, limits))
+
+    @property
+    def _f(self) -> tuple[float, ...]:
+        return self.strengths or tuple(range(1, 2 * self.elements, 2))
+
+    @property
+    def _k(self) -> tuple[float, ...]:
+        return self.stiffnesses or (1,) * self.elements
 
 
 @dataclass(frozen=True, repr=False)

@@ -36,7 +36,7 @@ class FrictionLaw(Component):
     A *dynamic* law has states of its own, such as the deflection of bristles.  It names them in `states`, and
     gives :meth:`force` and :meth:`rates` instead, which take the states by their names.  Its contact does not
     stick: where v_r changes its sign, force and rates are continuous.  Of an elastic-plastic law, which has a
-    :meth:`state_limit` for its one state, "stick" is the elastic regime.
+    :meth:`state_limit`, "stick" is the elastic regime; several states have each its own.
     """
 
     states: ClassVar[tuple[str, ...]] = ()
@@ -95,7 +95,10 @@ class FrictionLaw(Component):
         return None
 
     def state_limit(self, normal_force: Any) -> Any:
-        """Largest magnitude of the state of an elastic-plastic law, at which the contact slips; else None."""
+        """Largest magnitude of the state of an elastic-plastic law, at which it slips; else None.
+
+        Of several states a mapping of their names to the limits.
+        """
         return None
 
     def _signature(self, method: str) -> str:

@@ -38,7 +38,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 )
 from frictionlab.models.mechanical.dynamic_laws import (
     LawValues,
-    limit_of_state,
+    limits_of_states,
     values_of_law,
     values_on_one_side,
 )
@@ -190,7 +190,7 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
     if isinstance(contact, Contact):
         return ()
     hits = "separation" in modes and contact.impact is not None
-    smooth = limit_of_state(contact) is None
+    smooth = not limits_of_states(contact)
     return ("slip",) * ("slip+" in modes and smooth) + ("impact",) * hits
 
 
@@ -336,7 +336,7 @@ def _law_rates(
     states = tuple(map(write, write.system.of_laws[i]))
     if not states:
         return
-    if regime.name in APART or limit_of_state(contact) is not None:
+    if regime.name in APART or limits_of_states(contact):
         rates = tuple(map(write, regime.rates))
     else:
         rates = _law_values(write, mode, regime, i).rates
@@ -390,9 +390,10 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return pressed
     if contact.in_plane:
         return (*_conditions_in_plane(system, regime, i), *pressed)
-    if regime.name == "stick" and system.of_laws[i]:
-        (state,), limit = map(write, system.of_laws[i]), contact.law.state_limit(normal)
-        return (sympy.Le(sympy.Abs(state), limit, evaluate=False), *pressed)
+    if limits := limits_of_states(replace(contact, normal_force=normal, damper=0)):
+        pairs, held = zip(system.of_laws[i], limits, strict=True), sympy.Tuple(*regime.constraints)
+        sticks = ((write(state), limit) for state, limit in pairs if not held.has(state))
+        return (*(sympy.Le(sympy.Abs(state), limit, evaluate=False) for state, limit in sticks), *pressed)
     if regime.name == "stick":
         limit = contact.law.static_limit(normal)
         return (sympy.Le(sympy.Abs(_force_function(system, i)), limit, evaluate=False), *pressed)

@@ -52,6 +52,7 @@ NO_NUMBER = (
     "cannot determine truth value",
 )
 MAY_BE_NONE = "rates_in_separation", "state_limit"
+OF_STATES = "rates", *MAY_BE_NONE
 
 
 def symbolic_copy(key: StructureKey) -> Any:
@@ -166,8 +167,10 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
                 f"{law}.{name} must return a force, an impulse or rates, got None: write return in front"
             )
         parts = (value,)
-        if name.startswith("rates"):  # what is no mapping is refused with the names of the states
-            parts = value.values() if isinstance(value, Mapping) else ()
+        if isinstance(value, Mapping) and name in OF_STATES:
+            parts = value.values()
+        elif name.startswith("rates"):  # what is no mapping is refused with the names of the states
+            parts = ()
         for one in parts:
             if one is not None and not _is_formula(one):
                 raise TypeError(

@@ -24,10 +24,10 @@ from frictionlab.analysis.period_of_motion import (
     with_period,
 )
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModeNames
+from frictionlab.automaton.modes_on_demand import ModeNames, regimes_in
 from frictionlab.components.component import Component, Parameter, structure_of
 from frictionlab.components.contact import ContactLaw, CubicContact, HertzContact, PolynomialContact
-from frictionlab.components.dynamic_friction import Dahl, Jenkins, LuGre, RateAndState, RateAndStateSlip
+from frictionlab.components.dynamic_friction import Dahl, Iwan, Jenkins, LuGre, RateAndState, RateAndStateSlip
 from frictionlab.components.friction import (
     Coulomb,
     ExponentialDecay,
@@ -94,6 +94,7 @@ LAWS: Mapping[type[Component], Mapping[str, Component]] = MappingProxyType(
             "Dahl": Dahl(),
             "LuGre": LuGre(),
             "Jenkins": Jenkins(),
+            "Iwan": Iwan(),
             "rate and state (aging)": RateAndState(),
             "rate and state (slip)": RateAndStateSlip(),
         },
@@ -316,7 +317,7 @@ def switch_control(model: Any, name: str) -> Data:
 
 def _regimes(model: Model, words: str) -> str:
     """Those of the words that are regimes of the model; "impacts" where none is."""
-    regimes = {part for name in model.automaton().names for part in name.split(" | ")}
+    regimes = regimes_in(model.automaton().names)
     fitting = [word for word in words.split(", ") if any(part.startswith(word) for part in regimes)]
     return ", ".join(fitting) or "impacts"
 

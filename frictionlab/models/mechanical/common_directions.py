@@ -21,6 +21,7 @@ from frictionlab.models.symbols import expand_products
 
 LEAST_LIMIT = 1e-290  # N, no summand of any limit but zero: of contacts that are only touched shares are 0/0
 RUBBING = {"stick": 0, "slip+": 1, "slip-": -1}  # the sign of v_r in the regimes of a contact that can stick
+SLIP = "slip+", "slip-"
 Row = tuple[Any, ...]
 
 

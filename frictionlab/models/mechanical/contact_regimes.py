@@ -16,7 +16,7 @@ order of r, as the limit does not tell at which point of a flight it is.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,9 +26,10 @@ from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw, PlasticImpact, clip
+from frictionlab.models.mechanical.common_directions import RUBBING
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
 from frictionlab.models.mechanical.dynamic_laws import (
-    limit_of_state,
+    limits_of_states,
     rates_in_separation,
     returns_to_zero,
     values_of_contact,
@@ -75,7 +76,8 @@ class RegimeEnd(NamedTuple):
     `jump` is None, "project" (onto the constraints), "stop" (the same in the plane), "impact", "cross"
     (v_r changes its sign, and nothing jumps), "open" (a rigid contact ends, and nothing jumps), "unload"
     (the states of a friction law return to zero), "yield" (one comes to its limit) or "hold" (it leaves
-    that). What is `common` ends the regimes of all contacts that rub along one direction, at once.
+    that). What is `common` ends the regimes of all contacts that rub along one direction, at once.  `state`
+    is the place among the law's states of the one that comes to its limit or leaves it.
     """
 
     name: str
@@ -83,6 +85,7 @@ class RegimeEnd(NamedTuple):
     targets: tuple[str, ...]
     jump: str | None = None
     common: bool = False
+    state: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +161,7 @@ def sliding_friction(contact: Friction, sign: Any, normal: Any, speed: Any) -> A
 def _slip(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
     """Slip in one direction, Eqs. (1) to (4)."""
     if contact.law.states:
-        elastic = limit_of_state(contact) is not None
-        return (_slip_at_limit if elastic else _slip_by_states)(contact, system, name)
+        return (_elastic_plastic if limits_of_states(contact) else _slip_by_states)(contact, system, name)
     sign, speed = 1 if name == "slip+" else -1, contact.relative_velocity
     stops = RegimeEnd("v_r", sign * speed, _known(contact, AFTER_SLIP[name]), "project", common=True)
     force = sliding_friction(contact, sign, contact.pressing, speed)
@@ -191,27 +193,65 @@ def _slip_by_states(contact: Friction, system: LagrangeSystem, name: str) -> Con
     )
 
 
-def _slip_at_limit(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
-    """The slider of an elastic-plastic law slips: the state is at its limit, and follows it."""
-    sign = 1 if name == "slip+" else -1
-    (state,), limit, pressing = system.law_states(contact), sign * limit_of_state(contact), contact.pressing
-    force, (elastic,) = values_of_law(contact.law, pressing, contact.relative_velocity, (limit,))
-    rate = system.rate(limit)
-    sticks = RegimeEnd("v_r", sign * (elastic - rate), _known(contact, ("stick",)), "hold")
-    ends = (sticks, *ends_of_contact(contact, system))
-    return ContactRegime(name, force, (), (state - limit,), lambda *_: ends, pressing=pressing, rates=(rate,))
+def _elastic_plastic(contact: Friction, system: LagrangeSystem, name: str) -> ContactRegime:
+    """The one state of an elastic-plastic law sticks, within its limit, or slips, at the limit."""
+    of_state = (one._replace(targets=_known(contact, one.targets)) for one in _ends(contact, system, 0, name))
+    ends = (*of_state, *ends_of_contact(contact, system))
+    yielded = _yielded(contact, system, (name,))
+    return ContactRegime(name, held=(), ends=lambda *_: ends, pressing=contact.pressing, **yielded)
 
 
-def _elastic(contact: Friction, system: LagrangeSystem) -> ContactRegime:
-    """Stick of the slider of an elastic-plastic law, while the state is within its limit."""
-    (state,), limit, pressing = system.law_states(contact), limit_of_state(contact), contact.pressing
-    force, rates = values_of_law(contact.law, pressing, contact.relative_velocity, (state,))
-    ends = (
-        RegimeEnd("cone+", limit - state, _known(contact, ("slip+",)), "yield"),
-        RegimeEnd("cone-", limit + state, _known(contact, ("slip-",)), "yield"),
-        *ends_of_contact(contact, system),
-    )
-    return ContactRegime("stick", force, (), (), lambda *_: ends, pressing=pressing, rates=rates)
+def regimes_of_state(contact: Friction, system: LagrangeSystem, k: int) -> tuple[ContactRegime, ...]:
+    """The regimes of one of several states of an elastic-plastic law; in "separation" it is at rest."""
+
+    def regime(name: str) -> ContactRegime:
+        if name not in RUBBING:
+            return ContactRegime(name, sympy.S.Zero, (), (), lambda *_: ())
+        ends, sticks = _ends(contact, system, k, name), ["stick"] * len(contact.law.states)
+        rate = _yielded(contact, system, [*sticks[:k], name, *sticks[k + 1 :]])["rates"][k]
+        return ContactRegime(name, sympy.S.Zero, (), (), lambda *_: ends, rates=(rate,))
+
+    return tuple(map(regime, (*RUBBING, *_known(contact, ("separation",)))))
+
+
+def in_contact(
+    contact: Friction, system: LagrangeSystem, of_states: Sequence[ContactRegime]
+) -> ContactRegime:
+    """The regime "contact", in which several states of a law have these regimes."""
+    bare, names = _frictionless(contact, system), [one.name for one in of_states]
+    ends = (*(end for one in of_states for end in one.ends(None, None)), *bare.ends(None, None))
+    return replace(bare, ends=lambda *_: ends, **_yielded(contact, system, names))
+
+
+def _yielded(contact: Friction, system: LagrangeSystem, names: Sequence[str]) -> dict[str, Any]:
+    """Force, rates and constraints of an elastic-plastic law by the regime of each state.
+
+    In slip a state is at its limit, and follows it.
+    """
+    pairs = zip(limits_of_states(contact), names, strict=True)
+    borders = [RUBBING[name] * limit for limit, name in pairs]
+    slips, states = [bool(RUBBING[name]) for name in names], system.law_states(contact)
+    at = [border if slip else state for border, slip, state in zip(borders, slips, states, strict=True)]
+    force, elastic = values_of_law(contact.law, contact.pressing, contact.relative_velocity, at)
+    each = list(zip(borders, slips, states, elastic, strict=True))
+    return {
+        "force": force,
+        "rates": tuple(system.rate(border) if slip else rate for border, slip, _, rate in each),
+        "constraints": tuple(state - border for border, slip, state, _ in each if slip),
+    }
+
+
+def _ends(contact: Friction, system: LagrangeSystem, k: int, name: str) -> tuple[RegimeEnd, ...]:
+    """What ends stick or slip of one state of an elastic-plastic law."""
+    states, limit, sign = [*system.law_states(contact)], limits_of_states(contact)[k], RUBBING[name]
+    if not sign:
+        return (
+            RegimeEnd("cone+", limit - states[k], ("slip+",), "yield", state=k),
+            RegimeEnd("cone-", limit + states[k], ("slip-",), "yield", state=k),
+        )
+    states[k] = border = sign * limit
+    rates = values_of_law(contact.law, contact.pressing, contact.relative_velocity, states).rates
+    return (RegimeEnd("v_r", sign * (rates[k] - system.rate(border)), ("stick",), "hold", state=k),)
 
 
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
@@ -224,7 +264,7 @@ def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     return ContactRegime("slip", force, (), (), lambda *_: (*turns, *leaving), pressing=contact.pressing)
 
 
-def _frictionless(contact: Contact, system: LagrangeSystem) -> ContactRegime:
+def _frictionless(contact: Friction | Contact, system: LagrangeSystem) -> ContactRegime:
     """Contact without friction."""
     leaving = ends_of_contact(contact, system)
     return ContactRegime("contact", sympy.S.Zero, (), (), lambda *_: leaving, pressing=contact.pressing)
@@ -233,7 +273,7 @@ def _frictionless(contact: Contact, system: LagrangeSystem) -> ContactRegime:
 def _stick(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     """Stick, Eqs. (5) to (8), until the constraint force leaves the friction cone."""
     if contact.law.states:
-        return _elastic(contact, system)
+        return _elastic_plastic(contact, system, "stick")
     speed, limit = contact.relative_velocity, contact.law.static_limit(contact.pressing)
 
     def breaks(force: Any, largest: Any) -> tuple[RegimeEnd, ...]:
@@ -450,16 +490,16 @@ def crossing_reset(contact: Friction) -> Reset:
     return Reset(vanishing={sign * contact.relative_velocity: 1 for sign in (1, -1)})
 
 
-def yielding_reset(system: LagrangeSystem, contact: Friction, function: Any) -> Reset:
-    """The state of an elastic-plastic law is at the limit that an event function, limit -+ state, has met."""
-    (state,), limit = system.law_states(contact), limit_of_state(contact)
-    at = limit if expand_products(function - limit + state) == 0 else -limit
+def yielding_reset(system: LagrangeSystem, contact: Friction, end: RegimeEnd) -> Reset:
+    """A state of an elastic-plastic law is at the limit that an event function, limit -+ state, has met."""
+    state, limit = system.law_states(contact)[end.state], limits_of_states(contact)[end.state]
+    at = limit if expand_products(end.function - limit + state) == 0 else -limit
     return Reset({state: at}, {state - at: 1})
 
 
-def holding_reset(system: LagrangeSystem, contact: Friction, regime_left: str) -> Reset:
-    """After a regime of slip the slider sticks: its state is still at the limit, and moves as this does."""
-    (state,), limit = system.law_states(contact), limit_of_state(contact)
+def holding_reset(system: LagrangeSystem, contact: Friction, k: int, regime_left: str) -> Reset:
+    """After a regime of slip a slider sticks: its state is still at the limit, and moves as this does."""
+    state, limit = system.law_states(contact)[k], limits_of_states(contact)[k]
     return Reset(vanishing={limit - state if regime_left == "slip+" else limit + state: 2})
 
 

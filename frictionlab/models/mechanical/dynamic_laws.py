@@ -6,6 +6,7 @@ Such a law is written with |v_r|.  On one side this is v_r, on the other -v_r, s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import sympy
@@ -61,10 +62,16 @@ def rates_in_separation(contact: Friction, states: Sequence[Any]) -> tuple[Any, 
     return _in_order(contact.law, "rates_in_separation", given)
 
 
-def limit_of_state(contact: Friction) -> Any:
-    """The largest magnitude of the state of a contact with an elastic-plastic law; None for other laws."""
-    limit = contact.law.state_limit(contact.pressing) if contact.law.states else None
-    return None if limit is None else sympy.sympify(limit, strict=True)
+@lru_cache(maxsize=1024)  # each event of a state asks for them
+def limits_of_states(contact: Friction) -> tuple[Any, ...]:
+    """The largest magnitude of each state of a contact with an elastic-plastic law; () for other laws."""
+    law = contact.law
+    limit = law.state_limit(contact.pressing) if law.states else None
+    if limit is None:
+        return ()
+    if len(law.states) == 1 and not isinstance(limit, Mapping):
+        return (sympy.sympify(limit, strict=True),)
+    return _in_order(law, "state_limit", limit)
 
 
 def check_elastic(law: FrictionLaw, states: Sequence[Any]) -> None:
@@ -94,8 +101,9 @@ def _in_order(law: FrictionLaw, method: str, given: Any) -> tuple[Any, ...]:
     if not isinstance(given, Mapping) or {*given} != {*names}:
         shown = ", ".join(f'"{name}": ...' for name in names)
         got = ", ".join(map(str, given)) if isinstance(given, Mapping) else abbreviate(given)
+        what = "limit" if method == "state_limit" else "rate"
         raise ValueError(
-            f"{of} must give the rate of each of its states {', '.join(names)}, got {got or 'none'}: "
+            f"{of} must give the {what} of each of its states {', '.join(names)}, got {got or 'none'}: "
             f"write return {{{shown}}}"
         )
     return tuple(sympy.sympify(given[name], strict=True) for name in names)

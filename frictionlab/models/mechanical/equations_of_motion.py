@@ -21,15 +21,18 @@ from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
 from frictionlab.models.symbols import expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 
-from .common_directions import RUBBING, CommonDirection, common_directions
+from .common_directions import RUBBING, SLIP, CommonDirection, common_directions
 from .contact_regimes import (
+    APART,
     ContactRegime,
     impact_resets,
+    in_contact,
     regimes_of_contact,
+    regimes_of_state,
     stick_reset,
 )
 from .coupled_masses import CoupledMasses, coupled_masses
-from .dynamic_laws import limit_of_state
+from .dynamic_laws import limits_of_states, values_of_contact
 from .friction_in_plane import check_alone, names_in_plane, plane_regimes, plane_stop
 from .meaning import check_linear, check_mechanics, mass_matrix
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop, mechanics_at
@@ -123,8 +126,42 @@ class LagrangeSystem:
             for contact in self.mechanics.contacts
         )
 
+    @cached_property
+    def parts_of_states(self) -> dict[int, range]:
+        """By contact the places in `parts` of its law's states, where these have regimes of their own: those
+        of elastic-plastic laws with several states."""
+        places, first = {}, len(self.regimes)
+        for i, contact in enumerate(self.mechanics.contacts):
+            limits = limits_of_states(contact) if isinstance(contact, Friction) else ()
+            if len(limits) > 1:
+                places[i] = range(first, first := first + len(limits))
+        return places
+
+    @cached_property
+    def _one_way(self) -> frozenset[int]:
+        """Contacts whose states cannot slip in both directions at once, as all have one rate, and limits that
+        do not move."""
+        contacts: Any = self.mechanics.contacts
+        return frozenset(
+            i
+            for i in self.parts_of_states
+            if len({*values_of_contact(contacts[i], self.of_laws[i], 1).rates}) == 1
+            and not any(map(self.varies, limits_of_states(contacts[i])))
+        )
+
+    @cached_property
+    def parts(self) -> tuple[tuple[ContactRegime, ...], ...]:
+        """The regimes of all that a mode has one of: contacts, and then states of laws."""
+        contacts: Any = self.mechanics.contacts
+        of_states = (
+            regimes_of_state(contacts[i], self, k)
+            for i, places in self.parts_of_states.items()
+            for k in range(len(places))
+        )
+        return (*self.regimes, *of_states)
+
     def chosen(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        """The regimes of a combination, which has the index of one for each contact.
+        """The regimes of the contacts in a combination, which has the index of one for each part.
 
         Contacts may hold a velocity on which v_r of another depends.  More of them than velocities cannot all
         hold, as only the sum of their forces would be known: then that of the other is at its limit.
@@ -138,7 +175,11 @@ class LagrangeSystem:
         return {}
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
+        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination)]
+        for i, parts in self.parts_of_states.items():
+            if chosen[i].name not in APART:
+                contact: Any = self.mechanics.contacts[i]
+                chosen[i] = in_contact(contact, self, [self.parts[k][combination[k]] for k in parts])
         held = [i for i in self._contacts_in_conflict if chosen[i].held]
         for i in self._contacts_in_conflict if held else ():
             resting = chosen[i].resting
@@ -161,11 +202,16 @@ class LagrangeSystem:
     @cached_property
     def names(self) -> ModeNames:
         """Names of all modes, which are the combinations of regimes that :meth:`allows` accepts."""
-        return ModeNames(tuple(tuple(one.name for one in each) for each in self.regimes), self.allows)
+        return ModeNames(tuple(tuple(one.name for one in each) for each in self.parts), self.allows)
 
     def allows(self, combination: Combination) -> bool:
-        """Whether contacts of one direction agree, and all else that is held at zero is independent."""
+        """Whether contacts of one direction agree, all else that is held at zero is independent, and states
+        of laws are apart where their contacts are."""
         names: Sequence[str] = ()
+        for i, parts in self.parts_of_states.items():
+            known = [self.parts[k][combination[k]].name for k in (i, *parts) if k < len(combination)]
+            if len({one in APART for one in known}) > 1 or (i in self._one_way and {*SLIP} <= {*known}):
+                return False
         if self.directions:
             names = self.names_of_regimes(combination)
             if not all(direction.allows(names) for direction in self.directions):
@@ -488,9 +534,12 @@ def _names_with_states(contact: Friction, names: Iterable[str]) -> tuple[str, ..
     """The regimes with a dynamic law, in which v_r has either sign also where slip keeps its direction.
 
     Such a law holds for both signs and turns its force by itself, so that it slips both ways; v_r passes
-    through zero without stick.  An elastic-plastic law also needs its "stick", from which it comes to slip.
+    through zero without stick.  An elastic-plastic law also needs its "stick", from which it comes to slip;
+    with several states these have such regimes, and the contact is just closed.
     """
-    elastic = limit_of_state(contact) is not None
+    elastic = limits_of_states(contact)
+    if len(elastic) > 1:
+        return tuple(dict.fromkeys("contact" if one in (*RUBBING, "slip") else one for one in names))
     found = dict.fromkeys(one for name in names for one in (RUBBING if name == "slip" else (name,)))
     return tuple(name for name in found if elastic or name != "stick")
 

@@ -43,12 +43,13 @@ def with_law_states(
     names = model.structure_key.parameters
     numbers = formulas.numbers(*map(float, start), *(values[name] for name in names)).tolist()
     start = start.copy()
-    for about, touching, limit in zip(known, numbers[::2], numbers[1::2], strict=True):
+    for about in known:
+        touching, *limits = (numbers.pop(0) for _ in range(1 + about["limits"]))
         if about["lost"] and touching < 0:
             start[about["places"]] = 0.0
-        elif about["limited"]:
-            place = about["places"][0]
-            start[place] = limited(model, about["names"][0], float(start[place]), limit)
+            continue
+        for place, name, limit in zip(about["places"], about["names"], limits):
+            start[place] = limited(model, name, float(start[place]), limit)
     return start
 
 
@@ -70,7 +71,7 @@ def within_limit(model: MechanicalModel, name: str, value: float, limit: float) 
 @cache
 def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
     """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
-    that is negative where it is lost, and the limit of its state, for each."""
+    that is negative where it is lost, and the limits of its states if they have any, for each."""
     derivations = derivations_of(key)
     known = derivations.value("states of laws", lambda: [about for about, _ in _contacts(key)])
 
@@ -85,8 +86,8 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
     return known, kept_formulas(derivations, "states of laws", derive)
 
 
-def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, Any]]]:
-    from .dynamic_laws import limit_of_state, returns_to_zero
+def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
+    from .dynamic_laws import limits_of_states, returns_to_zero
     from .equations_of_motion import system_of
 
     system, contacts = system_of(key), []
@@ -95,17 +96,17 @@ def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, Any]]]
         states = system.law_states(contact)
         if not isinstance(contact, Friction) or not states:
             continue
-        limit, names = limit_of_state(contact), [str(one) for one in states]
+        limits, names = limits_of_states(contact), [str(one) for one in states]
         about = {
             "names": names,
             "places": [order.index(name) for name in names],
             "lost": "separation" in contact.modes and returns_to_zero(contact, states),
-            "limited": limit is not None,
+            "limits": len(limits),
         }
         touching = contact.penetration
         if touching is None:
             touching = contact.pressing
         elif "relaxation" in contact.modes:
             touching = sympy.Min(touching, contact.pressing)
-        contacts.append((about, (touching, sympy.S.Zero if limit is None else limit)))
+        contacts.append((about, (touching, *limits)))
     return contacts

@@ -21,7 +21,7 @@ from frictionlab.models.symbols import expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
-from .dynamic_laws import check_elastic, limit_of_state, rates_in_separation, values_of_law
+from .dynamic_laws import check_elastic, limits_of_states, rates_in_separation, values_of_law
 from .friction_in_plane import check_directions, check_plane
 from .massless_motions import LEAST_SHARE, SEED, motion_without_energy
 from .mechanics import AnyContact, Contact, Friction, Mechanics, Stop
@@ -281,14 +281,13 @@ class _Check:
         if not states:
             self.powers("the friction law", contact.law.kinetic(force, sliding), [force, sliding])
             return
-        limit = limit_of_state(contact)
-        if limit is not None and (len(states) > 1 or any(gradient(limit, self.v))):
+        limits = limits_of_states(contact)
+        if wrong := [limit for limit in limits if any(gradient(limit, self.v))]:
             raise ValueError(
-                f"{type(contact.law).__name__} in {self.of} must have one state, whose limit does not depend "
-                f"on velocities, got {abbreviate(limit)}: give a normal force without a damper, and several "
-                "contacts for several elements"
+                f"{type(contact.law).__name__} in {self.of} must have a state_limit that does not depend on "
+                f"velocities, got {abbreviate(wrong[0])}: give a normal force without a damper"
             )
-        if limit is not None:
+        if limits:
             check_elastic(contact.law, states)
         for sign in (1, -1):
             values = values_of_law(contact.law, force, sign * sliding, states)

@@ -26,6 +26,7 @@ from frictionlab.models.symbols import expand_products
 from frictionlab.presentation import DISTANCE, REACTION
 
 from .contact_regimes import (
+    APART,
     CHATTER_TIME,
     ContactRegime,
     HeldVelocity,
@@ -46,6 +47,7 @@ from .mechanics import AnyContact, Friction, Stop
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
+YIELDS = "yield", "hold"  # what ends a regime of a state of an elastic-plastic law
 _expand = lru_cache(maxsize=4096)(expand_products)  # most are the same in many modes
 
 
@@ -57,9 +59,9 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     """
     key, numbers = model.structure_key, {}
     system = system_of(key)
-    if len(system.mechanics.contacts) > 1:
+    if len(system.parts) > 1:
         modes: Any = ModesOnDemand(
-            tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes),
+            tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts),
             lambda combination: mode_of(system, combination),
             system.names,
             *_again(key),
@@ -111,7 +113,7 @@ def conditions_of_regime(regime: ContactRegime) -> Regime:
     else:
         needs = [end.function for end in regime.ends(regime.force, None)]
     distances = len(regime.constraints) - len(regime.held)  # a rigid contact has one and its rate
-    return Regime(regime.name, tuple(needs), len(regime.held) > distances)
+    return Regime(regime.name, tuple(needs), len(regime.held) > distances, regime.rates)
 
 
 class ContactForces(NamedTuple):
@@ -335,7 +337,7 @@ def _sparse_product(one: Any, other: Any) -> Any:
 
 
 def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None = None) -> Mode:
-    """The mode of one regime for each contact."""
+    """The mode of one regime for each part."""
     chosen = system.chosen(combination)
     solved = solve_contact_forces(system, chosen, hold)
     names = [regime.name for regime in chosen]
@@ -356,7 +358,8 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
 def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:
     changed = (one for name in end.targets for one in _entered(system, combination, i, end, name))
     targets = tuple(dict.fromkeys(system.names.name_of(one) for one in changed if system.names.allows(one)))
-    contact, label = system.mechanics.contacts[i], end.name + contact_suffix(system, i)
+    contact, part, of = system.mechanics.contacts[i], _part_of(system, i, end), contact_suffix(system, i)
+    label = end.name + (of if part == i else f"_{system.of_laws[i][end.state]}")
     if end.jump == "impact":
         return Event(label, end.function, targets, *system.impact_resets(contact))
     if end.jump == "project":
@@ -367,11 +370,10 @@ def _event(system: LagrangeSystem, combination: Combination, i: int, end: Regime
     if end.jump == "cross" and isinstance(contact, Friction):
         return Event(label, end.function, targets, crossing_reset(contact))
     if end.jump == "yield" and isinstance(contact, Friction):
-        return Event(label, end.function, targets, yielding_reset(system, contact, end.function))
+        return Event(label, end.function, targets, yielding_reset(system, contact, end))
     if end.jump == "hold" and isinstance(contact, Friction):
-        return Event(
-            label, end.function, targets, holding_reset(system, contact, system.chosen(combination)[i].name)
-        )
+        left = system.parts[part][combination[part]].name
+        return Event(label, end.function, targets, holding_reset(system, contact, end.state, left))
     if end.jump == "open" and isinstance(contact, Stop):
         return Event(label, end.function, targets, Reset(vanishing=zeros_in_contact(system, contact)))
     if end.jump == "unload" and isinstance(contact, Friction):
@@ -423,15 +425,28 @@ def _entered(
         yield from (_changed(system, combination, {i: name, j: "stick"}) for j in resting)
     direction = system.direction_of(i) if end.common else None
     names = [regime.name for regime in chosen]
-    for changes in ({i: name},) if direction is None else direction.together(i, names, name):
+    alone = _with_states(system, i, _part_of(system, i, end), name)
+    for changes in alone if direction is None else direction.together(i, names, name):
         yield _changed(system, combination, changes)
+
+
+def _part_of(system: LagrangeSystem, i: int, end: RegimeEnd) -> int:
+    """The part whose regime ends: contact `i`, or a state of its law that has regimes of its own."""
+    return system.parts_of_states[i][end.state] if i in system.parts_of_states and end.jump in YIELDS else i
+
+
+def _with_states(system: LagrangeSystem, i: int, part: int, name: str) -> tuple[dict[int, str], ...]:
+    """The changes to try where a part of contact `i` enters a regime: with it the states of its law."""
+    states = system.parts_of_states.get(i, ()) if part == i else ()
+    of_states = ("separation",) if name in APART else ("slip+", "slip-", "stick")
+    return tuple({part: name, **dict.fromkeys(states, one)} for one in (of_states if states else (name,)))
 
 
 def _changed(system: LagrangeSystem, combination: Combination, names: Mapping[int, str]) -> Combination:
     """The combination with the regimes of these names, as far as the contacts have them."""
     changed = list(combination)
     for i, name in names.items():
-        known = [regime.name for regime in system.regimes[i]]
+        known = [regime.name for regime in system.parts[i]]
         changed[i] = known.index(name) if name in known else combination[i]
     return tuple(changed)
 

@@ -191,7 +191,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     got = "none was found" if search.why else "got none"
     unsure = f" by a search that cannot exclude one, as {search.why}" if search.why else ""
     others = [name for name in automaton.names if name not in modes] if not automaton.on_demand else []
-    if automaton.on_demand and has_regime(automaton.names, "stick"):
+    if automaton.on_demand and has_regime(automaton.names, "stick") and not has_regime([*modes], "stick"):
         others = ["stick of any contact"]
     forced = PHASE in automaton.state_names and sliding
     still = ", such as the amplitude or the frequency of a load, as its phase never rests" if forced else ""
@@ -203,7 +203,7 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     )
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, {got} in "
-        f"{', '.join(modes.values()) or 'no mode'}{unsure}{left_out}: change its parameters{still}, or "
+        f"{shorten([*modes.values()]) or 'no mode'}{unsure}{left_out}: change its parameters{still}, or "
         f"simulate its motion{elastic}"
     )
 

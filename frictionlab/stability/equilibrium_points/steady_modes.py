@@ -415,8 +415,10 @@ def _allows_rest(automaton: HybridAutomaton, mode: Mode) -> bool:
 
 
 def _can_rest(automaton: HybridAutomaton, regime: Regime) -> bool:
-    """Whether a regime's conditions can hold at zero velocities: not in slip against a running belt."""
-    return not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
+    """Whether a regime's conditions can hold at zero velocities, not in slip against a running belt; and its
+    states rest, not in stick of a spring on such a belt."""
+    moving = any(rate != 0 for rate in _constants_at_rest(automaton, regime.rates))
+    return not moving and not any(c < 0 for c in _constants_at_rest(automaton, regime.conditions))
 
 
 def _constants_at_rest(automaton: HybridAutomaton, functions: Sequence[Any]) -> list[Any]:

@@ -9,6 +9,10 @@ import frictionlab as fl
 
 MU, K_T, N = 0.4, 30.0, 2.0
 ELEMENT = fl.Jenkins(mu_k=MU, k_t=K_T)
+STRENGTHS, STIFFNESSES = (0.3, 0.1, 0.6), (1, 2, 1)  # the second element slips first
+IWAN = fl.Iwan(mu_k=MU, k_t=K_T, strengths=STRENGTHS, stiffnesses=STIFFNESSES)
+LIMITS = MU * N * np.array(STRENGTHS)  # N
+SPRINGS = K_T * np.array(STIFFNESSES) / 4
 
 
 @fl.model
@@ -17,13 +21,14 @@ class Driven(fl.MechanicalModel):
 
     F: float = 2.0
     k: float = 4.0
+    a: float = 0.0
     friction: fl.FrictionLaw = ELEMENT
     coordinates = ("x",)
     period = 2.0 * math.pi / 3.0
 
     def mechanics(self, q, v):
         loads = {"x": self.F * fl.functions.cos(q.phase)}
-        rubbing = fl.Friction(-v.x, N, self.friction)
+        rubbing = fl.Friction(-v.x, N * (1.0 + self.a * fl.functions.cos(2 * q.phase)), self.friction)
         return fl.Mechanics(
             v.x**2 / 2, self.k * q.x**2 / 2, 0.1 * v.x**2, loads=loads, frequency=3.0, contacts=(rubbing,)
         )
@@ -84,53 +89,154 @@ def test_its_state_is_that_of_the_stop_operator():
     assert -audit.works["friction"][-1] == pytest.approx(MU * N * slid, rel=1e-12)
 
 
-def test_a_cycle_takes_the_energy_of_its_loop():
-    """4 mu N (X - mu N/k) at the amplitude X, and the orbit's multipliers are inside the unit circle."""
-    settled = fl.steady_state(Driven(), transient=80.0, window=20.0, progress=False)
-    orbit = fl.periodic_orbit(Driven(), settled)
+@pytest.mark.parametrize(("law", "F", "k"), [(ELEMENT, MU * N, K_T), (IWAN, LIMITS, SPRINGS)], ids=str)
+def test_a_cycle_takes_the_energy_of_its_loop(law, F, k):
+    """4 F (X - F/k) of each element at the amplitude X, where F is 0.8 N for the one of Jenkins; and the
+    orbit's multipliers are inside the unit circle."""
+    model = Driven(friction=law)
+    settled = fl.steady_state(model, transient=80.0, window=20.0, progress=False)
+    orbit = fl.periodic_orbit(model, settled)
     assert orbit.stable
-    run = fl.simulate(Driven(), orbit.period, x0=orbit.state, sections={"turn": "x'"}, progress=False)
+    run = fl.simulate(model, orbit.period, x0=orbit.state, sections={"turn": "x'"}, progress=False)
     amplitude = np.ptp(run.sections["turn"].state[:, 0]) / 2.0
     work = fl.energy_audit(run, progress=False).works["friction"][-1]
-    assert work == pytest.approx(-4.0 * MU * N * (amplitude - MU * N / K_T), rel=1e-9)
+    assert work == pytest.approx(-4.0 * np.sum(F * np.maximum(amplitude - F / k, 0.0)), rel=1e-9)
 
 
-def test_steady_sliding_is_coulombs():
-    """Where the slider slips the deflection is at its limit, and has no eigenvalue."""
-    model, coulomb = fl.MassOnBelt(friction=ELEMENT, c=0.1), fl.MassOnBelt(mu_k=MU, mu_s=MU, c=0.1)
-    point = fl.equilibrium(model)
-    assert point.state == pytest.approx([*fl.equilibrium(coulomb).state, MU / K_T], rel=1e-13)
+@pytest.mark.parametrize("law", [ELEMENT, IWAN], ids=str)
+def test_steady_sliding_is_coulombs(law):
+    """Where the sliders slip the deflections are at their limits, and have no eigenvalue."""
+    model, coulomb = fl.MassOnBelt(friction=law, c=0.1), fl.MassOnBelt(mu_k=MU, mu_s=MU, c=0.1)
+    point, limits = fl.equilibrium(model), [MU / K_T] if law is ELEMENT else LIMITS / N / SPRINGS
+    assert point.state == pytest.approx([*fl.equilibrium(coulomb).state, *limits], rel=1e-13)
     assert fl.eigenvalues(model).values == pytest.approx(fl.eigenvalues(coulomb).values, rel=1e-12)
     assert fl.eigenvalues(model.without("nonsmooth")).values == pytest.approx(
         fl.eigenvalues(coulomb).values, rel=1e-12
     )
 
 
-STRENGTHS = (0.1, 0.3, 0.6)
-
-
 @fl.model
-class Iwan(fl.MechanicalModel):
-    """Three elements side by side, of different strengths."""
+class SideBySide(fl.MechanicalModel):
+    """A mass that elements hold, each with a contact of its own."""
 
     coordinates = ("x",)
 
     def mechanics(self, q, v):
-        elements = [fl.Jenkins(mu_k=mu, k_t=K_T) for mu in STRENGTHS]
+        elements = [fl.Jenkins(mu_k=float(f) / N, k_t=float(k)) for f, k in zip(LIMITS, SPRINGS, strict=True)]
         contacts = tuple(fl.Friction(-v.x, N, element) for element in elements)
         return fl.Mechanics(v.x**2 / 2, q.x**2, contacts=contacts)
 
 
-def test_an_iwan_element_is_several_contacts():
-    """Its backbone is the sum of min(k_t x, mu_i N)."""
-    run = fl.simulate(Iwan(), 0.5, x0={"x'": 0.5}, progress=False)
-    assert run.names == ("x", "x'", "z_1", "z_2", "z_3")
-    first = np.flatnonzero(np.diff(run["x"], append=0.0) < 0.0)[0]
-    x = run["x"][:first]
-    force = sum(run[f"friction_force_{i}"][:first] for i in (1, 2, 3))
-    assert len({*run.mode[:first]}) >= 3
-    assert np.allclose(force, -sum(np.minimum(K_T * x, mu * N) for mu in STRENGTHS), atol=1e-12)
+@fl.model
+class Held(fl.MechanicalModel):
+    """The same mass on one contact."""
+
+    friction: fl.FrictionLaw = IWAN
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        return fl.Mechanics(v.x**2 / 2, q.x**2, contacts=(fl.Friction(-v.x, N, self.friction),))
+
+
+def test_an_iwan_element_is_jenkins_elements_side_by_side():
+    """Its backbone is the sum of min(k_i x, F_i), its unloading is by Masing's rule."""
+    run, other = (fl.simulate(model, 3.0, x0={"x'": 0.5}, progress=False) for model in (Held(), SideBySide()))
+    assert run.names == ("x", "x'", "z1", "z2", "z3")
+    assert run.mode[0] == "contact | stick | stick | stick"
+    assert np.allclose(run.final_state, other.final_state, rtol=0.0, atol=1e-14)
+    assert np.allclose(run.events.t, other.events.t, rtol=0.0, atol=1e-13)
+
+    def backbone(x):
+        return np.minimum(np.multiply.outer(x, SPRINGS), LIMITS).sum(axis=-1)
+
+    t = np.linspace(0.0, 3.0, 3001)
+    x, force = run(t)[:, 0], -run.output("friction_force", t)
+    top, low = np.argmax(x), np.argmin(x)
+    assert {*run.mode_names} >= {"contact | slip- | slip- | slip-", "contact | stick | slip+ | stick"}
+    assert np.allclose(force[:top], backbone(x[:top]), atol=1e-12)
+    turned = fl.simulate(Held(), 3.0, x0={"x'": 0.5}, sections={"turn": "x'"}, progress=False)
+    highest = turned.sections["turn"].state[0, 0]
+    unloading = backbone(highest) - 2.0 * backbone((highest - x[top + 1 : low]) / 2.0)
+    assert np.allclose(force[top + 1 : low], unloading, atol=1e-12)
     assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
+def test_its_first_loading_is_that_of_iwans_uniform_distribution():
+    """F = k x - (k x)^2/(4 mu N) midway between the deflections at which elements slip, for any number."""
+    for n in (1, 3, 10):
+        law = fl.Iwan(mu_k=MU, k_t=K_T, elements=n)
+        limits = np.array([*law.state_limit(N).values()])
+        x = 2 * MU * N / K_T * np.arange(1, n + 1) / n
+        force = [law.force(N, 0.0, *np.minimum(limits, one)) for one in x]
+        assert np.allclose(force, K_T * x - (K_T * x) ** 2 / (4 * MU * N), rtol=1e-12)
+
+
+def stepped(model, t_end, n):
+    """Midpoint steps of the motion, after which each deflection is cut at its limit."""
+    h, spring, damping = t_end / n, model.k, 0.2
+    state, z = np.zeros(2), np.zeros(3)
+
+    def moved(z, dx, t):
+        largest = LIMITS / SPRINGS * (1.0 + model.a * np.cos(6.0 * t))
+        return np.clip(z - dx, -largest, largest)
+
+    def rates(state, z, t):
+        x, v = state
+        return np.array([v, model.F * np.cos(3.0 * t) - spring * x - damping * v + SPRINGS @ z])
+
+    for t in h * np.arange(n):
+        half = state + h / 2 * rates(state, z, t)
+        between = moved(z, half[0] - state[0], t + h / 2)
+        following = state + h * rates(half, between, t + h / 2)
+        z, state = moved(between, following[0] - half[0], t + h), following
+    return np.array([*state, *z])
+
+
+@pytest.mark.parametrize("a", [0.0, 0.6])
+def test_it_moves_as_steps_that_cut_deflections(a):
+    """Also where the limits breathe, so that elements slip in both directions at once."""
+    model = Driven(friction=IWAN, a=a)
+    run = fl.simulate(model, 4.0, progress=False)
+    coarse, fine = (stepped(model, 4.0, n) for n in (4000, 8000))
+    assert np.abs(fine - coarse).max() < 1e-5  # how exact the steps are
+    assert np.allclose(run.final_state[[0, 1, 3, 4, 5]], fine, rtol=0.0, atol=1e-5)
+    assert fl.verify(model, 4.0, progress=False).ok
+
+
+def test_it_takes_the_place_of_any_law():
+    """A run that is begun beside steady sliding, orbits, films and pages know nothing of its elements."""
+    model = fl.MassOnBelt(c=0.1).replace(friction=fl.Iwan())
+    fl.testing.check_law(model.friction)
+    fl.testing.check_law(IWAN)
+    fl.testing.check_model(model)
+    assert fl.steady_state(model, transient=200.0, progress=False).kind == "equilibrium"
+    assert fl.critical_value(model.replace(c=0.0), "k", bounds=(0.5, 2.0)) is None
+    assert fl.eigenvalues(fl.FreeCoulomb(friction=IWAN)).frequencies.max() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"elements": 0}, "elements must be an integer, at least 1, at most 30, got 0"),
+        ({"strengths": (1, 2)}, r"strengths must have one number for each of 3 elements, got 2: write"),
+        ({"strengths": (1, 2, 4), "stiffnesses": (3, 1, 2)}, "strengths must be in different ratios to stif"),
+        ({"stiffnesses": (1, 2, 0.0)}, "each of stiffnesses must be .*above 0, got 0.0"),
+    ],
+)
+def test_wrong_elements_are_refused(given, words):
+    with pytest.raises(ValueError, match=words):
+        fl.Iwan(**given)
+
+
+def test_a_law_of_several_limits_names_them():
+    class OneLimit(fl.Iwan):
+        def state_limit(self, normal_force):
+            return self.mu_k * normal_force
+
+    with pytest.raises(
+        ValueError, match=r"OneLimit.state_limit must give the limit of each of its states z1"
+    ):
+        fl.simulate(fl.MassOnBelt(friction=OneLimit()), 1.0, progress=False)
 
 
 def test_its_equations_and_its_check():
@@ -170,18 +276,20 @@ def test_a_normal_force_with_a_damper_is_refused():
             rubbing = fl.Friction(-v.x, 10.0 * q.y + v.y, self.friction, penetration=q.y)
             return fl.Mechanics((v.x**2 + v.y**2) / 2, contacts=(rubbing,))
 
-    with pytest.raises(ValueError, match="whose limit does not depend on velocities"):
+    with pytest.raises(ValueError, match="a state_limit that does not depend on velocities"):
         fl.simulate(Damped(), 1.0, progress=False)
 
 
 @pytest.mark.slow
-def test_the_papers_slider_with_an_element_slides_lifts_off_and_lands():
+@pytest.mark.parametrize("law", [fl.Jenkins(k_t=1e4, mu_k=0.4), fl.Iwan(k_t=1e4, mu_k=0.4)], ids=str)
+def test_the_papers_slider_with_an_element_slides_lifts_off_and_lands(law):
     """Its eigenvalues are those with Coulomb's law; verify finds nothing, past re-contacts."""
-    model = fl.SliderOnBelt(friction=fl.Jenkins(k_t=1e4, mu_k=0.4), F=100.0).without("geometry")
+    model = fl.SliderOnBelt(friction=law, F=100.0).without("geometry")
     coulomb = fl.SliderOnBelt(mu_k=0.4, mu_s=0.4, F=100.0).without("geometry")
     assert np.allclose(fl.eigenvalues(model).values, fl.eigenvalues(coulomb).values, rtol=1e-8)
     run = fl.simulate(model, 1.0, x0={"y1": 0.02}, progress=False)
-    assert {"stick", "slip+", "separation"} <= {*run.mode.tolist()}
+    regimes = {regime for name in run.mode_names for regime in name.split(" | ")}
+    assert {"stick", "slip+", "separation"} <= regimes
     assert run.status.ok
     assert fl.verify(model, 0.5, x0={"y1": 0.02}, progress=False).ok
     assert fl.verify(Driven(), 6.0, progress=False).ok

@@ -66,6 +66,7 @@ class Wheel(fl.MechanicalModel):
 
 EQUILIBRIA = {
     "states of a law": Wheel(),
+    "states with limits": Wheel(friction=fl.Iwan(mu_k=0.3, k_t=40.0)),
     "law with a rate": Wheel(friction=fl.Dahl(mu_k=0.3, sigma_0=50.0)),
     "steady rotation": fl.DrillString(friction=fl.Coulomb(mu_k=0.5, mu_s=1.0)),
     "at zero": fl.HultenOscillator(),
