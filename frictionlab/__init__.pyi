@@ -20,7 +20,6 @@ from .analysis.fitting.data import SpectrumRecord as SpectrumRecord
 from .analysis.fitting.data import TimeRecord as TimeRecord
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
-from .analysis.impulses import impulses as impulses
 from .analysis.load import load as load
 from .analysis.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from .analysis.lyapunov import lyapunov as lyapunov

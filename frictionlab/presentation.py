@@ -121,6 +121,14 @@ def output_unit(name: str, source: Any) -> str:
     return rotational_unit(unit) if is_rotational(name, source) else in_units_of(source, unit)
 
 
+def impulse_unit(name: str, source: Any) -> str:
+    """Unit of an impulse of a run's events: that of the contact's force or moment, times s."""
+    rubs, _, number = name.rpartition("impulse")
+    forces = ("friction_force",) if rubs else ("normal_force", "reaction")
+    turning = any(is_rotational(force + number, source) for force in forces)
+    return "N m s" if turning else in_units_of(source, "N s")
+
+
 def rotational_unit(unit: str) -> str:
     """Unit at a contact whose bodies turn, by that at one whose bodies slide: N m for N, rad for m.
 

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from frictionlab.analysis.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
@@ -34,6 +33,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 )
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.friction_in_plane import STOP
+from frictionlab.models.mechanical.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.model import MovingSystem
@@ -228,7 +228,8 @@ class Balance:
     def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
         work = np.zeros(len(run.events))
-        for one, (normal, _) in zip(self._striking, impulses_of_contacts(run, self._model), strict=True):
+        impulses = impulses_of_contacts(self._model, run.events, run.states)
+        for one, (normal, _) in zip(self._striking, impulses, strict=True):
             rate = self._terms.contacts[one.place].moved
             work += 0.0 if rate is None else normal * self._at(rate, run.events.before)
         return work

@@ -28,7 +28,7 @@ from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_ste
 from frictionlab.hybrid.outputs import evaluate_output
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.real_powers import negative_base
-from frictionlab.hybrid.run_events import Events, SectionPoints
+from frictionlab.hybrid.run_events import EventOutputs, Events, SectionPoints
 from frictionlab.hybrid.run_file import STORED_ARRAYS, rates_by_mode, write_run_file
 from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.presentation import (
@@ -37,6 +37,7 @@ from frictionlab.presentation import (
     count,
     dataframe,
     dataset,
+    impulse_unit,
     output_unit,
     unit_of_state,
 )
@@ -335,7 +336,15 @@ class Trajectory(Drawable):
             closed=raw.event_codes[:, 2].astype(bool),
             names=self.names,
             units=tuple(unit_of_state(self.source, name) for name in self.names),
+            outputs=self._outputs_of_events,
         )
+
+    def _outputs_of_events(self) -> EventOutputs:
+        """The impulses, where a model says what they are, and their units."""
+        if not hasattr(self.source, "outputs_of_events"):
+            return EventOutputs()
+        values = self.source.outputs_of_events(self.events, self.states)
+        return EventOutputs(values, {name: impulse_unit(name, self.source) for name in values})
 
     @cached_property
     def _final_state(self) -> np.ndarray:

@@ -307,6 +307,13 @@ class Model(Component):
         """
         return MappingProxyType(nonlinearities_of(self))
 
+    def outputs_of_events(self, events: Any, states: Any) -> Mapping[str, Any]:
+        """What `run.events` has besides states, such as impulses: columns (E,) by their names; here none.
+
+        `states` (N, states) are those of the run's samples.
+        """
+        return {}
+
     def describe(self) -> ParameterTable:
         """Table of the parameters: symbol, value, unit, meaning."""
         return parameter_table(self)

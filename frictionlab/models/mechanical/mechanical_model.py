@@ -96,6 +96,12 @@ class MechanicalModel(Model):
             check_sliding(self)
         return super().without(*names)
 
+    def outputs_of_events(self, events: Any, states: Any) -> Mapping[str, Any]:
+        """As in the base class: impulses, what M (v+ - v-) = sum of W p gives at each event."""
+        from .impulses import impulses_by_name
+
+        return impulses_by_name(self, events, states)
+
     def system(self) -> LagrangeSystem:
         """Lagrange's equations of its structure, in symbols."""
         from .equations_of_motion import system_of

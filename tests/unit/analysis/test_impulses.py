@@ -1,5 +1,7 @@
 """Impulses of impacts: m (1 + e) v, Coulomb's cone, and what keeps a ball in the air."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ import frictionlab as fl
 def test_a_ball_gives_the_ground_m_1_plus_e_v():
     ball = fl.BouncingBall(e=0.7)
     run = fl.simulate(ball, 2.0)
-    p = fl.impulses(run)["impulse"]
+    p = run.events["impulse"]
     speed = np.sqrt(2 * ball.g * ball.h) * 0.7 ** np.arange(len(p))
     assert len(p) > 2
     assert p == pytest.approx(1.7 * speed, rel=1e-12)  # m = 1 kg
@@ -20,14 +22,14 @@ def test_impulses_of_a_period_carry_the_weight():
     model = fl.BallOnTable()
     orbit = fl.periodic_orbit(model, fl.simulate(model, 200.0, progress=False))
     run = fl.simulate(model, orbit.period, x0=orbit.state, progress=False)
-    p = fl.impulses(run)["impulse"]
+    p = run.events["impulse"]
     assert p.sum() == pytest.approx(model.g * orbit.period, rel=1e-9)
 
 
 def test_balls_of_a_cradle_pass_on_what_they_get():
     model = fl.NewtonsCradle(balls=3, e=0.8)
     run = fl.simulate(model, 0.3 * model.period, progress=False)
-    p = fl.impulses(run)
+    p = run.events
     speed = model.a * np.sqrt(model.g / model.l)
     first, second = np.flatnonzero(p["impulse_1"])[0], np.flatnonzero(p["impulse_2"])[0]
     assert p["impulse_1"][first] == pytest.approx(0.9 * speed, rel=1e-12)  # (1 + e)/2
@@ -52,7 +54,7 @@ class Thrown(fl.MechanicalModel):
 def test_friction_impulses_are_in_the_cone(slip, rubbed):
     """mu p_N in slip; m v_r where it stops."""
     run = fl.simulate(Thrown(), 0.01, x0=[0.0, 1e-9, slip, -2.0])
-    p = fl.impulses(run)
+    p = run.events
     assert p["impulse"][0] == pytest.approx(3.0 * 1.5 * 2.0, rel=1e-8)
     assert p["friction_impulse"][0] == pytest.approx(rubbed, rel=1e-8)
 
@@ -75,11 +77,24 @@ class ThrownOnSpring(Thrown):
 def test_friction_of_a_law_of_ones_own_acts_at_every_contact(model):
     run = fl.simulate(model(impact=HalfStopping(e=0.5)), 1e-6, x0=[0.0, 1e-9, 2.0, -2.0], progress=False)
     assert run.events.state[0, 2:] == pytest.approx([1.0, 1.0], rel=1e-8)
-    assert fl.impulses(run)["friction_impulse"][0] == pytest.approx(-3.0 * 2.0 / 2, rel=1e-8)
+    assert run.events["friction_impulse"][0] == pytest.approx(-3.0 * 2.0 / 2, rel=1e-8)
 
 
 def test_what_has_no_masses_has_no_impulses():
-    automaton = fl.BouncingBall().automaton()
-    with pytest.raises(ValueError, match="run must be of a model that states its masses"):
-        fl.impulses(fl.solve(automaton, 0.1, x0=[1.0, 0.0]))
-    assert dict(fl.impulses(fl.simulate(fl.MassOnBelt(), 1.0))) == {}
+    for run in (
+        fl.solve(fl.BouncingBall().automaton(), 0.1, x0=[1.0, 0.0]),
+        fl.simulate(fl.MassOnBelt(), 1.0),
+    ):
+        with pytest.raises(KeyError, match=r"the events have no 'impulse'; they have .*states its masses"):
+            run.events["impulse"]
+
+
+def test_they_are_columns_beside_the_states_of_all_events_or_some():
+    run = fl.simulate(fl.NewtonsCradle(), 5.0, progress=False)
+    struck = run.events[run.events["impulse_2"] > 0.0]
+    assert len(struck) < len(run.events)
+    assert np.array_equal(struck["impulse_2"], run.events["impulse_2"][run.events["impulse_2"] > 0.0])
+    assert np.array_equal(struck["x1'"], struck.state[:, 3])
+    frame = pickle.loads(pickle.dumps(struck)).to_dataframe()
+    assert np.array_equal(frame["impulse_2"], struck["impulse_2"])
+    assert frame.attrs["units"]["impulse_2"] == "N s"

@@ -1,4 +1,4 @@
-"""`fl.impulses`: the impulse of each impact of a run, from what the velocities do there.
+"""The impulse of each impact of a run, from what the velocities do there.
 
 M (v+ - v-) = sum of W p: the impulses of the contacts that are closed at an event follow from its jump,
 whatever the impact law.
@@ -6,25 +6,26 @@ whatever the impact law.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from frictionlab.analysis.motion_scales import Array
 from frictionlab.components.component import StructureKey
-from frictionlab.hybrid.trajectory import Trajectory, check_run
-from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.contact_regimes import CHATTER_FLIGHT, rubbing_direction
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
-from frictionlab.models.mechanical.mechanics import Friction, Stop
-from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.tape.formulas import function_along_run
 
+from .contact_regimes import CHATTER_FLIGHT, rubbing_direction
+from .equations_of_motion import LagrangeSystem, system_of
+from .mechanics import Friction, Stop
+from .modes import contact_suffix
+
+if TYPE_CHECKING:
+    from .mechanical_model import MechanicalModel
+
+Array = NDArray[np.float64]
 ROUNDING = 1e-13  # share of the greatest impulse of an event below which others are none
 TOUCHING = 1e-9  # share of its largest value in a run below which a gap is closed at an impact
 
@@ -50,56 +51,24 @@ class ImpulseTerms:
     masses: tuple[Any, ...]
 
 
-def impulses(run: Trajectory) -> Mapping[str, Array]:
-    """The impulses of a run's impacts: M (v+ - v-) = sum of W p at each event.
-
-    Parameters
-    ----------
-    run : Trajectory
-        Of a :class:`MechanicalModel`.
-
-    Returns
-    -------
-    mapping of str to array (E,)
-        N s, a number for each of ``run.events``, 0 where the contact has no impact: "impulse" of the normal
-        force and, of impact laws with friction, "friction_impulse"; numbered as outputs are, "impulse_1",
-        where there are several contacts.  Those that strike at one instant have an event each, or one
-        together.
-
-    Raises
-    ------
-    ValueError
-        If the run is of a model that states no masses.
-
-    Examples
-    --------
-    >>> import frictionlab as fl
-    >>> ball = fl.BouncingBall()  # m = 1 kg falls from 1 m
-    >>> first = fl.impulses(fl.simulate(ball, 1.0))["impulse"][0]
-    >>> bool(abs(first - (1 + ball.e) * (2 * ball.g * ball.h) ** 0.5) < 1e-12)
-    True
-    """
-    check_run(run)
-    model = run.source
-    if not isinstance(model, MechanicalModel):
-        raise ValueError(
-            "run must be of a model that states its masses, got one of an automaton: simulate a "
-            "MechanicalModel, or compare run.events.state with run.events.before"
-        )
+def impulses_by_name(model: MechanicalModel, events: Any, states: Array) -> dict[str, Array]:
+    """The impulses (E,) of a run's events, N s, by their names; see `Events`."""
     contacts = impulse_terms(model.structure_key).contacts
-    values = impulses_of_contacts(run, model)
     by_name = {}
-    for one, (normal, rubbed) in zip(contacts, values, strict=True):
+    for one, (normal, rubbed) in zip(contacts, impulses_of_contacts(model, events, states), strict=True):
         by_name["impulse" + one.suffix] = normal
         if one.rubbing:
             by_name["friction_impulse" + one.suffix] = rubbed
-    return MappingProxyType(by_name)
+    return by_name
 
 
-def impulses_of_contacts(run: Trajectory, model: MechanicalModel) -> list[tuple[Array, Array]]:
-    """The impulses (E,) along W_N and W_T of each contact that has impacts."""
+def impulses_of_contacts(model: MechanicalModel, events: Any, states: Array) -> list[tuple[Array, Array]]:
+    """The impulses (E,) along W_N and W_T of each contact that has impacts, of the events of a run.
+
+    The states (N, states) of its samples tell how far gaps open.
+    """
     terms, numbers, n = impulse_terms(model.structure_key), structure_values(model), len(model.coordinates)
-    before, after, guards = run.events.before, run.events.state, run.events.guard
+    before, after, guards = events.before, events.state, events.guard
     values = [(np.zeros(len(before)), np.zeros(len(before))) for _ in terms.contacts]
     struck = np.isin(guards, [CHATTER_FLIGHT, *(one.guard for one in terms.contacts)])
     rows = np.flatnonzero(struck & (before != after).any(axis=1))
@@ -113,7 +82,7 @@ def impulses_of_contacts(run: Trajectory, model: MechanicalModel) -> list[tuple[
     masses = at(terms.masses, before[rows])
     sides = [at((*one.normal, *one.rubbing), before[rows]) for one in terms.contacts]
     gaps = [np.abs(one.gap(*before[rows].T, *numbers)) * np.ones(len(rows)) for one in terms.contacts]
-    widest = [np.abs(one.gap(*run.states.T, *numbers)).max(initial=0.0) for one in terms.contacts]
+    widest = [np.abs(one.gap(*states.T, *numbers)).max(initial=0.0) for one in terms.contacts]
     for k, e in enumerate(rows):
         hit = [i for i, gap in enumerate(gaps) if gap[k] <= TOUCHING * widest[i]]
         momentum = masses[k] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
