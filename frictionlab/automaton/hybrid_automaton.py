@@ -76,6 +76,8 @@ class HybridAutomaton:
     period: float | None = None
     # What is cached on disk of the structure that it was derived from; None where nothing is.
     derivations: ClassVar[Any] = None
+    # The structure that it stands for, as an explorer shows it; None of any other automaton.
+    source: ClassVar[Any] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):

@@ -566,7 +566,9 @@ def check_varied(model: ModelOrAutomaton, name: Any) -> None:
 
 
 def require_model_or_automaton(model: object, cure: str = MAKE_ONE) -> ModelOrAutomaton:
-    """Return the model or automaton; raise TypeError for anything else."""
+    """Return the model or automaton, or the structure for which it stands; raise TypeError for others."""
+    if isinstance(model, HybridAutomaton) and model.source is not None:
+        return model.source
     if isinstance(model, (HybridAutomaton, MovingSystem, Model)):
         return model
     return require_model(model, "a model such as SliderOnBelt, a Structure or a HybridAutomaton", cure)
@@ -580,8 +582,10 @@ def automaton_of(model: ModelOrAutomaton) -> HybridAutomaton:
     TypeError
         If it is neither.
     """
-    known = require_model_or_automaton(model)
-    return known if isinstance(known, HybridAutomaton) else known.automaton()
+    if isinstance(model, HybridAutomaton):
+        return model
+    known: Any = require_model_or_automaton(model)
+    return known.automaton()
 
 
 def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
@@ -598,6 +602,7 @@ def data_of(model: ModelOrAutomaton) -> dict[str, Any]:
 
     from .kept_structures import is_of_library
 
+    model = require_model_or_automaton(model)  # of an automaton that an explorer shows, its structure
     if isinstance(model, MovingSystem) or (isinstance(model, Model) and is_of_library(model.structure_key)):
         return model.to_dict()
     if isinstance(model, Model):

@@ -12,7 +12,7 @@ import math
 import operator
 import re
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -29,6 +29,7 @@ from frictionlab.pages.scene import Data, Shown, mechanism_data
 
 T = TypeVar("T")
 MAX_OUTCOMES = 64  # combinations of outcomes of one piece of code; with more it is left to Python
+FORCE = Parameter(exclusive_minimum=0.0)  # a normal force that is given
 MARK = "\0"  # encloses the number of a value in a text, and its format, as "0:g"
 
 
@@ -39,6 +40,11 @@ class Rule:
     broken: tuple[Any, ...]
     values: tuple[Any, ...]
     message: str
+
+    def renamed(self, symbols: Mapping[Any, Any]) -> Rule:
+        """The same rule of other symbols."""
+        broken, values = (tuple(x.xreplace(symbols) for x in part) for part in (self.broken, self.values))
+        return Rule(broken, values, self.message)
 
 
 def rule_data(model: Shown, parameters: tuple[Any, ...]) -> Data:
@@ -122,11 +128,27 @@ def _rules_of(model: Model | HybridAutomaton, parameters: tuple[Any, ...]) -> It
         about = parameters_about(model)
         for each in parameters:
             yield from _bounds(each, about[each.name])
+        yield from () if model.source is None else _rules_of_structure(model.source)
         return
     for component in (*model.components.values(), model):
-        for name, its in parameters_of(type(component)).items():
-            yield from _bounds(symbol(name), its)
-        yield from _checked(component)
+        yield from _rules_of_component(component)
+
+
+def _rules_of_structure(structure: Any) -> Iterator[Rule]:
+    """Those of its damping, and of its contacts' laws, whose parameters may have names of their own."""
+    if isinstance(structure.C, Component):
+        yield from _rules_of_component(structure.C)
+    for contacts in structure.contacts:
+        for law in contacts.laws:
+            own = {symbol(name): symbol(contacts.parameter(name)) for name in parameters_of(type(law))}
+            yield from (rule.renamed(own) for rule in _rules_of_component(law))
+        yield from _bounds(symbol(contacts.parameter("N")), FORCE)
+
+
+def _rules_of_component(component: Component | Model) -> Iterator[Rule]:
+    for name, its in parameters_of(type(component)).items():
+        yield from _bounds(symbol(name), its)
+    yield from _checked(component)
 
 
 def _bounds(x: Any, about: Parameter) -> Iterator[Rule]:

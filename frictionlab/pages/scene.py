@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, field, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -58,7 +58,7 @@ from frictionlab.models.model import (
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
-from frictionlab.presentation import SI, OwnUnits, force_symbol, output_unit, unit_of_state
+from frictionlab.presentation import OwnUnits, force_symbol, output_unit, unit_of_state
 from frictionlab.stability import eigenvalues
 from frictionlab.validation import abbreviate
 
@@ -130,9 +130,24 @@ LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StructureAutomaton(HybridAutomaton, OwnUnits):
-    """The automaton of a structure, with the structure's units of length and of force."""
+    """The automaton of a structure, with its units and the rules of its parameters.
 
-    units: Any = SI
+    Parameters
+    ----------
+    source : MovingSystem
+        The structure, with the same values of parameters: studies take it in the automaton's place.
+    """
+
+    source: Any = field(kw_only=True)
+
+    @property
+    def units(self) -> Any:
+        """Of length and of force."""
+        return self.source.units
+
+    def _with_values(self, changes: Mapping[str, float]) -> HybridAutomaton:
+        source = self.source.replace(**changes)  # where a rule is broken, as mu_s >= mu_k, it says so
+        return replace(super()._with_values(changes), source=source)
 
 
 def shown_model(model: object, x0: Any, cure: str) -> tuple[Shown, str | tuple[float, ...]]:
@@ -174,15 +189,14 @@ def _shown_system(system: MovingSystem) -> HybridAutomaton:
             f"a structure must have at most {MAX_MODES} modes to be shown, got more of {abbreviate(system)}: "
             "take fewer contacts, or fl.simulate and fl.plot_run"
         )
-    data = automaton.derived()
     return StructureAutomaton(
-        data.states,
-        data.modes,
-        data.parameters,
-        data.coordinates,
-        data.cyclic,
+        automaton.states,
+        automaton.modes,
+        automaton.parameters,
+        automaton.coordinates,
+        automaton.cyclic,
         system.period,
-        system.units,
+        source=system,
     )
 
 
@@ -490,6 +504,25 @@ def _default_range(about: Parameter, value: float) -> tuple[float, float]:
     margin = twice / MAX_SLIDER_STEPS if about.minimum is None else 0.0
     low = max(bounds[0] + margin if bounds else -math.inf, 0.0 if value > 0 else -twice)
     return low, min(max(twice, low + twice), math.inf if about.maximum is None else about.maximum)
+
+
+def last_value(model: Shown, name: str, beyond: float) -> float:
+    """Of a parameter from the model's value to another one: the last that keeps the model's rules."""
+
+    def holds(value: float) -> bool:
+        try:
+            automaton_of(model.replace(**{name: value}))  # masses, dampers and normal forces are asked there
+        except ValueError:
+            return False
+        return True
+
+    good, bad = values_of(model)[name], beyond
+    if holds(bad):
+        return bad
+    while (middle := good + (bad - good) / 2) not in (good, bad):
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    rounded = float(f"{good:.9g}")
+    return rounded if holds(rounded) else good
 
 
 def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:

@@ -165,7 +165,7 @@ class SlidingContacts:
     @cached_property
     def parameters(self) -> Mapping[str, float]:
         """Values of the laws' parameters, of v and of N."""
-        values = {name: getattr(law, name) for law in self._laws for name in parameters_of(type(law))}
+        values = {name: getattr(law, name) for law in self.laws for name in parameters_of(type(law))}
         values |= {} if self.friction is None else {"v": self.v}
         values |= {} if self.N is None else {"N": self.N}
         return {self.parameter(name): value for name, value in values.items()}
@@ -316,7 +316,8 @@ class SlidingContacts:
         return self.area / self.area.sum() * max(carried, np.finfo(float).tiny) / depth
 
     @property
-    def _laws(self) -> list[Component]:
+    def laws(self) -> list[Component]:
+        """Those that act, of contact, friction and impact."""
         laws: list[Component] = [] if self.normal is None else [self.contact]
         laws += [] if self.friction is None else [self.friction]
         return laws if self.impact is None else [*laws, self.impact]
@@ -381,7 +382,7 @@ class SlidingContacts:
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
-        laws = ", ".join(map(repr, self._laws))
+        laws = ", ".join(map(repr, self.laws))
         return f"SlidingContacts({self.count} x {self.size}, {laws})"
 
 

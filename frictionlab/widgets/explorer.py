@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models.model import ModelOrAutomaton, automaton_of, check_parameter_name, values_of
-from frictionlab.pages.scene import Shown, panels_of, scene_data
+from frictionlab.models.model import ModelOrAutomaton, check_parameter_name, values_of
+from frictionlab.pages.scene import Shown, last_value, panels_of, scene_data
 from frictionlab.presentation import count
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
@@ -216,26 +216,10 @@ class Explorer:
         moved = [name for name in known if self.controls[name].value != known[name]]
         if len(moved) != 1:
             return {}
-        return {moved[0]: _last_value(good, moved[0], self.controls[moved[0]].value)}
-
-
-def _last_value(model: Shown, name: str, beyond: float) -> float:
-    """Of a parameter between the model's value and one beyond: the last that keeps the model's rules."""
-
-    def holds(value: float) -> bool:
-        try:
-            automaton_of(model.replace(**{name: value}))  # masses, dampers and normal forces are asked there
-        except ValueError:
-            return False
-        return True
-
-    good, bad = values_of(model)[name], beyond
-    if holds(bad):  # the error is another one
-        return good
-    while (middle := good + (bad - good) / 2) not in (good, bad):
-        good, bad = (middle, bad) if holds(middle) else (good, middle)
-    rounded = float(f"{good:.9g}")
-    return rounded if holds(rounded) else good
+        (name,) = moved
+        beyond = self.controls[name].value
+        last = last_value(good, name, beyond)
+        return {name: known[name] if last == beyond else last}  # at its value the error is another one
 
 
 def error_text(error: BaseException) -> str:

@@ -258,7 +258,7 @@ def run_text(run: Trajectory) -> str:
     if run.warning is not None:
         return f"Do not trust this picture: {run.warning}."
     stats = run.stats
-    named = f" ({tally(run.events.guard)})" if run.source is None and len(run.events) else ""
+    named = "" if isinstance(run.source, Model) or not len(run.events) else f" ({tally(run.events.guard)})"
     return (
         f"The end was reached. {stats['steps']} steps, {stats['events']} events{named}, "
         f"solved in {1e3 * stats['wall_time']:.1f} ms"

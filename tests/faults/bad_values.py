@@ -302,7 +302,14 @@ def doors() -> dict[str, Door]:
                 ),
                 "over": {"k": (1.0, 2.0)},
                 "tol": 1e-3,
+                "basis": fl.RealModes(),
             },
+        ),
+        "CraigBampton": Door(
+            lambda **k: fl.reduce(
+                fl.Structure(np.eye(2), np.diag([1.0, 2.0]), window=(0, 1)), basis=fl.CraigBampton(**k)
+            ),
+            {"interface": (0,)},
         ),
         "modal_damping": Door(
             fl.modal_damping, {"M": np.eye(2), "K": np.diag([1.0, 2.0]), "ratios": [0.1, 0.2]}

@@ -24,7 +24,7 @@ from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_ta
 from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.model import automaton_of, check_parameter_name, parameters_about, values_of
-from frictionlab.pages.scene import Data, Shown, number, slider_range
+from frictionlab.pages.scene import Data, Shown, last_value, number, slider_range
 from frictionlab.plotting.appearance import GREY
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label, state_with_unit
@@ -202,7 +202,8 @@ class BifurcationPanel:
 
     def __init__(self, model: Shown, parameter: str, period: float) -> None:
         about = parameters_about(model)[parameter]
-        span = slider_range(about, values_of(model)[parameter])
+        ends = slider_range(about, values_of(model)[parameter])
+        span = tuple(last_value(model, parameter, end) for end in ends)
         first, most = (n * round_down_1_2_5(period) for n in (DEFAULT_TRANSIENT, MAX_TRANSIENT))
         shown: Data = {"name": "range", "kind": "range", "group": "bifurcation", "value": span}
         shown |= {"text": f"${about.symbol}$ from, to", "hint": "a narrow range is computed more finely"}

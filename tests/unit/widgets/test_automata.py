@@ -1,5 +1,6 @@
 """Explorers, pages, films and sounds of automata, whose periods and ranges are found or stated."""
 
+import pickle
 from dataclasses import replace
 from math import atan, log, pi
 
@@ -10,6 +11,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.analysis.orbits.pseudo_arclength import with_parameter_as_state
 from frictionlab.analysis.period_of_motion import with_period
+from frictionlab.pages.cases import rule_data
 from frictionlab.pages.export import script_text
 from frictionlab.pages.scene import usual_duration
 from frictionlab.widgets.front_end import quantities_of
@@ -191,6 +193,39 @@ def test_a_structure_is_shown_by_its_automaton():
     ):
         with pytest.raises(ValueError, match=message):
             fl.explore(refused)
+
+
+@pytest.mark.parametrize("name", [None, "inner"])
+def test_an_explorer_of_a_structure_has_its_rules_and_studies_take_its_model(name, tmp_path):
+    pads = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], friction=fl.Coulomb(0.3, 0.4), name=name)
+    parts = {"load": [0.0, 1.0], "units": ("mm", "kN"), "window": (0.0, 9.0)}
+    structure = fl.Structure(np.eye(2), [[2.0, 0.5], [0.5, 2.0]], np.eye(2), contacts=pads, **parts)
+    explorer = fl.explore(structure, t_end=3.0)
+    mu_k, mu_s = map(pads.parameter, ("mu_k", "mu_s"))
+    explorer.controls[mu_k].value = 0.5
+    assert str(explorer.error) == "mu_s must be at least mu_k (0.5), got 0.4: raise mu_s or lower mu_k"
+    assert explorer.widget.limits == {mu_k: 0.4}
+    explorer.controls[mu_s].value = 0.6
+    assert explorer.error is None
+    said = [case["message"] for case in rule_data(explorer.model, tuple(explorer.model.parameters))["cases"]]
+    assert [text[0] for text in said if "mu_s" in text[0]][-1] == "mu_s must be at least mu_k ("
+    labels = [axes.get_ylabel() for axes in fl.plot_run(explorer.run).axes]
+    assert "contact force (kN)" in labels
+    assert "displacement (mm)" in labels
+    sweep = {"transient": 5, "window": 5, "progress": False}
+    found, direct = (
+        fl.bifurcation(one, mu_k, [0.2, 0.5], resume=tmp_path / file, **sweep)
+        for one, file in ((explorer.model, "a.json"), (structure.replace(**{mu_s: 0.6}), "b.json"))
+    )
+    assert found.kinds == direct.kinds
+    assert fl.load_bifurcation(tmp_path / "a.json").kinds == found.kinds
+    with pytest.raises(ValueError, match=r"mu_s must be at least mu_k \(0.7\)"):
+        pickle.loads(pickle.dumps(explorer.model)).replace(**{mu_k: 0.7})
+
+
+def test_a_diagram_begins_within_the_rules():
+    shown = fl.explore_bifurcation(fl.MassOnBelt(mu_k=0.3, mu_s=0.35)).controls["range"].value
+    assert shown == (0.0, 0.35)
 
 
 def test_films_of_a_structure_are_refused_with_the_cure():
