@@ -102,7 +102,10 @@ def moved_by_rounding(run: Trajectory) -> NDArray[np.bool_]:
     for group in state_groups(n):  # contacts that hold a body still leave rounding errors of all forces on it
         largest = ranges[group].max(initial=0.0)
         rounding[group] = rounding[group].max(initial=0.0)
-        small[group] = (ranges[group] <= SMALL_BESIDE_OTHERS * largest) | (largest <= rounding[group])
+        moves = largest > 0.0  # what stays as it is was moved by nothing, and has its own size
+        small[group] = moves & (
+            (ranges[group] <= SMALL_BESIDE_OTHERS * largest) | (largest <= rounding[group])
+        )
     still = small & (ranges <= rounding)
     still[:n] = still[n : 2 * n] = still[:n] & still[n : 2 * n]
     return still
