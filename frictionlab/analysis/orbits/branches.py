@@ -45,6 +45,7 @@ MIN_ALIGNMENT = 0.8  # least cosine of the angle between a step's chord and the 
 MAX_TANGENT_CHANGE = 0.3  # largest change of a component of the tangent in a step
 # most orbits in a fit; and orbits it needs in excess of its coefficients, to estimate the scatter
 HOPF_FIT_POINTS, HOPF_FIT_SPARE = 12, 3
+VARIANCE_SAMPLES = 64  # of an orbit that shrinks to an equilibrium, so that it is nearly a sine
 EXTRAPOLATION_RTOL = (
     1e-6  # share of the bounds' distance: a value extrapolated so far beyond a bound is at it
 )
@@ -455,7 +456,7 @@ def _hopf_value(points: list[BranchPoint]) -> float:
     """
     last = [p for p in points[-HOPF_FIT_POINTS:] if p.modes == points[-1].modes]
     size = last[-1].scale[:-2]
-    square = np.array([float(np.linalg.norm(p.scale[:-2] / size)) ** 2 for p in last])
+    square = np.array([float((_variance(p) / size**2).sum()) for p in last])
     value = np.array([p.value for p in last]) - last[-1].value
     fits = [
         _fit_at_zero(square[-count:], value[-count:], degree)
@@ -465,6 +466,13 @@ def _hopf_value(points: list[BranchPoint]) -> float:
     if not fits:
         return float(last[-1].value + np.polyfit(square[-2:], value[-2:], 1)[-1])
     return last[-1].value + min(fits, key=lambda fit: fit[1])[0]
+
+
+def _variance(point: BranchPoint) -> Array:
+    """That of each state (n,) along an orbit, by the trapezium rule, which is exact to rounding for smooth
+    periodic motions; a range would depend on where the steps of the run happen to end."""
+    t = np.linspace(0.0, point.period, VARIANCE_SAMPLES, endpoint=False)
+    return point.shot.run(t)[:, :-1].var(axis=0)
 
 
 def _within_bounds(value: float, bounds: tuple[float, float]) -> float | None:

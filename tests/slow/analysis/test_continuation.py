@@ -80,7 +80,7 @@ def test_a_fold_joins_two_circles_and_the_small_one_ends_in_a_hopf_point():
     hopf, fold = branch.special
     assert (hopf.kind, fold.kind) == ("Hopf", "fold")
     assert fold.value == pytest.approx(-1.0, abs=1e-12)
-    assert hopf.value == pytest.approx(0.0, abs=1e-7)
+    assert hopf.value == pytest.approx(0.0, abs=1e-12)
     assert branch.ends == ("Hopf", "bound")
     away = np.abs(square - 1) > 1e-3
     assert np.array_equal(branch.stable[away], square[away] > 1)
