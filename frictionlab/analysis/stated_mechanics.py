@@ -280,9 +280,9 @@ class StatedMechanics:
             return np.zeros((len(states), self.n))
         return self.gradient(contact.gap, states, 0)[0]
 
-    def rate_of(self, function: Any, states: Array, accelerations: Any = 0.0) -> Array:
+    def rate_of(self, function: Any, states: Array) -> Array:
         """The rate (N,) of a function."""
-        return self.slope(lambda z: self.at(function, z), states, self.rates(states, accelerations))[0]
+        return self.slope(lambda z: self.at(function, z), states, self.rates(states))[0]
 
 
 def differences(function: Callable[[Array], Array], first: Array, levels: int) -> tuple[Array, Array]:

@@ -54,11 +54,11 @@ from frictionlab.validation import (
 PICKLED = "automaton", "source", "raw", "status", "samples", "_quadratures", "_description", "_wall_time"
 
 
-def check_run(run: Any, name: str = "run") -> None:
+def check_run(run: Any) -> None:
     """Raise TypeError unless it is a run."""
     if not isinstance(run, Trajectory):
         raise TypeError(
-            f"{name} must be a Trajectory, got {abbreviate(run)}: "
+            f"run must be a Trajectory, got {abbreviate(run)}: "
             "give what frictionlab.simulate or solve returns"
         )
 

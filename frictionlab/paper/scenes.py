@@ -388,6 +388,6 @@ def half_unit(printed: str) -> float:
     return 0.5 * 10.0 ** -len(printed.partition(".")[2])
 
 
-def list_text(values: Iterable[float], digits: int) -> str:
+def list_text(values: Iterable[float]) -> str:
     """Numbers in brackets, as the paper prints a state."""
-    return f"[{', '.join(f'{value:.{digits}f}' for value in values)}]"
+    return f"[{', '.join(f'{value:.6f}' for value in values)}]"

@@ -181,7 +181,7 @@ def parametric_matrix(
     return ParametricMatrix(tuple(texts), tuple(matrices))
 
 
-def parametric_vector(name: str, given: Any, parameters: Mapping[str, float], size: int) -> ParametricMatrix:
+def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) -> ParametricMatrix:
     """What a user gives as constant forces, as columns (n, 1): an array, or a list of (coefficient, array).
 
     Raises
@@ -197,7 +197,7 @@ def parametric_vector(name: str, given: Any, parameters: Mapping[str, float], si
             terms = list(pairs)
     texts, columns = [], []
     for i, (coefficient, force) in enumerate(terms):
-        where = name if len(terms) == 1 else f"term {i} of {name}"
+        where = "load" if len(terms) == 1 else f"term {i} of load"
         texts.append(_coefficient(where, coefficient, parameters))
         column = float_array(where, force, cure, finite=True).ravel()
         if len(column) != size:

@@ -153,7 +153,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
             object.__setattr__(self, name, parametric_matrix(name, given, self.parameters, files))
             new.append(name)
         if self.load is not None and not isinstance(self.load, ParametricMatrix):
-            object.__setattr__(self, "load", parametric_vector("load", self.load, self.parameters, self.size))
+            object.__setattr__(self, "load", parametric_vector(self.load, self.parameters, self.size))
         self._check_sizes()
         self._check_use_of_parameters()
         self._check_symmetries(new)

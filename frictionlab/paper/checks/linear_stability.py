@@ -46,7 +46,7 @@ def _equilibrium(name: str) -> Claim:
     printed, q = text.split(), equilibrium(SliderOnBelt(mu_k=mu_k)).q
     verdict = verdict_of_parts(*(agrees_with_printed(value, number) for value, number in zip(q, printed)))
     says = f"equilibrium at mu_k {mu_k:g}: [{', '.join(printed)}] m, rad"
-    return Claim(name, "4.2.1", says, list_text(q, 6), verdict, PRINTED_ERRATA.get(name, ""))
+    return Claim(name, "4.2.1", says, list_text(q), verdict, PRINTED_ERRATA.get(name, ""))
 
 
 def _eigenvalues() -> Claim:
