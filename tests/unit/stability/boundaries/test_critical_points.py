@@ -14,6 +14,7 @@ from frictionlab.stability.boundaries.stability_changes import (
 )
 from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 
+COUNT = 256  # lines
 CASES = {
     "near": (fl.ModeCoupling(c=0.1), (0.0, 4.0), {"k1": (0.9, 1.1), "k3": (0.9, 1.1), "c": (0.5, 1.5)}),
     "some without a loss": (fl.ModeCoupling(c=0.1), (0.0, 1.5), {"k1": (0.6, 1.5), "k3": (0.8, 1.3)}),
@@ -28,21 +29,24 @@ def lines_of(model, shares, count):
     return {n: model.parameters[n] * (a + (b - a) * column) for (n, (a, b)), column in columns}
 
 
+def assert_those_of_scans(problem, parameter, bounds, fixed, gaps=None):
+    found = critical_points(problem, parameter, bounds, fixed)
+    scanned = [critical_change(c) for c in changes_on_lines(problem, parameter, bounds, fixed)]
+    values = np.array([np.nan if c is None else c.value for c in scanned])
+    frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
+    assert COUNT >= MANY_LINES
+    assert np.isfinite(values).sum() > COUNT / 4
+    assert gaps in (None, np.isnan(values).any())
+    assert found.values == pytest.approx(values, rel=1e-9, abs=1e-9, nan_ok=True)
+    assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_they_are_those_of_scans(name):
     model, bounds, shares = CASES[name]
-    count = 256
-    assert count >= MANY_LINES
-    fixed, problem = lines_of(model, shares, count), equilibrium_problem(model)
-    found = critical_points(problem, "mu_k", bounds, fixed)
-    scanned = [critical_change(c) for c in changes_on_lines(problem, "mu_k", bounds, fixed)]
-    values = np.array([np.nan if c is None else c.value for c in scanned])
-    frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
-    assert np.isfinite(values).sum() > count / 4
-    assert np.isnan(values).any() == (name == "some without a loss")
-    assert found.values == pytest.approx(values, rel=1e-9, nan_ok=True)
-    assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
+    fixed, problem = lines_of(model, shares, COUNT), equilibrium_problem(model)
+    assert_those_of_scans(problem, "mu_k", bounds, fixed, name == "some without a loss")
 
 
 def random_oscillators(seed):
@@ -65,16 +69,9 @@ def random_oscillators(seed):
 @pytest.mark.parametrize("seed", range(8))
 def test_random_oscillators_lose_stability_where_scans_say(seed):
     """Weak coupling makes narrow windows of instability, which end before the lasting one begins."""
-    problem, count = equilibrium_problem(random_oscillators(seed)), 256
-    points = qmc.Sobol(2, rng=np.random.default_rng(seed)).random(count)
+    points = qmc.Sobol(2, rng=np.random.default_rng(seed)).random(COUNT)
     fixed = {"a": 0.3 * points[:, 0], "b": 0.3 * points[:, 1]}
-    found = critical_points(problem, "p", (0.0, 1.5), fixed)
-    scanned = [critical_change(c) for c in changes_on_lines(problem, "p", (0.0, 1.5), fixed)]
-    values = np.array([np.nan if c is None else c.value for c in scanned])
-    frequencies = np.array([np.nan if c is None else c.frequency for c in scanned])
-    assert np.isfinite(values).sum() > count / 4
-    assert found.values == pytest.approx(values, rel=1e-8, abs=1e-9, nan_ok=True)
-    assert found.frequencies == pytest.approx(frequencies, rel=1e-7, nan_ok=True)
+    assert_those_of_scans(equilibrium_problem(random_oscillators(seed)), "p", (0.0, 1.5), fixed)
 
 
 @pytest.mark.slow
