@@ -221,15 +221,3 @@ def test_events_of_a_class_in_a_function_are_copied():
     """They carried the model, which pickle finds by its name only."""
     events = fl.simulate(type("Local", (fl.DenHartog,), {})(), 5.0).events
     assert pickle.loads(pickle.dumps(events)).units == events.units == ("m", "m/s", "rad")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("start", multiprocessing.get_all_start_methods())
-def test_processes_give_whole_results(start):
-    """A steady state made in a process of its own, however that was begun."""
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(start)) as pool:
-        found = fl.sweep(MODEL, fl.steady_state, {"v": [0.3, 0.5]}, executor=pool, progress=False)
-    for v, state in zip([0.3, 0.5], found.results, strict=True):
-        here = fl.steady_state(MODEL.replace(v=v), progress=False)
-        assert state.kind == here.kind
-        np.testing.assert_array_equal(state.trajectory.states, here.trajectory.states)

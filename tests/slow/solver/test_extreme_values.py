@@ -105,20 +105,6 @@ def test_every_order_gives_the_same_motion(order):
         assert_balanced(found)
 
 
-@pytest.mark.parametrize("model", [USUAL, PRINTED], ids=["full gap rate", "Eq. (13)"])
-@pytest.mark.parametrize("where", [0.3137, 0.777])
-def test_a_run_may_be_cut_and_taken_up_again(model, where):
-    whole = fl.simulate(model, 1.5, progress=False)
-    first = fl.simulate(model, where, progress=False)
-    second = fl.simulate(model, 1.5 - where, x0=first.final_state, progress=False)
-    later = whole.events.t > where
-    assert second.events.target.tolist() == whole.events.target[later].tolist()
-    assert np.abs(second.events.t + where - whole.events.t[later]).max() < 1e-11
-    assert np.abs(second.final_state - whole.final_state).max() < 1e-9
-    for run in (whole, first, second):
-        assert_balanced(run)
-
-
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_units_do_not_matter(scale):
     """Lengths in another unit: forces follow, stiffnesses stay, k_nl goes with 1/L^2, J with L^2."""
