@@ -17,7 +17,6 @@ from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
 from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name, check_varied
 from frictionlab.stability.flow import Flow
-from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices, unstable_pairs
 from frictionlab.tape.formulas import Formulas
 from frictionlab.validation import abbreviate, check_limits, check_pair, float_array
@@ -148,29 +147,23 @@ def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float])
 
 def check_path(model: ModelOrAutomaton, name: Any, values: Any) -> NDArray[np.float64]:
     """The values (N,) of a parameter, at least one, checked against its rule."""
-    at = float_array("values", values, f"give those of {name}").ravel()
+    at = float_array("values", values, f"give those of {name}", finite=True).ravel()
     if not len(at):
         raise ValueError(f"values must be one number or more, got {abbreviate(values)}: give those of {name}")
     check_parameter(model, name, at.tolist())
     return at
 
 
-def check_axis(
-    model: ModelOrAutomaton | LargeSystem[Any], which: str, given: tuple[str, Any]
-) -> tuple[str, Array]:
+def check_axis(model: ModelOrAutomaton, which: str, given: tuple[str, Any]) -> tuple[str, Array]:
     """A parameter along one side of a grid and its values (N,), which ascend."""
     name, numbers = check_pair(which, given, "a parameter and its values", "give ('F', [1, 2])")
-    if isinstance(model, LargeSystem):
-        model.check_parameter(name)
-    else:
-        check_parameter_name(model, name)
+    check_parameter_name(model, name)
     values = float_array(f"the values of {which}", numbers, f"give those of {name}").ravel()
     if len(values) < 2 or not (np.diff(values) > 0).all():
         raise ValueError(
             f"the values of {which} must ascend, two at least, got {abbreviate(values)}: sort them"
         )
-    if not isinstance(model, LargeSystem):
-        check_parameter(model, name, values.tolist())
+    check_parameter(model, name, values.tolist())
     return name, values
 
 

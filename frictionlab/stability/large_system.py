@@ -10,6 +10,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from frictionlab.models.model import MovingSystem
+
 if TYPE_CHECKING:
     from frictionlab.stability.boundaries.stability_changes import StabilityChange
     from frictionlab.stability.eigenproblems.eigenvalues import Eigenvalues
@@ -28,7 +30,7 @@ class SpectraOf(Protocol):
 E = TypeVar("E", bound="Eigenvalues")
 
 
-class LargeSystem(ABC, Generic[E]):
+class LargeSystem(MovingSystem, ABC, Generic[E]):
     """Base of systems that answer the questions of `frictionlab.stability` themselves."""
 
     @abstractmethod
@@ -50,10 +52,6 @@ class LargeSystem(ABC, Generic[E]):
     @abstractmethod
     def spectra_over(self, box: Mapping[str, tuple[float, float]]) -> SpectraOf:
         """The spectra within ranges of parameters, for :func:`frictionlab.stability_map`."""
-
-    @abstractmethod
-    def check_parameter(self, name: Any) -> None:
-        """Raise TypeError unless it is a parameter."""
 
     @abstractmethod
     def count_growing(self, parameter: str, value: float) -> int:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.models.model import check_parameter_name
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.structures.parametric_matrix import Matrix
 from frictionlab.structures.quadratic_pencil import real_modes
@@ -361,7 +362,7 @@ def reduce(
     check_mapping("over", {} if over is None else over, cure)
     box = {name: check_limits(f"over[{abbreviate(name)}]", ends, cure) for name, ends in (over or {}).items()}
     for name in box:
-        structure.check_parameter(name)
+        check_parameter_name(structure, name)
     basis = ComplexModes() if basis is None else basis
     if not isinstance(basis, ReductionBasis):
         raise TypeError(

@@ -30,6 +30,7 @@ from frictionlab.stability.boundaries.stability_changes import (
     StabilityKind,
     changes_on_lines,
 )
+from frictionlab.stability.equilibrium_problem import check_bounds
 from frictionlab.stability.state_matrices import NEUTRAL_RTOL
 from frictionlab.structures.mode_paths import (
     Place,
@@ -41,7 +42,6 @@ from frictionlab.structures.mode_paths import (
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import DAMPED_SHARE, EXACT, Sample, over_box, reduced
 from frictionlab.structures.window_eigenvalues import dense_spectrum, equal_values, left_vectors_of
-from frictionlab.validation import check_limits
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import Structure
@@ -67,8 +67,7 @@ SAME_RTOL = 1e-8  # of the range: changes of one mode so near to each other are 
 
 def find_stability_changes(structure: Structure, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
     """The changes of stability of a structure, see :func:`frictionlab.stability_changes`."""
-    structure.check_parameter(parameter)
-    low, high = check_limits("bounds", bounds, "give (low, high)")
+    low, high = check_bounds(structure, parameter, bounds)
     check_masses(structure, parameter, (low, high))
     if is_small(structure):
         return changes_of_few_freedoms(structure, parameter, (low, high))

@@ -22,6 +22,7 @@ from scipy.optimize import linear_sum_assignment
 from frictionlab.interruption import progress_bar
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
 from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
+from frictionlab.stability.equilibrium_problem import check_path
 from frictionlab.stability.state_matrices import eigenvalues_of_matrices
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
 from frictionlab.structures.reduction import (
@@ -38,7 +39,6 @@ from frictionlab.structures.window_eigenvalues import (
     has_regular_mass,
     left_vectors_of,
 )
-from frictionlab.validation import abbreviate, float_array
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import Structure
@@ -54,12 +54,7 @@ OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
 
 def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus:
     """The root locus of a structure, see :func:`frictionlab.root_locus`."""
-    structure.check_parameter(parameter)
-    at = float_array("values", values, f"give those of {parameter}", finite=True).ravel()
-    if not len(at):
-        raise ValueError(
-            f"values must be one number or more, got {abbreviate(values)}: give those of {parameter}"
-        )
+    at = check_path(structure, parameter, values)
     check_masses(structure, parameter, at)
     if is_small(structure) and SmallSpectra(structure).has_matrices:
         return _full_locus(structure, parameter, at)
@@ -75,8 +70,7 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
     tracked = tracked[:, np.argsort(np.nanmean(tracked.imag, axis=0), kind="stable")]
     none = np.zeros((len(at), 0, tracked.shape[1]))
     unstable = np.array([one.growing for one in samples])
-    itself: Any = structure  # to type checkers no model
-    return RootLocus(itself, parameter, at, tracked, (), none.astype(complex), none, unstable)
+    return RootLocus(structure, parameter, at, tracked, (), none.astype(complex), none, unstable)
 
 
 def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -> SmallSpectra:
@@ -214,8 +208,7 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
         values = np.where(inside, values, complex(np.nan, np.nan))[:, chosen]
         shapes, shares = shapes[:, :, chosen], shares[:, :, chosen]
         unstable = np.array([Sample.of(structure, {parameter: float(p)}).growing for p in at])
-    itself: Any = structure  # to type checkers no model
-    return RootLocus(itself, parameter, at, values, structure.coordinates, shapes, shares, unstable)
+    return RootLocus(structure, parameter, at, values, structure.coordinates, shapes, shares, unstable)
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,9 +75,8 @@ def equilibrium_of(structure: Structure) -> Equilibrium:
     state = np.concatenate([q, np.zeros(structure.size)])
     largest = max([np.abs(problem.load).max(), *(np.abs(one.normal).max() for one in forces)])
     residual = float(np.abs(problem.residual(q, 1.0)).max() / (largest or 1.0))
-    itself: Any = structure  # to type checkers no model
     if not forces:
-        return Equilibrium(state, np.nan, np.nan, np.nan, residual, itself, structure.coordinates)
+        return Equilibrium(state, np.nan, np.nan, np.nan, residual, structure, structure.coordinates)
     penetrations, normal, friction = (
         np.concatenate([getattr(one, name) for one in forces])
         for name in ("penetration", "normal", "friction")
@@ -85,7 +84,7 @@ def equilibrium_of(structure: Structure) -> Equilibrium:
     known = penetrations[np.isfinite(penetrations)]
     totals = float(known.max()) if len(known) else np.nan, float(normal.sum()), float(friction.sum())
     parts = penetrations, normal, friction
-    return SlidingEquilibrium(state, *totals, residual, itself, structure.coordinates, *parts)
+    return SlidingEquilibrium(state, *totals, residual, structure, structure.coordinates, *parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.models.model import MovingSystem
+from frictionlab.models.model import check_parameter_name
 from frictionlab.presentation import SI, OwnUnits, count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
 from frictionlab.stability.eigenproblems.root_locus import RootLocus
@@ -62,7 +62,7 @@ LANCZOS_TOL = 1e-3  # of the smallest eigenvalue of a mass matrix, of which only
 
 @explains_fields
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
+class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     """M q'' + (C + G) q' + (K + N) q = load + forces of contacts, a structure with n freedoms.
 
     It moves little about a state in which all contacts slide steadily, or are open.
@@ -220,7 +220,7 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
 
     def pencil_derivative(self, parameter: str) -> QuadraticPencil:
         """The derivatives of M, C + G and K + N by a parameter, with those of the equilibrium."""
-        self.check_parameter(parameter)
+        check_parameter_name(self, parameter)
         given = self._pencil(lambda one: one.derivative(parameter, self.parameters))
         if not self.contacts:
             return given
@@ -274,11 +274,6 @@ class Structure(LargeSystem[WindowEigenvalues], MovingSystem, OwnUnits):
             object.__setattr__(copy, each.name, others.get(each.name, getattr(self, each.name)))
         copy.__post_init__()
         return copy
-
-    def check_parameter(self, name: Any) -> None:
-        """Raise TypeError unless it is a parameter of the structure."""
-        if not isinstance(name, str) or name not in self.parameters:
-            raise unknown_parameter(type(self).__name__, name, list(self.parameters))
 
     def automaton(self) -> HybridAutomaton:
         """The hybrid automaton of its motion; those that differ in values of parameters share its modes."""

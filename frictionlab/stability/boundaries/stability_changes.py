@@ -111,7 +111,7 @@ class StabilityChange:
 
 
 def stability_changes(
-    model: ModelOrAutomaton | LargeSystem[Any],
+    model: ModelOrAutomaton,
     parameter: str,
     bounds: Any,
     *,
@@ -170,7 +170,7 @@ def stability_changes(
 
 
 def critical_value(
-    model: ModelOrAutomaton | LargeSystem[Any],
+    model: ModelOrAutomaton,
     parameter: str,
     bounds: Any,
     *,

@@ -98,7 +98,7 @@ class StabilityMap(Drawable):
 
 @explains_keywords
 def stability_map(
-    model: ModelOrAutomaton | LargeSystem[Any],
+    model: ModelOrAutomaton,
     x: tuple[str, Any],
     y: tuple[str, Any],
     *,
@@ -141,7 +141,6 @@ def stability_map(
     if across[0] == up[0]:
         raise ValueError(f"x and y must be different parameters, got {abbreviate(x[0])} twice: change one")
     source: SpectraOf
-    owner: Any = model
     if isinstance(model, LargeSystem):
         source = model.spectra_over({name: (at[0], at[-1]) for name, at in (across, up)})
     else:
@@ -149,7 +148,7 @@ def stability_map(
     spectra = _spectra_on_grid(source, across, up, progress)
     growing = np.where(np.isnan(spectra[..., 0]), NO_EQUILIBRIUM, unstable_pairs(spectra))
     curves = boundary_curves(source, across, up, spectra)
-    return StabilityMap(owner, across[0], up[0], across[1], up[1], growing, spectra[..., 0].real, curves)
+    return StabilityMap(model, across[0], up[0], across[1], up[1], growing, spectra[..., 0].real, curves)
 
 
 def _spectra_on_grid(problem: SpectraOf, x: tuple[str, Array], y: tuple[str, Array], progress: bool) -> Any:

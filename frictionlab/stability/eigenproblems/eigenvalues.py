@@ -131,7 +131,7 @@ def eigenvalues(model: LargeSystem[E]) -> E: ...
 def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues: ...
 
 
-def eigenvalues(model: ModelOrAutomaton | LargeSystem[Any]) -> Eigenvalues:
+def eigenvalues(model: ModelOrAutomaton) -> Eigenvalues:
     """Eigenvalues at the sliding equilibrium, Eq. (19), from the exact Jacobian of the sliding mode.
 
     Parameters

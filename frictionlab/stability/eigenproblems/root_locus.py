@@ -319,7 +319,7 @@ class RootLocus(Drawable):
         return f"RootLocus({path}, {count(self.values.shape[1], 'mode')}, {growing})"
 
 
-def root_locus(model: ModelOrAutomaton | LargeSystem[Any], parameter: str, values: Any) -> RootLocus:
+def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocus:
     """Eigenvalues of all modes at the sliding equilibrium, for each value of a parameter.
 
     The modes are followed by their vectors, not sorted, so that a column is one mode through crossings and

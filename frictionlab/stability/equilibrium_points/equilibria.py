@@ -405,7 +405,7 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     return Equilibria((one for one in each if one is not None), why)
 
 
-def equilibrium(model: ModelOrAutomaton | LargeSystem[Any]) -> Equilibrium:
+def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
     That is the one whose penetration grows from zero with the preload.
