@@ -21,7 +21,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
     equilibrium_branches,
     equilibrium_problem,
 )
-from frictionlab.stability.equilibrium_points.sliding import by_penetration
+from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import EquilibriumDerivatives
 from frictionlab.stability.state_matrices import (
@@ -273,7 +273,7 @@ def _problems(
     model: ModelOrAutomaton, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
-    if equilibrium is not None or by_penetration(model):
+    if equilibrium is not None or sliding_equations(model) is not None:
         problem = equilibrium_problem(model, equilibrium)
         return [problem], check_bounds(problem.model, parameter, bounds)
     limits = check_bounds(model, parameter, bounds)

@@ -9,8 +9,8 @@ halving intervals; in each the change is solved for.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -45,8 +45,6 @@ from frictionlab.validation import abbreviate, check_pair, float_array
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
-# Of indices of lines and values of the parameter: sorted spectra, NaN where there is no equilibrium.
-Evaluate = Callable[[Indices, Array], ComplexArray]
 GRID_POINTS, MAX_HALVINGS = 129, 24
 COARSE_POINTS, COARSE_HALVINGS = 5, 18  # for lines on which few changes are expected
 # Most intervals, over those of the first grid: two modes may share one eigenvalue everywhere.
@@ -60,8 +58,8 @@ MIN_INSIDE_RTOL = 1e-12  # of the root: the least that this may be
 DECAY_RTOL = 1e-13  # share of the largest eigenvalue: a rate below minus this decays
 # Shares of the way from a regain to a loss.  If the mode grows there by more than rounding, its growth rate
 # only touches zero.
-TOUCH_SHARES = (0.25, 0.75)
-OUTSIDE_TOUCH_SHARES = (-0.25, 1.25)  # of the same way: beside it
+TOUCH_SHARES = np.array([0.25, 0.75])
+OUTSIDE_TOUCH_SHARES = np.array([-0.25, 1.25])  # of the same way: beside it
 TOUCH_RTOL = 0.01 * NEUTRAL_RTOL  # of the largest eigenvalue
 MAX_ROOT_STEPS = 200
 MANY_LINES = 192  # of so many the critical points are searched in long intervals first
@@ -361,101 +359,92 @@ def critical_points(
     growth rates come near zero or eigenvalues near each other.  A line on which this does not find exactly
     one change, by flutter, or does not resolve all intervals, is scanned.
     """
-    count = max(map(len, fixed.values()), default=1)
-    points = CriticalPoints(np.full(count, np.nan), np.full(count, np.nan))
-    lines = np.arange(count)
-    if count >= MANY_LINES:
-        lines = lines[~_single_changes(problem, parameter, bounds, fixed, points)]
-    if len(lines):
-        some = {name: column[lines] for name, column in fixed.items()}
-        for line, changes in zip(lines, changes_on_lines(problem, parameter, bounds, some), strict=True):
+    lines = Lines(problem, parameter, bounds, fixed)
+    points = CriticalPoints(*np.full((2, lines.count), np.nan))
+    rest = np.arange(lines.count)
+    if lines.count >= MANY_LINES:
+        rest = rest[~_single_changes(lines, points)]
+    if len(rest):
+        some = {name: column[rest] for name, column in fixed.items()}
+        for line, changes in zip(rest, changes_on_lines(problem, parameter, bounds, some), strict=True):
             if (change := critical_change(changes)) is not None:
                 points.values[line], points.frequencies[line] = change.value, change.frequency
     return points
 
 
-def _single_changes(
-    problem: EquilibriumProblem,
-    parameter: str,
-    bounds: tuple[float, float],
-    fixed: Mapping[str, Array],
-    points: CriticalPoints,
-) -> Any:
-    """Solve the lines on which there is one change, by flutter; returns which of them these are."""
-    count = len(points.values)
+class Lines(NamedTuple):
+    """L lines in the space of the parameters: along them `parameter` varies, and `fixed` (L,) do not."""
 
-    spectra = _spectra_on_lines(problem, parameter, fixed, count)
-    changes, resolved = _resolved_sign_changes(spectra, bounds, count)
-    alone = np.bincount(changes.line, minlength=count) == 1
+    problem: EquilibriumProblem
+    parameter: str
+    bounds: tuple[float, float]
+    fixed: Mapping[str, Array]
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return max(map(len, self.fixed.values()), default=1)
+
+    def spectra(self, line: Any, values: Array) -> ComplexArray:
+        """Sorted spectra (..., m) at values (...) on lines of these indices; NaN without an equilibrium."""
+        line = np.broadcast_to(line, values.shape).ravel()
+        fixed = {name: column[line] for name, column in self.fixed.items()}
+        spectra = self.problem.spectra({**fixed, self.parameter: values.ravel()})
+        return spectra.reshape(*values.shape, spectra.shape[-1])
+
+
+def _single_changes(lines: Lines, points: CriticalPoints) -> Any:
+    """Solve the lines on which there is one change, by flutter; returns which of them these are."""
+    changes, resolved = _resolved_sign_changes(lines)
+    alone = np.bincount(changes.line, minlength=lines.count) == 1
     held = (resolved & alone)[changes.line]  # of the changes
     line, ends = changes.line[held], (changes.still[held], changes.growing[held])
     roots = find_root(
-        lambda at, line: spectra(line.astype(int), at)[:, 0].real, ends, args=(line,), maxiter=ROOT_STEPS
+        lambda at, line: lines.spectra(line.astype(int), at)[:, 0].real,
+        ends,
+        args=(line,),
+        maxiter=ROOT_STEPS,
     ).x
     line, roots = line[np.isfinite(roots)], roots[np.isfinite(roots)]
-    at, side = spectra(line, roots), SIDE_RTOL * (bounds[1] - bounds[0])
-    before, after = ((growth_rates(spectra(line, roots + shift)) > 0).sum(axis=1) for shift in (-side, side))
-    passes = (np.minimum(before, after) == 0) & (np.maximum(before, after) == 2) & (at[:, 0].imag != 0.0)
+    at, side = lines.spectra(line, roots), SIDE_RTOL * np.ptp(lines.bounds)
+    growing = (growth_rates(lines.spectra(line, np.array([roots - side, roots + side]))) > 0).sum(axis=-1)
+    passes = (growing.min(axis=0) == 0) & (growing.max(axis=0) == 2) & (at[:, 0].imag != 0.0)
     passes &= np.abs(at[:, 0].real) <= ROOT_RATE_RTOL * growth_scales(at)[:, 0]  # else it jumps there
     points.values[line[passes]] = roots[passes]
     points.frequencies[line[passes]] = np.abs(at[passes, 0].imag) / (2 * np.pi)
-    return np.isin(np.arange(count), line[passes])
+    return np.isin(np.arange(lines.count), line[passes])
 
 
 def changes_on_lines(
     problem: EquilibriumProblem, parameter: str, bounds: tuple[float, float], fixed: Mapping[str, Array]
 ) -> list[tuple[StabilityChange, ...]]:
     """The changes on each of L lines, along which `parameter` varies and `fixed` (L,) do not."""
-    count = max(map(len, fixed.values()), default=1)
-
-    evaluate = _spectra_on_lines(problem, parameter, fixed, count)
-    brackets = _bracket_sign_changes(evaluate, bounds, count)
-    roots = _roots(evaluate, brackets, bounds)
-    real = _is_there_beyond(evaluate, brackets, roots, bounds) & ~_only_touches(evaluate, brackets, roots)
-    brackets, roots = brackets.select(real), roots[real]
-    changes = _describe_changes(evaluate, brackets, roots, bounds)
-    for i, line in enumerate(brackets.line):
-        if changes[i].kind == StabilityKind.FOLD:
-            at = {name: column[[line]] for name, column in fixed.items()}
-            if _goes_on(problem, changes[i].value, parameter, at, bounds):
-                changes[i] = replace(changes[i], kind=StabilityKind.BORDER)
-    ends = np.searchsorted(brackets.line, np.arange(count + 1))
+    lines = Lines(problem, parameter, bounds, fixed)
+    brackets = _bracket_sign_changes(lines)
+    changes: list[StabilityChange] = []
+    if brackets.line.size:
+        roots = _roots(lines, brackets)
+        real = _is_there_beyond(lines, brackets, roots) & ~_only_touches(lines, brackets, roots)
+        brackets = brackets.select(real)
+        changes = _describe_changes(lines, brackets, roots[real])
+    ends = np.searchsorted(brackets.line, np.arange(lines.count + 1)).tolist()
     return [tuple(changes[first:last]) for first, last in pairwise(ends)]
 
 
-def _spectra_on_lines(
-    problem: EquilibriumProblem, parameter: str, fixed: Mapping[str, Array], count: int
-) -> Evaluate:
-    """The function that gives spectra, of indices of L lines and values of the parameter."""
-    columns = np.reshape([*fixed.values()], (len(fixed), count))
-
-    def evaluate(line: Indices, at: Array) -> ComplexArray:
-        return problem.spectra({**dict(zip(fixed, columns[:, line])), parameter: at})
-
-    return evaluate
-
-
-def _goes_on(
-    problem: EquilibriumProblem,
-    value: float,
-    parameter: str,
-    fixed: Mapping[str, Array],
-    bounds: tuple[float, float],
-) -> bool:
+def _goes_on(lines: Lines, line: Any, value: float) -> bool:
     """Whether an equilibrium is the same on both sides of a value at which a growth rate jumps."""
-    step = END_RTOL * max(abs(value), bounds[1] - bounds[0])
-    sides = np.clip(value + step * np.array([-1.0, 1.0]), *bounds)
-    x = problem.solve(*problem.at({**{name: one.repeat(2) for name, one in fixed.items()}, parameter: sides}))
+    step = END_RTOL * max(abs(value), np.ptp(lines.bounds))
+    sides = np.clip(value + step * np.array([-1.0, 1.0]), *lines.bounds)
+    fixed = {name: column[[line, line]] for name, column in lines.fixed.items()}
+    x = lines.problem.solve(*lines.problem.at({**fixed, lines.parameter: sides}))
     return bool(np.abs(x[:, 1] - x[:, 0]).max() <= BORDER_RTOL * np.abs(x).max())
 
 
-def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> Array:
-    if not brackets.line.size:
-        return np.zeros(0)
-    start, shift = _starts(evaluate, brackets, bounds)
+def _roots(lines: Lines, brackets: Brackets) -> Array:
+    start, shift = _starts(lines, brackets)
 
     def rate(at: Array, line: Any, rank: Any, shift: Any) -> Array:
-        return eigenvalue_at_rank(evaluate(line.astype(int), at), rank.astype(int)).real - shift
+        return eigenvalue_at_rank(lines.spectra(line.astype(int), at), rank.astype(int)).real - shift
 
     root = find_root(
         rate, (start, brackets.growing), args=(brackets.line, brackets.rank, shift), maxiter=MAX_ROOT_STEPS
@@ -464,18 +453,14 @@ def _roots(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) 
     return np.where(np.isfinite(root.x), root.x, 0.5 * (brackets.still + brackets.growing))
 
 
-def _is_there_beyond(
-    evaluate: Evaluate, brackets: Brackets, roots: Array, bounds: tuple[float, float]
-) -> Any:
+def _is_there_beyond(lines: Lines, brackets: Brackets, roots: Array) -> Any:
     """Whether an equilibrium exists on both sides of each root; if not, stability does not change there."""
-    if not brackets.line.size:
-        return np.zeros(0, dtype=bool)
-    step = END_RTOL * np.maximum(np.abs(roots), bounds[1] - bounds[0])
-    sides = _spectra_at(evaluate, brackets.line, np.clip([roots - step, roots + step], *bounds))
+    step = END_RTOL * np.maximum(np.abs(roots), np.ptp(lines.bounds))
+    sides = lines.spectra(brackets.line, np.clip([roots - step, roots + step], *lines.bounds))
     return np.isfinite(sides).all(axis=(0, 2))
 
 
-def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
+def _only_touches(lines: Lines, brackets: Brackets, roots: Array) -> Any:
     """Which changes are no changes: a regain and a loss, and the mode grows in between.
 
     A growth rate may come down to zero and rise again, as (p - a)^2 does.  Within some 1e-5 on either side of
@@ -491,22 +476,18 @@ def _only_touches(evaluate: Evaluate, brackets: Brackets, roots: Array) -> Any:
     pairs = (brackets.line[1:] == brackets.line[:-1]) & (brackets.rank[1:] == brackets.rank[:-1])
     first = np.flatnonzero(pairs & regain[:-1] & ~regain[1:])
     line, rank, start, width = brackets.line[first], brackets.rank[first], roots[first], np.diff(roots)[first]
-    ends = brackets.growing[first], brackets.growing[first + 1]
-    outside = [
-        eigenvalue_at_rank(evaluate(line, np.clip(start + share * width, *ends)), rank).real
-        for share in OUTSIDE_TOUCH_SHARES
-    ]
-    grows = np.ones(len(first), dtype=bool)
-    for share in TOUCH_SHARES:
-        spectra = evaluate(line, start + share * width)
-        rate, scale = eigenvalue_at_rank(spectra, rank).real, eigenvalue_at_rank(growth_scales(spectra), rank)
-        rounding = (rate >= -DECAY_RTOL * scale) & (np.maximum(*outside) < NEUTRAL_RTOL * scale)
-        grows &= rounding | (rate > TOUCH_RTOL * scale)
+    beside = start + OUTSIDE_TOUCH_SHARES[:, None] * width
+    beside = np.clip(beside, brackets.growing[first], brackets.growing[first + 1])
+    outside = eigenvalue_at_rank(lines.spectra(line, beside), rank).real.max(axis=0)
+    spectra = lines.spectra(line, start + TOUCH_SHARES[:, None] * width)
+    rate, scale = eigenvalue_at_rank(spectra, rank).real, eigenvalue_at_rank(growth_scales(spectra), rank)
+    rounding = (rate >= -DECAY_RTOL * scale) & (outside < NEUTRAL_RTOL * scale)
+    grows = (rounding | (rate > TOUCH_RTOL * scale)).all(axis=0)
     touches[first[grows]] = touches[first[grows] + 1] = True
     return touches
 
 
-def _starts(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float]) -> tuple[Array, Array]:
+def _starts(lines: Lines, brackets: Brackets) -> tuple[Array, Array]:
     """One end of the search for each root, and the growth rate that is solved for.
 
     In general the mode decays at this end, and the growth rate that is solved for is zero.  The end may lie
@@ -515,8 +496,8 @@ def _starts(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float])
     as growth.
     """
     still = brackets.still
-    outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - brackets.growing), *bounds)
-    spectra = _spectra_at(evaluate, brackets.line, outside)
+    outside = np.clip(still + OUTSIDE_SHARES[:, None] * (still - brackets.growing), *lines.bounds)
+    spectra = lines.spectra(brackets.line, outside)
     scale = eigenvalue_at_rank(growth_scales(spectra), brackets.rank)
     decays = eigenvalue_at_rank(spectra, brackets.rank).real < -DECAY_RTOL * scale
     nearest = outside[decays.argmax(axis=0), np.arange(len(still))]
@@ -524,43 +505,36 @@ def _starts(evaluate: Evaluate, brackets: Brackets, bounds: tuple[float, float])
     return np.where(some, nearest, still), np.where(some, 0.0, NEUTRAL_RTOL * scale[-1])
 
 
-def _spectra_at(evaluate: Evaluate, line: Indices, points: Array) -> ComplexArray:
-    """Spectra (k, L, m) at k points (k, L) of each line."""
-    return evaluate(np.tile(line, len(points)), points.ravel()).reshape(*points.shape, -1)
-
-
 def eigenvalue_at_rank(spectra: Any, rank: Indices) -> Any:
     """The eigenvalue (..., N) with the `rank`-th largest growth rate of each of N spectra (..., N, m)."""
     return spectra[..., np.arange(len(rank)), rank]
 
 
-def _describe_changes(
-    evaluate: Evaluate, brackets: Brackets, roots: Array, bounds: tuple[float, float]
-) -> list[StabilityChange]:
-    if not brackets.line.size:
-        return []
+def _describe_changes(lines: Lines, brackets: Brackets, roots: Array) -> list[StabilityChange]:
     step = brackets.growing - roots
     # A bracket may be as narrow as rounding.
     least = np.minimum(MIN_INSIDE_RTOL * np.abs(roots), np.abs(step))
     inside = roots + np.copysign(np.maximum(INSIDE_SHARE * np.abs(step), least), step)
-    low, high = (np.full_like(roots, bound) for bound in bounds)
-    spectra = _spectra_at(evaluate, brackets.line, np.array([inside, roots, low, high]))
+    low, high = (np.full_like(roots, bound) for bound in lines.bounds)
+    spectra = lines.spectra(brackets.line, np.array([inside, roots, low, high]))
     # Just inside: at the root itself all growth rates may be zero, or a real eigenvalue part of a pair.
     critical, at_root = eigenvalue_at_rank(spectra[:2], brackets.rank)
-    size = np.nanmax(np.abs(spectra[1:]), axis=(0, 2))
+    size = np.nanmax(np.abs(spectra[1:]), axis=(0, 2), initial=0.0)
     # A growth rate that is not small at its root jumps there, because the equilibrium ends.
     smooth = np.abs(at_root.real) <= FOLD_RATE_AT_ROOT * size
     smooth &= np.abs(critical.real) <= FOLD_RATE_INSIDE * size
+    frequencies = np.where(smooth, np.abs(critical.imag) / (2 * np.pi), 0.0).tolist()
     below, above = (growth_rates(brackets.spectra) > 0).sum(axis=-1)
-    columns = roots, critical, ~smooth, below < above, unstable_pairs(brackets.spectra).T
-    return list(map(_change, *map(np.ndarray.tolist, columns)))
-
-
-def _change(root: float, critical: complex, jump: bool, loss: bool, unstable: list[int]) -> StabilityChange:
-    smooth = StabilityKind.FLUTTER if critical.imag else StabilityKind.DIVERGENCE
-    kind = StabilityKind.FOLD if jump else smooth
-    frequency = 0.0 if jump else abs(critical.imag) / (2 * np.pi)
-    return StabilityChange(root, frequency, kind, "loss" if loss else "regain", (unstable[0], unstable[1]))
+    unstable = unstable_pairs(brackets.spectra).T.tolist()
+    changes = []
+    for i, root in enumerate(roots.tolist()):
+        if smooth[i]:
+            kind = StabilityKind.FLUTTER if frequencies[i] else StabilityKind.DIVERGENCE
+        else:
+            kind = StabilityKind.BORDER if _goes_on(lines, brackets.line[i], root) else StabilityKind.FOLD
+        direction = "loss" if below[i] < above[i] else "regain"
+        changes.append(StabilityChange(root, frequencies[i], kind, direction, tuple(unstable[i])))
+    return changes
 
 
 class Intervals(NamedTuple):
@@ -590,50 +564,46 @@ class Brackets(NamedTuple):
         return Brackets(*rows, self.spectra[:, some])
 
 
-def _bracket_sign_changes(evaluate: Evaluate, bounds: tuple[float, float], count: int) -> Brackets:
-    """All changes of sign within bounds on L lines, by line and ascending parameter."""
-    pieces = _grid(evaluate, bounds, count, GRID_POINTS)
+def _bracket_sign_changes(lines: Lines) -> Brackets:
+    """All changes of sign within the bounds, by line and ascending parameter."""
+    pieces = _grid(lines, GRID_POINTS)
     most = MAX_INTERVAL_FACTOR * len(pieces.line)
-    single, pieces = _refined(evaluate, pieces, MAX_HALVINGS, most)
+    single, pieces = _refined(lines, pieces, MAX_HALVINGS, most)
     clusters = pieces if len(pieces.line) > most else _join_neighbours(pieces)
     return _brackets([*single, clusters.select(_sign_changes(clusters.spectra).any(axis=1))])
 
 
-def _resolved_sign_changes(
-    evaluate: Evaluate, bounds: tuple[float, float], count: int
-) -> tuple[Brackets, Flags]:
+def _resolved_sign_changes(lines: Lines) -> tuple[Brackets, Flags]:
     """As :func:`_bracket_sign_changes` with fewer spectra, and on which lines (L,) these are all changes.
 
     The first intervals are long.  If growth rates come near zero in one, or two eigenvalues near each other,
     it may hide a change.  It is halved, up to a limit.  A line on which such an interval is left is not
     resolved.
     """
-    pieces = _grid(evaluate, bounds, count, COARSE_POINTS)
-    single, unclear = _refined(evaluate, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
-    resolved = np.ones(count, dtype=bool)
+    pieces = _grid(lines, COARSE_POINTS)
+    single, unclear = _refined(lines, pieces, COARSE_HALVINGS, MAX_INTERVAL_FACTOR * len(pieces.line))
+    resolved = np.ones(lines.count, dtype=bool)
     resolved[unclear.line] = False
     return _brackets(single), resolved
 
 
-def _grid(evaluate: Evaluate, bounds: tuple[float, float], count: int, points: int) -> Intervals:
+def _grid(lines: Lines, points: int) -> Intervals:
     """The intervals between so many points, the same on all lines."""
-    low, high = bounds
-    at = np.tile(low + (high - low) * np.linspace(0.0, 1.0, points), (count, 1))
-    line = np.repeat(np.arange(count)[:, None], points, axis=1)
-    spectra = evaluate(line.ravel(), at.ravel()).reshape(count, points, -1)
+    low, high = lines.bounds
+    at = np.tile(low + (high - low) * np.linspace(0.0, 1.0, points), (lines.count, 1))
+    line = np.arange(lines.count)[:, None]
+    spectra = lines.spectra(line, at)
     ends = np.array([at[:, :-1], at[:, 1:]]).reshape(2, -1)
     at_ends = np.array([spectra[:, :-1], spectra[:, 1:]]).reshape(*ends.shape, -1)
-    return Intervals(line[:, 1:].ravel(), ends, at_ends)
+    return Intervals(line.repeat(points - 1), ends, at_ends)
 
 
-def _refined(
-    evaluate: Evaluate, pieces: Intervals, halvings: int, most: int
-) -> tuple[list[Intervals], Intervals]:
+def _refined(lines: Lines, pieces: Intervals, halvings: int, most: int) -> tuple[list[Intervals], Intervals]:
     """Halve intervals until each has no change or a single one; those with one, and those left over."""
     singles: list[Intervals] = []
     for _ in range(halvings):
         middle = 0.5 * (pieces.ends[0] + pieces.ends[1])
-        at_middle = evaluate(pieces.line, middle)
+        at_middle = lines.spectra(pieces.line, middle)
         clear, single = _classify_intervals(pieces.spectra, at_middle)
         singles.append(pieces.select(single))
         unclear = ~clear & ~single

@@ -13,7 +13,7 @@ from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.presentation import Drawable, dataframe, dataset, shorten
 from frictionlab.stability.equilibrium_points.borders import borders_at
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
+from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import (
@@ -208,7 +208,8 @@ def jacobian(model: ModelOrAutomaton, state: Array) -> Array:
 
 def _state_matrix(problem: EquilibriumProblem, state: Array) -> Array:
     model = problem.model
-    if by_penetration(model) and sliding_equations(model).rests(problem.values):
+    equations = sliding_equations(model)
+    if equations is not None and equations.rests(problem.values):
         raise ValueError("v must not be 0 for steady sliding, got 0.0: give the belt a speed")
     with np.errstate(all="ignore"):
         matrix = problem.flow.jacobian(state, problem.values)

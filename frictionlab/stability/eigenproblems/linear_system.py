@@ -30,7 +30,7 @@ from frictionlab.presentation import (
 )
 from frictionlab.stability.eigenproblems.eigenvalues import ComplexArray, damping_ratios, jacobian
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equilibrium, equilibrium_problem
-from frictionlab.stability.equilibrium_points.sliding import by_penetration, sliding_equations
+from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.tape.formulas import formulas_of
@@ -313,11 +313,11 @@ def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
     """The mode of the equilibrium, and the places of states that follow from others, such as a deflection at
     its limit."""
     automaton = automaton_of(model).whole
-    if by_penetration(model):
+    equations = sliding_equations(model)
+    if equations is not None:
         if "slip" in automaton.names:
             return "slip", []
-        equations = sliding_equations(model)
-        speed = equations.belt_speed.arrays(*equations.values(model))[0]
+        speed = equations.belt_speed.arrays(*equilibrium_problem(model).values)[0]
         return "slip+" if speed > 0 else "slip-", []
     mode, *_ = first_mode_equilibria(automaton, isinstance(model, Model))
     cyclic = {automaton.state_names.index(name) for name in automaton.cyclic}

@@ -23,7 +23,6 @@ from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_
 from frictionlab.stability.equilibrium_points.sliding import (
     Statics,
     all_penetrations,
-    by_penetration,
     sliding_equations,
     sliding_problem,
     statics_at,
@@ -75,7 +74,7 @@ def equilibrium_problem(
     """
     if equilibrium is not None:
         return _new_problem(model, _check_equilibrium(model, equilibrium))
-    if within and not by_penetration(model) and (problem := _problem_within(model, within)):
+    if within and sliding_equations(model) is None and (problem := _problem_within(model, within)):
         return problem
     notes = vars(model) if isinstance(model, Model) else {}
     if PROBLEM not in notes:
@@ -107,7 +106,9 @@ def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> Equ
 
 
 def _new_problem(model: ModelOrAutomaton, near: Array | None = None) -> EquilibriumProblem:
-    return sliding_problem(model, near) if by_penetration(model) else _nearest_problem(model, near)
+    if not isinstance(model, Model) or (equations := sliding_equations(model)) is None:
+        return _nearest_problem(model, near)
+    return sliding_problem(model, equations, near)
 
 
 def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.float64]:
@@ -120,7 +121,7 @@ def _check_equilibrium(model: ModelOrAutomaton, equilibrium: Any) -> NDArray[np.
             f"equilibrium must be one of the {len(candidates)} of the model, got {abbreviate(equilibrium)}: "
             "take one from equilibria(model)"
         )
-    if by_penetration(model) and not equilibrium.normal_force > 0:
+    if sliding_equations(model) is not None and not equilibrium.normal_force > 0:
         raise ValueError(
             f"equilibrium must have F_N > 0, got {equilibrium.normal_force:.4g} N: there is no contact"
         )
@@ -213,15 +214,15 @@ def equilibrium_branches(
 ) -> list[EquilibriumProblem]:
     """Problems of all equilibria that are inside the guards of a mode at some values in the range.
 
-    Each is followed from there.  Of models that are solved by the penetration (`by_penetration`) it is only
-    the one with the smallest penetration.
+    Each is followed from there.  Of models that are solved by the penetration (`sliding_equations`) it is
+    only the one with the smallest penetration.
 
     Raises
     ------
     ValueError
         If there is none in the range.
     """
-    if by_penetration(model):
+    if sliding_equations(model) is not None:
         return [equilibrium_problem(model)]
     automaton = automaton_at_rest(model)
     at, problems = values_within(bounds), []
@@ -378,7 +379,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         turn.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
         So is a phase, or the time, that moves nothing, as where a load's amplitude is 0, or stands still.
-        Of a line of equilibria, as where Jenkins' element sticks with any deflection, one is given.
+        Of a line of equilibria, as where Jenkins' element sticks with any deflection, one is given, and so
+        where a law underflows to zero, as exp(-x) does beyond 745.
 
     Returns
     -------
@@ -392,9 +394,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     ValueError
         If the springs do not hold a coordinate (singular stiffness matrix).
     """
-    if not by_penetration(model):
+    if not isinstance(model, Model) or (equations := sliding_equations(model)) is None:
         return _automaton_equilibria(model)
-    equations = sliding_equations(model)
     values = equations.values(model)
     statics = statics_at(equations, values)
     penetrations, why = all_penetrations(statics, values)
@@ -433,7 +434,7 @@ def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     if isinstance(model, LargeSystem):
         return model.find_equilibrium()
     candidates = equilibria(model)
-    if not by_penetration(model):
+    if not isinstance(model, Model) or sliding_equations(model) is None:
         if not candidates:
             raise _no_equilibrium_error(model)
         return candidates[0]

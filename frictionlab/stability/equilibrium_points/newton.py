@@ -518,7 +518,8 @@ def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any
     """
     matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
     step = _newton_step(matrices, rates)
-    size, safe = np.abs(step).max(axis=0), np.isfinite(step).all(axis=0)
+    size = np.abs(step).max(axis=0)
+    safe: Any = np.isfinite(step).all(axis=0)
     if flow.linear or not safe.any():
         return step, safe
     rests = [flow.rhs(x + share * step, values) - (1 - share) * rates for share in STEP_SHARES]

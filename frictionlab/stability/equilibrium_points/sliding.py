@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache, partial, reduce
 from math import factorial
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,8 +230,13 @@ class SlidingEquations:
         return [i for i in range(len(self.coordinates)) if not (held_by_contact and i == self.height)]
 
 
-def sliding_equations(model: Model) -> SlidingEquations:
-    """The equations of steady sliding of a model's structure."""
+def sliding_equations(model: ModelOrAutomaton) -> SlidingEquations | None:
+    """The equations of steady sliding of a model's structure; None of models without `statics`, and of those
+    whose laws have states of their own: their equilibria do not follow from the penetration of a contact."""
+    if not isinstance(model, Model) or model.statics is None:
+        return None
+    if any(getattr(component, "states", ()) for component in model.components.values()):
+        return None
     return _equations_of_structure(model.structure_key)
 
 
@@ -240,16 +245,6 @@ def _equations_of_structure(key: StructureKey) -> SlidingEquations:
     derivations = derivations_of(key)
     names = tuple(derivations.value("coordinates", lambda: symbolic_copy(key).coordinates))
     return SlidingEquations(key, derivations, names, names.index(key.component.statics.height))
-
-
-def by_penetration(model: ModelOrAutomaton) -> TypeGuard[Model]:
-    """Whether a model's equilibria follow from the penetration of its contact.
-
-    They do not where the friction law has states of its own.
-    """
-    if not isinstance(model, Model) or model.statics is None:
-        return False
-    return not any(getattr(component, "states", ()) for component in model.components.values())
 
 
 def _rates_of_slip(system: LagrangeSystem) -> tuple[Any, ...]:
@@ -655,12 +650,13 @@ def _real_roots(statics: Statics, values: Sequence[float], excess: Array) -> lis
     return distinct
 
 
-def sliding_problem(model: Model, start: Array | None = None) -> EquilibriumProblem:
+def sliding_problem(
+    model: Model, equations: SlidingEquations, start: Array | None = None
+) -> EquilibriumProblem:
     """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
     With `start` (2n,) it is the equilibrium at this state, followed from there.
     """
-    equations = sliding_equations(model)
     values, flow = equations.values(model), equations.flow
 
     def is_pressed(x: Array, values: Sequence[Any]) -> Any:

@@ -161,6 +161,7 @@ def test_derivatives_along_directions(model):
     start = np.concatenate([0.01 * rng.normal(size=m), list(scene.parameters.values())])
     directions = rng.normal(size=(3, m)) * np.repeat([0.01, 1.0], m // 2)
     equations = sliding_equations(model)
+    assert equations is not None
     at = EquilibriumDerivatives(equations.flow, start[:m], equations.values(model))
 
     def expected(*directions):

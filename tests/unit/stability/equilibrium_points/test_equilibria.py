@@ -163,6 +163,7 @@ def test_all_roots_of_the_polynomial_are_those_of_mpmath(changes, count):
     model = SliderOnBelt(**changes)
     penetrations = [point.penetration for point in equilibria(model)]
     equations = sliding_equations(model)
+    assert equations is not None
     values = equations.values(model)
     excess = statics_at(equations, values).polynomial(values)[:, 0]
     with mpmath.workdps(40):
