@@ -336,8 +336,9 @@ def _search(key: SearchKey, first: bool) -> tuple[ModeEquilibria, ...]:
             zeros = _zeros_of_mode(mode, key.values)
             why = why or (f"in {mode.in_words} {zeros.why}" if zeros.why else "")
             points = zeros.points[:, mode.admits(zeros.points, key.values)]
-            if not why and any(_is_of_line(mode.flow, x, key.values) for x in points.T):
-                why = f"in {mode.in_words} one is of a line of equilibria"
+            if any(_is_of_line(mode.flow, x, key.values) for x in points.T):
+                why = why or f"in {mode.in_words} one is of a line of equilibria"
+                points = _one_of_each_line(mode.flow, points, key.values)
         searched.append(ModeEquilibria(mode, points, why))
         if points.size and first:
             break
@@ -359,6 +360,20 @@ def _is_of_line(flow: Flow, x: Array, values: Sequence[float]) -> bool:
             return False
         away = along * (float(np.abs(x).max()) or 1.0) / np.abs(along).max()
         return all(_is_zero(flow, x + share * away, values) for share in LINE_SHARES)
+
+
+def _one_of_each_line(flow: Flow, points: Array, values: Sequence[float]) -> Array:
+    """Equilibria (m, K) without those that a line of equilibria joins with one before them.
+
+    Where a law underflows to zero, as exp(-x) does beyond 745, each state that the search tries is one.
+    """
+    first: list[int] = []
+    singular = [null_vector(flow.jacobian(x, values)) is not None for x in points.T]
+    for i, x in enumerate(points.T):
+        ways = [LINE_SHARES[0] * (points[:, j] - x) for j in first if singular[i] and singular[j]]
+        if not any(_is_zero(flow, x + way, values) for way in ways):
+            first.append(i)
+    return points[:, first]
 
 
 def _is_zero(flow: Flow, x: Array, values: Sequence[float]) -> bool:

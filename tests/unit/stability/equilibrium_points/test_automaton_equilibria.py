@@ -348,6 +348,20 @@ def test_two_coupled_steep_exponentials(k):
     assert [one.state.tolist() for one in found] == [pytest.approx([x, y], rel=1e-13)]
 
 
+def test_where_a_law_underflows_one_state_stands_for_all_that_rest():
+    """exp(-x^2) is 0 in double precision beyond 27.3 on either side; exp(-x) passes 1e-300 at 690.8."""
+    flat, crossing, none = (
+        fl.equilibria(automaton([rate], states=(X,), coordinates=0))
+        for rate in (sympy.exp(-(X**2)), sympy.exp(-X) - 1e-300, sympy.exp(-X) + 1e-300)
+    )
+    assert sorted(np.sign(one.state[0]) for one in flat) == [-1, 1]
+    assert all(abs(one.state[0]) > 27.3 for one in flat)
+    assert not flat.complete
+    assert [one.state[0] for one in crossing] == [pytest.approx(300 * np.log(10), rel=1e-14)]
+    assert crossing.complete
+    assert (len(none), none.complete) == (0, True)
+
+
 def test_symbols_of_states_need_not_be_declared_real():
     """x'' = 1 - |x| - x' rests at 1 and -1."""
     found = fl.equilibria(automaton((V, 1 - abs(X) - V)))
