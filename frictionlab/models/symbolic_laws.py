@@ -132,9 +132,9 @@ def _positive(argument: str) -> Any:
 
 
 def explain_errors(law: Component) -> None:
-    """Make the methods of a law's symbolic copy raise errors that name law and method."""
+    """Make the methods of a law's symbolic copy raise errors that name law and method, once."""
     for name in LAW_METHODS if isinstance(law, LAWS) else ():
-        if hasattr(law, name):
+        if hasattr(law, name) and name not in vars(law):
             object.__setattr__(law, name, _with_explanation(getattr(law, name), type(law).__name__, name))
 
 

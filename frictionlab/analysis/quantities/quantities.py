@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from frictionlab.models.model import MovingSystem, automaton_of, values_of
 from frictionlab.presentation import Drawable, dataframe, in_units_of, state_unit, text_table
-from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem, values_within
+from frictionlab.stability.equilibrium_points.equilibria import equilibrium_problem
 from frictionlab.stability.equilibrium_problem import ComplexArray, EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import EquilibriumDerivatives
 from frictionlab.stability.state_matrices import eigenpair
@@ -98,7 +98,7 @@ class WithinBounds(Quantity):
     def problem(self, model: ModelOrAutomaton) -> tuple[EquilibriumProblem, tuple[float, float]]:
         """The equilibrium of a model as the parameter varies, and the bounds, if it can have these."""
         bounds = check_bounds(model, self.parameter, self.bounds)
-        return equilibrium_problem(model, within={self.parameter: values_within(bounds)}), bounds
+        return equilibrium_problem(model, within={self.parameter: bounds}), bounds
 
 
 @dataclass(frozen=True)

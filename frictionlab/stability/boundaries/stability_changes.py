@@ -23,7 +23,6 @@ from frictionlab.presentation import Drawable, Kind, count, span
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
     equilibrium_problem,
-    values_within,
 )
 from frictionlab.stability.equilibrium_problem import (
     EquilibriumProblem,
@@ -163,7 +162,7 @@ def stability_changes(
     if isinstance(model, LargeSystem):
         return model.find_stability_changes(parameter, bounds)
     limits = check_bounds(model, parameter, bounds)
-    problem = equilibrium_problem(model, equilibrium, {parameter: values_within(limits)})
+    problem = equilibrium_problem(model, equilibrium, {parameter: limits})
     return changes_on_lines(problem, parameter, limits, {})[0]
 
 
@@ -210,7 +209,7 @@ def critical_value(
         changes = model.find_stability_changes(parameter, bounds)
     else:
         limits = check_bounds(model, parameter, bounds)
-        subject = equilibrium_problem(model, equilibrium, {parameter: values_within(limits)})
+        subject = equilibrium_problem(model, equilibrium, {parameter: limits})
         changes = changes_on_lines(subject, parameter, limits, {})[0]
     critical = critical_change(changes)
     if critical is not None:
@@ -308,7 +307,7 @@ def curve_and_gaps(
             f"over must be another parameter than {parameter!r} and at least one value of it, "
             f"got {abbreviate(over)}: {cure}"
         )
-    problem = equilibrium_problem(model, within={parameter: values_within((low, high)), name: at})
+    problem = equilibrium_problem(model, within={parameter: (low, high), name: at})
     critical = critical_points(problem, parameter, (low, high), {name: at})
     curve = CriticalCurve(model, parameter, name, at, critical.values)
     return curve, _gaps(problem, curve, low, high)

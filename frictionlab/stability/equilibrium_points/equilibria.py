@@ -58,12 +58,12 @@ MAX_STATIC_RESIDUAL = 1e-6  # share of the largest force that may be left over a
 def equilibrium_problem(
     model: ModelOrAutomaton,
     equilibrium: Equilibrium | None = None,
-    within: Mapping[str, Array] | None = None,
+    within: Mapping[str, Sequence[float] | Array] | None = None,
 ) -> EquilibriumProblem:
     """The problem of a model or an automaton, at its default equilibrium or at a given one.
 
-    Where the model's own parameters have none, or have it at a fold, it is that at the nearest of values (N,)
-    `within` which some parameters vary, of those that are searched.
+    Where the model's own parameters have none, or have it at a fold, it is that at the nearest of the values
+    that are searched between the least and the largest that some parameters take `within` a study.
 
     Raises
     ------
@@ -82,7 +82,9 @@ def equilibrium_problem(
     return notes[PROBLEM]
 
 
-def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> EquilibriumProblem | None:
+def _problem_within(
+    model: ModelOrAutomaton, within: Mapping[str, Sequence[float] | Array]
+) -> EquilibriumProblem | None:
     """The problem at the nearest values that have an equilibrium; None where that of the model's own values
     can be followed, or there is no other.
 
@@ -96,7 +98,7 @@ def _problem_within(model: ModelOrAutomaton, within: Mapping[str, Array]) -> Equ
         problem = equilibrium_problem(model)
         if np.isfinite(problem.solve(*problem.at(dict(zip(within, beside))))).all(axis=0).any():
             return None
-    some = [np.unique(values.min() + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
+    some = [np.unique(np.min(values) + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))
         mode, points, *_ = first_mode_equilibria(automaton.replace(**change), sliding)
@@ -225,7 +227,7 @@ def equilibrium_branches(
     if sliding_equations(model) is not None:
         return [equilibrium_problem(model)]
     automaton = automaton_at_rest(model)
-    at, problems = values_within(bounds), []
+    at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
     modes: list[SteadyMode] = []
     # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
     branch_states: list[Array] = []
@@ -241,11 +243,6 @@ def equilibrium_branches(
     if not problems:
         raise _no_equilibrium_error(model)
     return problems
-
-
-def values_within(bounds: tuple[float, float]) -> Array:
-    """Values of a parameter at which equilibria are looked for."""
-    return np.linspace(*bounds, BRANCH_SEARCH_POINTS)
 
 
 def _same_state(x: Array, other: Array) -> bool:
