@@ -25,12 +25,11 @@ from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.model import parameters_about
 from frictionlab.models.symbols import symbol
 from frictionlab.pages.javascript import javascript_function
-from frictionlab.pages.scene import Data, Shown, mechanism_data
+from frictionlab.pages.scene import MARK, Data, Shown, mechanism_data
 
 T = TypeVar("T")
 MAX_OUTCOMES = 64  # combinations of outcomes of one piece of code; with more it is left to Python
 FORCE = Parameter(exclusive_minimum=0.0)  # a normal force that is given
-MARK = "\0"  # encloses the number of a value in a text, and its format, as "0:g"
 
 
 @dataclass(frozen=True)
@@ -99,7 +98,7 @@ def _places(formulas: Sequence[Any], numbers: list[Any]) -> list[int]:
 
 
 def _text(text: str, values: Sequence[Any], numbers: list[Any]) -> list[Any]:
-    """A text in parts: for each value with its place in `numbers` and its format."""
+    """A text in parts; between marks it has the number of a value and its format, as "0:g"."""
     first, *others = text.split(MARK)
     parts: list[Any] = [first]
     for about, following in zip(others[::2], others[1::2], strict=True):

@@ -29,13 +29,13 @@ from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.pages.cases import picture_data, rule_data
 from frictionlab.pages.javascript import JavaScript, javascript_function, javascript_of_formulas
+from frictionlab.pages.python_text import Place, python_text
 from frictionlab.pages.scene import (
     MAX_MODES,
     Shown,
     has_friction_curve,
     law_menus,
     main_parameters,
-    model_call,
     name_of,
     own_law,
     quantity_data,
@@ -104,7 +104,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         "rules": rule_data(model, parameters),
         "friction": _friction_force(model, tuple(automaton.values)),
         "mechanism": picture_data(model, parameters),
-        "call": model_call(model),
+        "python": python_text(model, Place("duration"), Place("start"), method, {n: Place(n) for n in known}),
         "near": _known_equilibrium(model, automaton),
     }
 

@@ -7,7 +7,6 @@ The state of a front end holds a value for each control, by its name.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, is_dataclass, replace
@@ -16,7 +15,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-import frictionlab
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.analysis.period_of_motion import (
@@ -124,6 +122,7 @@ TAKEN = frozenset(
 )
 SWITCH = "switch-"  # begins the names of switches
 OF_COORDINATE = "coordinate of the phase plane and the spectrum"
+MARK = "\0"  # encloses the place of a value in a text
 NOTHING_SAID = str, bool, type(None)  # where a field of a picture is empty, false or missing
 LEAST_DURATION, USUAL_DURATION = 10, 1000  # periods: the ends of the slider of the duration
 
@@ -267,14 +266,6 @@ def challenge_data(model: Shown) -> list[Data]:
         for each in fitting
         if isinstance(model, Model) and each.model.structure_key == model.structure_key
     ]
-
-
-def model_call(model: Shown) -> str:
-    """Python that makes the model, where names of the package have their prefix; of an automaton a name."""
-    if isinstance(model, HybridAutomaton):
-        return "automaton"
-    names = re.compile(r"\b([A-Z]\w*)\(")
-    return names.sub(lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], repr(model))
 
 
 def number(name: str, about: Parameter, value: float, group: str, bounds: Any = None) -> Data:

@@ -25,7 +25,7 @@ from frictionlab.widgets.panels.standard import (
 
 from .controls import State, chosen_model, chosen_settings, controls_of, set_state
 from .front_end import FrontEnd, result_data
-from .result import Result, Settings, python_snippet, starting_settings
+from .result import Result, Settings, starting_settings
 from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
 
 if TYPE_CHECKING:
@@ -81,7 +81,6 @@ class Explorer:
         for name, answer in self._answers.items():
             self.widget.observe(answer, names=name)
         self.widget.stops = in_this_thread(self._stop)
-        self.widget.python = lambda: python_snippet(self.settings)
         self.scheduler.request()
 
     @property

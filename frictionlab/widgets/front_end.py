@@ -21,6 +21,7 @@ from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model, automaton_of, values_of
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
+from frictionlab.pages.python_text import python_text
 from frictionlab.pages.scene import (
     Data,
     Shown,
@@ -81,30 +82,26 @@ class FrontEnd(anywidget.AnyWidget):
         self.run: Any = None
         self.stops: Callable[[], None] = _nothing
         self.opens: Callable[[str, Mapping[str, Any]], None] = _opens_nothing
-        self.python: Callable[[], str] = str
         self.on_msg(self._heard)
 
     def _heard(self, _: Any, content: Any, __: Any) -> None:
-        """Send what the run sounds like, or why it makes no sound, or its Python; open a scene; or stop."""
+        """Send what the run sounds like, or why it makes no sound; open a scene; or stop."""
         if "stop" in content:
             self.stops()
             return
         if "open" in content:
             self.opens(content["open"], content.get("changed", {}))
             return
-        if "python" in content:
-            self.send({"asked": "python", "text": self.python()})
-            return
         try:
             sound = listen(self.run)
         except ValueError as error:
-            self.send({"asked": "hear", "text": str(error)})
+            self.send({"text": str(error)})
             return
         silent = not sound.samples.any()
         signal = sound.signal.replace("_", " ")
         text = "it makes no sound" if silent else f"{signal}, {sound.pitch:.3g} times as high as it is"
         samples = np.round(sound.samples * np.iinfo(np.int16).max).astype("<i2")
-        self.send({"asked": "hear", "text": text, "rate": sound.rate}, [samples.tobytes()])
+        self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
 
 
 def _nothing() -> None:
@@ -125,16 +122,18 @@ def result_data(
 
     While a slider moves it is not complete: the spectrum and what the words say of the run are left out.
     """
-    model = result.model
+    model, settings = result.model, result.settings
     shown = run_data(result) if "run" in needed else _without_run(model)
     known = result.eigenvalues  # after the run, whose error names the parameter that has no value
     point = None if known is None else known.equilibrium
+    if complete:
+        shown["python"] = python_text(model, settings.t_end, settings.x0, settings.method)
     if "run" in needed and complete:
         shown |= facts(result) | {"spectrum": spectrum_data(result) if "spectrum" in needed else None}
     data: Data = {
         "parameters": dict(values_of(model)),
-        "coordinate": result.settings.coordinate,
-        "from": result.settings.x0 if isinstance(result.settings.x0, str) else "own",
+        "coordinate": settings.coordinate,
+        "from": settings.x0 if isinstance(settings.x0, str) else "own",
         "eigenvalues": None if known is None else [[v.real, v.imag] for v in known.values.tolist()],
         "equilibrium": point
         and {

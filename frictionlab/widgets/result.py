@@ -1,9 +1,8 @@
-"""The settings of an explorer, as data, as Python and as JSON; results, each computed when first needed."""
+"""The settings of an explorer, as data; results, each computed when first needed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -19,19 +18,15 @@ from frictionlab.analysis.motion_scales import (
 )
 from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.analysis.simulate import simulate
-from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models import SliderOnBelt
 from frictionlab.models.model import MAKE_ONE, automaton_of
-from frictionlab.models.serialisation import is_public
 from frictionlab.pages.scene import (
     BEGINNING,
     WHAT_MOVES,
     Shown,
-    model_call,
     shown_model,
     usual_duration,
 )
@@ -114,45 +109,6 @@ def tighten_tolerance(method: Method) -> Method:
     return (
         replace(method, tol=min(method.tol, PERIODICITY_TOLERANCE)) if isinstance(method, Taylor) else method
     )
-
-
-def python_snippet(settings: Settings) -> str:
-    """Python code that recreates the model and the run."""
-    start = settings.x0 if isinstance(settings.x0, str) else list(settings.x0)
-    arguments = f"model, {settings.t_end!r}, x0={start!r}{_method_argument(settings.method)}"
-    run = f"run = fl.simulate({arguments})"
-    model = f"model = {model_call(settings.model)}"
-    if isinstance(settings.model, HybridAutomaton):  # any text may be the name of its parameter
-        model = f"{model}.replace(**{dict(settings.model.values)!r})  # the automaton that is explored"
-    return "\n".join(["import frictionlab as fl", *_import_lines(settings.model), model, run])
-
-
-@cache
-def _method_argument(method: Method) -> str:
-    """The method as an argument, with the options that differ from its defaults."""
-    usual = type(method)()
-    differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
-    values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
-    return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
-
-
-def _import_lines(model: Shown) -> Iterator[str]:
-    """Import lines for laws that are not the package's own."""
-    if isinstance(model, HybridAutomaton):
-        return
-    for cls in dict.fromkeys(_component_classes(model)):
-        if is_public(cls):
-            continue
-        if cls.__module__ == "__main__":
-            yield f"# run the cell that defines {cls.__name__} first"
-        elif f"{cls.__name__}(" in repr(model):
-            yield f"from {cls.__module__} import {cls.__name__}"
-
-
-def _component_classes(component: Component) -> Iterator[type]:
-    yield type(component)
-    for value in getattr(component, "components", {}).values():
-        yield from _component_classes(value)
 
 
 class Result:

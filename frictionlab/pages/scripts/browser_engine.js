@@ -188,18 +188,12 @@ class BrowserEngine {
     return { samples, rate, text: `${signal.replace("_", " ")}, ${shortNumber(pitch, 3)} times as high as it is` };
   }
 
-  python(state) {
-    const { parameters, call, automaton } = this.structureOf(state) ?? STRUCTURES[""],
-      names = SCENE.controls.filter(({ name, kind }) => kind === "number" && parameters.includes(name));
-    const values = names.map(({ name }) => automaton ? `${JSON.stringify(name)}: ${formatted(state[name])}`
-      : `${name}=${formatted(state[name])}`).join(", ");
+  python(state) { // between marks are the names of values
+    const { python } = this.structureOf(state) ?? STRUCTURES[""];
     const start = state.start === "own" ? `[${ownState(state.own).map((v) => formatted(v)).join(", ")}]`
-      : `"${state.start}"`;
-    // any text may be the name of an automaton's parameter
-    const model = automaton ? `${call}.replace(**{${values}})  # the automaton of this page`
-      : `${call}.replace(${values})`;
-    const run = `fl.simulate(model, ${formatted(state.duration)}, x0=${start})`;
-    return `import frictionlab as fl\n\nmodel = ${model}\nrun = ${run}\nprint(run.final_state.tolist())\n`;
+      : JSON.stringify(state.start);
+    const value = (name) => (name === "start" ? start : formatted(state[name]));
+    return python.split("\0").map((part, i) => (i % 2 ? value(part) : part)).join("");
   }
 }
 

@@ -474,8 +474,8 @@ class Explorer {
     this.playing = requestAnimationFrame((later) => this.tick(later));
   }
 
-  async copyPython() {
-    try { this.copy(await this.engine.python(this.state), "copied as Python");
+  copyPython() {
+    try { this.copy(this.engine.python(this.state), "copied as Python");
     } catch (error) { this.say(error.message, true); }
   }
 

@@ -5,9 +5,11 @@ const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, vie
 const LONGEST_WAIT = 60000; // ms for an answer of Python
 
 class PythonEngine {
-  answers = {}; // promises that wait, by what is asked
-  heard = {}; // what is done with an answer
+  /** @type {Promise<any> | null} */
+  waiting = null; // for an answer
+  answered = (..._message) => {};
   parameters = null;
+  text = ""; // Python that makes the model and its run
   images = {};
 
   constructor(model) { this.model = model; }
@@ -30,31 +32,13 @@ class PythonEngine {
     } catch { explorer.say("This server does not let a computation be stopped: wait until it is done.", true); }
   }
 
-  answer(asked) { // of Python: [content, buffers]
-    this.answers[asked] ??= this.asking(asked).finally(() => { delete this.answers[asked]; });
-    return this.answers[asked];
-  }
-
-  asking(asked) {
-    return new Promise((answered, failed) => {
-      const late = () => failed(new RangeError("Python does not answer: see whether its kernel runs."));
-      const timer = setTimeout(late, LONGEST_WAIT);
-      this.heard[asked] = (...message) => { clearTimeout(timer); answered(message); };
-      this.model.send({ [asked]: true });
-    });
-  }
-
-  answered(content, buffers) { this.heard[content.asked]?.(content, buffers); }
-
-  async python() {
-    const [{ text }] = await this.answer("python");
-    return text;
-  }
+  python() { return this.text; }
 
   result() { // the picture, with its arrays as numbers
     const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture,
       result = { ...picture, highest: this.model.get("scene").highest };
     this.parameters = picture.parameters;
+    this.text = picture.python ?? this.text;
     if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes),
       Object.keys(samples.columns), Object.values(samples.columns).map(floats));
     if (picture.friction) result.friction = { ...picture.friction, speeds: floats(picture.friction.speeds),
@@ -76,10 +60,20 @@ class PythonEngine {
   instant(t, { samples }) { return [samples, nearestTime(samples.times, t)]; }
 
   async hear() {
-    const [{ text, rate }, [bytes]] = await this.answer("hear");
+    this.waiting ??= this.answerOfPython().finally(() => { this.waiting = null; });
+    const [{ text, rate }, [bytes]] = await this.waiting;
     if (!bytes) throw new RangeError(text);
     const samples = new Int16Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength));
     return { samples: Float32Array.from(samples, (v) => v / 32767), rate, text };
+  }
+
+  answerOfPython() { // [content, buffers]
+    return new Promise((answered, failed) => {
+      const late = () => failed(new RangeError("Python does not answer: see whether its kernel runs."));
+      const timer = setTimeout(late, LONGEST_WAIT);
+      this.answered = (...message) => { clearTimeout(timer); answered(message); };
+      this.model.send({ hear: true });
+    });
   }
 }
 

@@ -9,6 +9,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.pages.cases import rule_data
 from frictionlab.pages.export import text_of
+from frictionlab.pages.page_data import structure_data
 from tests.unit.pages.test_javascript import run_in_node
 
 
@@ -153,3 +154,12 @@ def test_no_motion_has_negative_dissipation(model, rule):
         return
     with pytest.raises(ValueError, match=f"must not be negative for any motion, and {rule}.* as a load"):
         model.automaton()
+
+
+def test_the_python_of_a_page_has_the_law_of_ones_own_and_the_values_that_are_set():
+    model, names = fl.MassOnBelt(friction=Banded()), {}
+    text = structure_data(model)["python"].replace("\0duration\0", "2.0").replace("\0start\0", "'near'")
+    values = model.parameters | {"mu_k": 0.7, "m": 2.0}
+    exec(re.sub("\0(.*?)\0", lambda place: repr(values[place[1]]), text), names)
+    assert names["model"] == model.replace(mu_k=0.7, m=2.0)
+    assert (names["run"].raw.t, names["run"].status.ok) == (2.0, True)

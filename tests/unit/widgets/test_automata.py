@@ -102,7 +102,7 @@ def test_an_explorer_of_an_automaton_is_what_solve_computes():
     assert f"({len(run.events)} floor)" in explorer.widget.picture["status"]
     assert words(explorer) == "No equilibrium was found. From your own state this run is over after 2.56 s."
     known = {"automaton": ball()}
-    exec(explorer.widget.python(), known)
+    exec(explorer.widget.picture["python"], known)
     np.testing.assert_array_equal(known["run"].final_state, run.final_state)
 
 
