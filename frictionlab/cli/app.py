@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import socket
 
 DEFAULT_PORT = 8866
-NOTEBOOK_CELL = "from frictionlab.widgets.scenes import open_scenes\n\nopen_scenes(address=True)"
+NOTEBOOK_CELL = "from frictionlab.widgets.scenes import Scenes\n\nScenes(address=True)"
 EXIT_FAILED = 1
 
 APP_DESCRIPTION = """\

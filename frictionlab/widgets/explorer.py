@@ -15,16 +15,10 @@ from frictionlab.pages.scene import Shown, last_value, panels_of, scene_data
 from frictionlab.presentation import count
 from frictionlab.widgets.panels.bifurcation import BifurcationPanel
 from frictionlab.widgets.panels.critical_value import CriticalValuePanel
-from frictionlab.widgets.panels.standard import (
-    Panel,
-    drawn_on_axes,
-    draws_on_axes,
-    needed_of,
-    select_panels,
-)
+from frictionlab.widgets.panels.standard import Panel, needed_of, select_panels
 
 from .controls import State, chosen_model, chosen_settings, controls_of, set_state
-from .front_end import FrontEnd, result_data
+from .front_end import FrontEnd, progress_of, result_data
 from .result import Result, Settings, starting_settings
 from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
 
@@ -43,8 +37,8 @@ class Explorer:
         The error raised for the current values.
     controls : dict of str to Control
         Set the ``value`` of one and the pictures follow; link it to any widget.
-    drawings : dict of str to Drawing
-        What panels of one's own show.
+    drawings : dict of str to Drawing or bytes
+        What panels of one's own show; what they draw on axes is SVG.
     widget : FrontEnd
         The whole explorer, to be placed in an application.
     """
@@ -56,13 +50,12 @@ class Explorer:
         widget: FrontEnd | None = None,
         **about: Any,
     ) -> None:
-        self.settings, self.result = settings, Result(settings)
+        self.result = Result(settings)
         self.error: BaseException | None = None
         self.start_model, self.panels, self._needed = settings.model, panels, needed_of(panels)
-        self.drawings: dict[str, Drawing] = {}
-        self._images: dict[str, bytes] = {}
+        self.drawings: dict[str, Drawing | bytes] = {}
         self.updates = 0  # computed so far
-        self.progress: tuple[int, int] | None = None  # parts done and their total, where panels go on
+        self.progress: list[int] | None = None  # parts done and their total, where panels go on
         self.controls = controls_of(settings)
         for panel in panels.values():
             self.controls |= getattr(panel, "controls", {})
@@ -80,7 +73,7 @@ class Explorer:
         self._answers = {name: in_this_thread(answer) for name, answer in answers.items()}
         for name, answer in self._answers.items():
             self.widget.observe(answer, names=name)
-        self.widget.stops = in_this_thread(self._stop)
+        self.widget.answers["stop"] = in_this_thread(self._stop)
         self.scheduler.request()
 
     @property
@@ -152,7 +145,7 @@ class Explorer:
         if self.progress:  # the rest has waited until a browser shows it
             self.scheduler.request_later()
 
-    def _stop(self) -> None:
+    def _stop(self, _: Any) -> None:
         """End what is computed in parts; ctrl-C has ended what is computed at once."""
         if self.progress:
             self.scheduler.cancel()
@@ -162,23 +155,20 @@ class Explorer:
         self.widget.computing = True
         asked = self.widget.state
         try:
-            model = chosen_model(self.start_model, self.controls)
-            if isinstance(model, HybridAutomaton) and model.values == values_of(self.settings.model):
-                model = self.settings.model  # an automaton equals none but itself
-            settings = chosen_settings(model, self.controls, self.settings.period)
-            result = self.result if settings == self.settings else Result(settings)
-            goes_on = result is self.result and bool(self.progress)
-            self._draw(result, goes_on)
+            model, present = chosen_model(self.start_model, self.controls), self.result.settings
+            if isinstance(model, HybridAutomaton) and model.values == values_of(present.model):
+                model = present.model  # an automaton equals none but itself
+            settings = chosen_settings(model, self.controls, present.period)
+            moved = settings != present
+            result = Result(settings) if moved else self.result
+            self.drawings |= self._drawn(result, goes_on=bool(self.progress) and not moved)
             picture = result_data(result, self.drawings, self._needed, complete=not self.widget.sliding)
         except Exception as error:  # any error of a user's law is shown, not lost in a log
             self._fail(error)
             return
         for name, data in picture["drawings"].items():
             data["pick"] = getattr(self.panels[name], "pick", None)
-        picture["drawings"] |= {name: {"image": image} for name, image in self._images.items()}
-        moved = result is not self.result
-        self.settings, self.result, self.error = settings, result, None
-        self.progress = next((d.progress for d in self.drawings.values() if d.progress), None)
+        self.result, self.error, self.progress = result, None, picture["progress"]
         self.updates += 1
         self.widget.run = result.run if picture.get("samples") else None
         with self.widget.hold_sync():
@@ -188,20 +178,13 @@ class Explorer:
         if self.progress and (self.widget.shown or not has_event_loop()):
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
-    def _draw(self, result: Result, goes_on: bool) -> None:
-        """Call the panels of one's own; if one fails, what is shown does not change."""
-        own = {name: panel for name, panel in self.panels.items() if panel is not None}
-        on_axes = [name for name, panel in own.items() if draws_on_axes(panel)]
-        again = {
-            name: panel
-            for name, panel in own.items()
-            if name not in on_axes
-            and not (goes_on and not self.drawings[name].progress and not hasattr(panel, "controls"))
-        }
-        drawn = {name: panel(result) for name, panel in again.items()}
-        if not goes_on:
-            self._images = {name: drawn_on_axes(own[name], result) for name in on_axes}
-        self.drawings |= drawn
+    def _drawn(self, result: Result, goes_on: bool) -> dict[str, Drawing | bytes]:
+        """What the panels of one's own draw; where their work goes on, those that are complete do not."""
+
+        def asked(name: str, panel: Panel) -> bool:
+            return not goes_on or hasattr(panel, "controls") or bool(progress_of(self.drawings[name]))
+
+        return {name: panel(result) for name, panel in self.panels.items() if panel and asked(name, panel)}
 
     def _fail(self, error: BaseException) -> None:
         self.error, self.progress = error, None

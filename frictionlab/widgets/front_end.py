@@ -80,18 +80,16 @@ class FrontEnd(anywidget.AnyWidget):
     def __init__(self) -> None:
         super().__init__()
         self.run: Any = None
-        self.stops: Callable[[], None] = _nothing
-        self.opens: Callable[[str, Mapping[str, Any]], None] = _opens_nothing
-        self.on_msg(self._heard)
+        self.answers: dict[str, Callable[[Any], None]] = {"hear": self._send_sound}  # by what is asked
+        self.on_msg(self._answer)
 
-    def _heard(self, _: Any, content: Any, __: Any) -> None:
-        """Send what the run sounds like, or why it makes no sound; open a scene; or stop."""
-        if "stop" in content:
-            self.stops()
-            return
-        if "open" in content:
-            self.opens(content["open"], content.get("changed", {}))
-            return
+    def _answer(self, _: Any, content: Any, __: Any) -> None:
+        for name, about in content.items():
+            if name in self.answers:  # a run that is watched cannot be stopped: it is there as a whole
+                self.answers[name](about)
+
+    def _send_sound(self, _: Any) -> None:
+        """Send what the run sounds like, or why it makes no sound."""
         try:
             sound = listen(self.run)
         except ValueError as error:
@@ -104,17 +102,9 @@ class FrontEnd(anywidget.AnyWidget):
         self.send({"text": text, "rate": sound.rate}, [samples.tobytes()])
 
 
-def _nothing() -> None:
-    """Stop nothing: a run that is watched is there as a whole."""
-
-
-def _opens_nothing(name: str, changed: Mapping[str, Any]) -> None:
-    raise ValueError(f"there is no menu of scenes to open {name!r} from")
-
-
 def result_data(
     result: Result,
-    drawings: Mapping[str, Drawing],
+    drawings: Mapping[str, Drawing | bytes],
     needed: Container[str],
     complete: bool = True,
 ) -> Data:
@@ -145,7 +135,7 @@ def result_data(
         "friction": friction_data(result) if "friction" in needed else None,
         "complete": complete,
         "drawings": {name: drawing_data(drawing) for name, drawing in drawings.items()},
-        "progress": next((list(d.progress) for d in drawings.values() if d.progress), None),
+        "progress": next(filter(None, map(progress_of, drawings.values())), None),
     }
     return data | shown
 
@@ -282,8 +272,15 @@ def packed(values: Any) -> bytes:
     return np.ascontiguousarray(values, dtype="<f8").tobytes()
 
 
-def drawing_data(drawing: Drawing) -> Data:
+def progress_of(drawing: Drawing | bytes) -> list[int] | None:
+    """Parts of a drawing that are computed, and their total; None where all are."""
+    return None if isinstance(drawing, bytes) or not drawing.progress else list(drawing.progress)
+
+
+def drawing_data(drawing: Drawing | bytes) -> Data:
     """A drawing as the front end takes it."""
+    if isinstance(drawing, bytes):
+        return {"image": drawing}
     curves = sorted(enumerate(drawing.curves.items()), key=lambda item: item[1][1].style.get("zorder", 2.0))
     return {
         "xlabel": drawing.xlabel,

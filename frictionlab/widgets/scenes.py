@@ -41,7 +41,7 @@ class Scenes:
         self._scenes = {each.name: each for each in scenes}
         self._menu, self._panels, self._address = scene_labels(scenes), panels, address
         self.widget = FrontEnd()
-        self.widget.opens = in_this_thread(self._opened)
+        self.widget.answers["open"] = in_this_thread(self._opened)
         self.explorer: Explorer | None = None
         self.open(scenes[0].name)
 
@@ -64,17 +64,12 @@ class Scenes:
         self.explorer = Explorer(starting_settings(model), panels, self.widget, **own)
         return self.explorer
 
-    def _opened(self, name: str, changed: Mapping[str, Any]) -> None:
+    def _opened(self, asked: Mapping[str, Any]) -> None:
         """Show the scene that the browser asks for, with what was changed in it."""
         try:
-            self.open(name).set_values(changed)
+            self.open(asked["name"]).set_values(asked["changed"])
         except (TypeError, ValueError) as error:
             self.widget.error = error_text(error)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
-
-
-def open_scenes(address: bool = False) -> Scenes:
-    """The explorer of all models."""
-    return Scenes(address=address)

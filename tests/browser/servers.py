@@ -58,9 +58,9 @@ LAB = (
 
 # The explorer of all models, as `frictionlab app` shows it.
 SCENES = """\
-from frictionlab.widgets.scenes import open_scenes
+from frictionlab.widgets.scenes import Scenes
 
-open_scenes()
+Scenes()
 """
 
 

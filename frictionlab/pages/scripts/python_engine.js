@@ -23,7 +23,7 @@ class PythonEngine {
   }
 
   has(name) { return !this.parameters || name in this.parameters; }
-  choose(name, changed = {}) { this.model.send({ open: name, changed }); }
+  choose(name, changed = {}) { this.model.send({ open: { name, changed } }); }
 
   async stop(explorer) { // what is done in parts stops by a message, a computation that hears none by ctrl-C
     this.model.send({ stop: true });

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from inspect import signature
 from typing import Any
 
@@ -13,12 +14,12 @@ from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 
 from ..result import Result
 
-Panel = Callable[..., Any]  # of a Result, returns a Drawing; or of a run and axes
+Panel = Callable[..., Any]  # of a Result; returns a Drawing, or a picture as SVG
 
 
 def select_panels(asked: Iterable[Any]) -> dict[str, Panel | None]:
-    """Panels by name, None for those that the front end draws; those asked for may be names or functions, or
-    one name alone.
+    """Panels by name, None for those that the front end draws; those asked for may be names or functions of
+    results, or of runs and axes; or one alone.
 
     Raises
     ------
@@ -28,7 +29,7 @@ def select_panels(asked: Iterable[Any]) -> dict[str, Panel | None]:
     if isinstance(asked, str) or callable(asked):
         asked = [asked]
     asked = check_sequence("panels", asked, f"take some of {', '.join(PANELS)}")
-    chosen = {_panel_name(panel): None if isinstance(panel, str) else panel for panel in asked}
+    chosen = {_panel_name(panel): None if isinstance(panel, str) else _of_result(panel) for panel in asked}
     if not chosen:
         raise ValueError(f"panels must hold at least one panel, got none: take some of {', '.join(PANELS)}")
     return chosen
@@ -45,20 +46,18 @@ def _panel_name(panel: Any) -> str:
     )
 
 
-def draws_on_axes(panel: Panel) -> bool:
-    """Whether a panel is a function of a run and of matplotlib's axes, rather than of a result."""
+def _of_result(panel: Panel) -> Panel:
+    """A panel as it is, or made of a function of a run and of matplotlib's axes."""
     try:
         required = [p for p in signature(panel).parameters.values() if p.default is p.empty]
     except (TypeError, ValueError):  # built in, without a signature
-        return False
-    return len(required) == 2
+        return panel
+    return partial(_drawn_on_axes, panel) if len(required) == 2 else panel
 
 
-def drawn_on_axes(panel: Panel, result: Result) -> bytes:
-    """What a function of a run and of axes draws, as SVG."""
-    figure = RunFigure()
+def _drawn_on_axes(panel: Panel, result: Result) -> bytes:
+    figure, buffer = RunFigure(), io.BytesIO()
     panel(result.run, figure.subplots())
-    buffer = io.BytesIO()
     figure.savefig(buffer, format="svg")
     return buffer.getvalue()
 

@@ -117,7 +117,7 @@ def test_the_coordinate_of_phase_plane_and_spectrum():
     assert said(explorer.widget, "phase(result).xlabel") == r"$\varphi$ (rad)"
     assert said(explorer.widget, "spectrum(result).ylabel") == r"amplitude of $\varphi$ (rad)"
     explorer.controls["switch-geometry"].value = False
-    assert explorer.settings.coordinate == "x1"
+    assert explorer.result.settings.coordinate == "x1"
 
 
 def test_own_numbers_as_initial_state(explorer):

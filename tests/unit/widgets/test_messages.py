@@ -77,7 +77,7 @@ def test_errors_are_told_and_go_when_mended(explorer):
 def test_what_a_browser_sends_is_taken_or_refused_in_words(explorer):
     state = explorer.values()
     explorer.widget.set_state({"state": state | {"mu_k": 1.3, "start": "near"}})
-    assert (explorer.model.mu_k, explorer.settings.x0) == (1.3, "near")
+    assert (explorer.model.mu_k, explorer.result.settings.x0) == (1.3, "near")
     explorer.widget.set_state({"state": state | {"mu_k": -1.0}})
     assert "mu_k must be at least 0, got -1.0" in explorer.widget.error
     assert explorer.model.mu_k == 1.3
@@ -286,7 +286,7 @@ def test_reset_takes_everything_back(explorer):
     for name, value in {"mu_k": 1.4, "k5": 2e4, "switch-cubic": False, "start": "near"}.items():
         explorer.controls[name].value = value
     explorer.reset()
-    assert explorer.settings == fl.explore(panels=("eigenvalues",)).settings
+    assert explorer.result.settings == fl.explore(panels=("eigenvalues",)).result.settings
     assert explorer.updates == updates + 5
 
 

@@ -74,7 +74,7 @@ def test_a_browser_opens_a_scene_with_what_was_changed():
     scenes = Scenes(panels=("eigenvalues",))
     left = scenes.explorer
     changed = {"a1": 0.6, "start": "near", "k1": 1 / 3}
-    scenes.widget._handle_custom_msg({"open": "ModeCoupling()", "changed": changed}, [])
+    scenes.widget._handle_custom_msg({"open": {"name": "ModeCoupling()", "changed": changed}}, [])
     assert scenes.widget.scene["name"] == "ModeCoupling()"
     assert scenes.explorer.model == fl.ModeCoupling(a1=0.6, k1=1 / 3)
     assert scenes.widget.state == scenes.explorer.values()
@@ -93,5 +93,5 @@ def test_a_browser_opens_a_scene_with_what_was_changed():
 )
 def test_what_cannot_be_opened_is_told_in_words(name, changed, words):
     scenes = Scenes(panels=("eigenvalues",))
-    scenes.widget._handle_custom_msg({"open": name, "changed": changed}, [])
+    scenes.widget._handle_custom_msg({"open": {"name": name, "changed": changed}}, [])
     assert words in scenes.widget.error

@@ -136,7 +136,7 @@ def test_the_points_are_those_of_the_analysis(diagram):
     diagram.controls["range"].value = (0.3, 0.6)
     sweep = diagram.panels["bifurcation"].sweep
     found, method = sweep.steady_states, sweep.options.method
-    assert (method.tol, method.chatter) == (1e-10, diagram.settings.method.chatter)
+    assert (method.tol, method.chatter) == (1e-10, diagram.result.settings.method.chatter)
     model = FLAT.replace(mu_s=4.0)
     options = {"transient": 5.0, "window": 10.0, "t_max": LONGEST, "method": method, "progress": False}
     expected = fl.bifurcation(model, "mu_k", [0.6], **options)

@@ -21,7 +21,7 @@ def test_a_state_is_set_again():
         first.controls[name].value = value
     other = fl.explore(fl.SliderOnBelt(mu_k=1.4), panels=("eigenvalues",))
     other.set_values(first.changed())
-    assert other.settings == first.settings
+    assert other.result.settings == first.result.settings
     assert other.model == fl.SliderOnBelt(mu_k=1.27, impact=fl.RestitutionImpact(e=0.35)).without("geometry")
 
 
