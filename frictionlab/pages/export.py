@@ -15,6 +15,7 @@ import re
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from frictionlab._version import __version__
@@ -26,7 +27,7 @@ from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
-from frictionlab.models.model import Model, ModelOrAutomaton
+from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.pages.javascript import JavaScript
 from frictionlab.pages.page_data import (
     chosen_sliders,
@@ -37,7 +38,6 @@ from frictionlab.pages.page_data import (
     switch_names,
 )
 from frictionlab.pages.scene import (
-    Data,
     Shown,
     controls_of_models,
     formula_controls,
@@ -146,65 +146,55 @@ def export_page(
     model, start = shown_model(model, x0, "write export_page(model, path)")
     path = check_path("path", path, (".html", ".htm"))
     title = name if title is None else check_text("title", title, "leave it out for the model's name")
-    names = switch_names(model, switches)
-    period = oscillation_period(model, start)
-    if t_end is None:
-        t_end = usual_duration(model, period)
-    check_t_end(t_end)
-    with_laws = page_laws(model, laws)
-    run = run_controls(model, period, float(t_end), start)
-    scene = page_scene(model, period, names, sliders, presets, run, title, with_laws)
-    return write_text(path, page_content(model, names, scene, with_laws))
+    options = {"sliders": sliders, "switches": switches, "presets": presets, "laws": laws, "t_end": t_end}
+    return write_text(path, model_page(model, title, start, **options))
 
 
-def page_content(
+def model_page(
     model: Shown,
-    names: tuple[str, ...],
-    scene: dict[str, Any],
-    with_laws: Mapping[str, Model],
+    title: str,
+    start: str | tuple[float, ...] = "rest",
+    *,
+    sliders: Any = None,
+    switches: Any = None,
+    presets: Any = None,
+    laws: Any = None,
+    t_end: float | None = None,
+    own: Mapping[str, Any] = MappingProxyType({}),
     mark: str = "",
 ) -> str:
-    """The page of a model whose switches have these names; `mark` stands in its head.
+    """The page of a model, with the options of :func:`export_page`; `own` says more of its scene, and `mark`
+    stands in its head.
 
-    A law is there with all nonlinearities of the model.
+    A law of the menu is there with all nonlinearities of the model.
 
     Raises
     ------
-    SolverNotBuiltError
-        Where the package was built without WebAssembly.
-    ValueError
-        For a model of too many modes.
+    SolverNotBuiltError, ValueError
+        As of :func:`export_page`.
     """
-    script = script_text(SCRIPTS)
-    solver = solver_data(script)
-    models = structures(model, names) | {f"|{law}": each for law, each in list(with_laws.items())[1:]}
-    derived = {key: structure_data(each) for key, each in models.items()}
-    constants = {"SCENE": scene, "SOLVER": solver}
-    return html_page(scene["title"], constants, f"const STRUCTURES = {_javascript(derived)};\n{script}", mark)
-
-
-def page_scene(
-    model: Shown,
-    period: float,
-    names: tuple[str, ...],
-    sliders: Any,
-    presets: Any,
-    run: list[Data],
-    title: str | None,
-    with_laws: Mapping[str, Model],
-) -> dict[str, Any]:
-    """The scene of a page: its switches are those of these names, its menu that of these laws, and `run` the
-    controls of the run."""
+    names, with_laws = switch_names(model, switches), page_laws(model, laws)
+    models, period = [model, *with_laws.values()], oscillation_period(model, start)
+    t_end = usual_duration(model, period) if t_end is None else float(check_t_end(t_end))
     chosen, ranges = chosen_sliders(model, sliders)
-    switches = [switch_control(model, name) for name in names]
-    menus = [law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []
-    models = [model, *with_laws.values()]
-    numbers = controls_of_models(models, chosen, ranges)
-    controls = [*switches, *menus, *formula_controls(models), *numbers, *run]
-    scene = scene_data(model, controls, panels_of(model), period, title=title)
-    about = f"exact solver, in your browser; frictionlab {__version__}"
-    menu = scene_menu(model, names, presets)
-    return scene | {"about": about, "switches": names, "menu": menu, "method": method_data()}
+    controls = [
+        *(switch_control(model, name) for name in names),
+        *([law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []),
+        *formula_controls(models),
+        *controls_of_models(models, chosen, ranges),
+        *run_controls(model, period, t_end, start),
+    ]
+    scene = scene_data(model, controls, panels_of(model), period, title=title) | {
+        "about": f"exact solver, in your browser; frictionlab {__version__}",
+        "switches": names,
+        "menu": scene_menu(model, names, presets),
+        "method": method_data(),
+    }
+    script = script_text(SCRIPTS)
+    constants = {"SCENE": {**scene, **own}, "SOLVER": solver_data(script)}
+    of_laws = {f"|{law}": each for law, each in list(with_laws.items())[1:]}
+    derived = {key: structure_data(each) for key, each in (structures(model, names) | of_laws).items()}
+    return html_page(title, constants, f"const STRUCTURES = {_javascript(derived)};\n{script}", mark)
 
 
 def method_data() -> dict[str, Any]:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.file_writing import write_text
 from frictionlab.interruption import progress_bar
 from frictionlab.models.library.catalogue import PRESETS, ROW_MODELS, list_models
@@ -22,13 +21,11 @@ from frictionlab.models.zoo.topics import TOPICS
 from frictionlab.pages.export import (
     SCRIPTS,
     html_page,
-    page_content,
-    page_scene,
+    model_page,
     script_text,
     solver_data,
 )
-from frictionlab.pages.page_data import page_laws, switch_names
-from frictionlab.pages.scene import Data, mechanism_data, run_controls, usual_duration
+from frictionlab.pages.scene import Data, mechanism_data
 from frictionlab.validation import check_path
 
 WORTH_SEEING = "worth seeing"
@@ -155,13 +152,8 @@ def write_scene(scene: LibraryScene, path: Path, menu: list[Data], mark: str = "
     ValueError
         Where a page cannot show the model.
     """
-    names = switch_names(scene.model, None)
-    laws = page_laws(scene.model, None)
-    period = oscillation_period(scene.model)
-    run = run_controls(scene.model, period, usual_duration(scene.model, period))
-    data = page_scene(scene.model, period, names, None, None, run, scene.name, laws)
-    data |= {"name": scene.name, "about": scene.about, "menu": menu}
-    return write_text(path, page_content(scene.model, names, data, laws, mark))
+    own = {"name": scene.name, "about": scene.about, "menu": menu}
+    return write_text(path, model_page(scene.model, scene.name, own=own, mark=mark))
 
 
 def index_page(scenes: Iterable[LibraryScene], refused: dict[str, str], explorer: str = "") -> str:
