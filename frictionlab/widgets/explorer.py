@@ -20,7 +20,7 @@ from frictionlab.widgets.panels.standard import Panel, needed_of, select_panels
 from .controls import State, chosen_model, chosen_settings, controls_of, set_state
 from .front_end import FrontEnd, progress_of, result_data
 from .result import Result, Settings, starting_settings
-from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, has_event_loop, in_this_thread
+from .update_scheduler import PAUSE_AFTER_CHANGE, UpdateScheduler, in_this_thread, running_loop
 
 if TYPE_CHECKING:
     from frictionlab.plotting.figure import Drawing
@@ -175,7 +175,7 @@ class Explorer:
             self.widget.error, self.widget.picture, self.widget.computing = "", picture, False
             if self.widget.state == asked:  # else the browser has moved on, and an update follows
                 self.widget.state = self.values()
-        if self.progress and (self.widget.shown or not has_event_loop()):
+        if self.progress and (self.widget.shown or not running_loop()):
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
     def _drawn(self, result: Result, goes_on: bool) -> dict[str, Drawing | bytes]:

@@ -78,7 +78,7 @@ class UpdateScheduler:
             self._busy = False
             with InterruptCounter(sys.maxsize):  # further presses have nothing to stop
                 self._stopped(stop)
-            if not has_event_loop():
+            if not running_loop():
                 raise
             if self._asked:
                 self.request()
@@ -121,13 +121,9 @@ class UpdateScheduler:
             return asked
 
 
-def has_event_loop() -> bool:
-    """Whether an event loop runs, as in a notebook or an application; without one nothing happens later."""
-    return running_loop() is not None
-
-
 def running_loop() -> asyncio.AbstractEventLoop | None:
-    """The event loop of the present thread."""
+    """The event loop of the present thread, as of a notebook or an application; without one nothing happens
+    later."""
     try:
         return asyncio.get_running_loop()
     except RuntimeError:

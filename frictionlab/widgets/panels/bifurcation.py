@@ -30,8 +30,9 @@ from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label, state_with_unit
 from frictionlab.plotting.studies.sweeps import EARLY_END_HEIGHT, MOTION_STYLES
 from frictionlab.widgets.controls import Control
+from frictionlab.widgets.panels.standard import apart_from
 from frictionlab.widgets.result import limit_steps, tighten_tolerance
-from frictionlab.widgets.update_scheduler import has_event_loop
+from frictionlab.widgets.update_scheduler import running_loop
 
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
@@ -253,7 +254,7 @@ class BifurcationPanel:
         fine = np.linspace(low, high, GRID_VALUES)
         coarse = fine[::GRID_STEP]
         # In a script nobody watches the diagram fill: it gets the coarse one only, without a preview.
-        watched = has_event_loop()
+        watched = running_loop() is not None
         grid = (fine if watched else coarse).tolist()
         values = [*grid, *(v for v in sweep.steady_states if low <= v <= high and v not in grid)]
         # After a change by a slider or a click the present diagram is shown before more is computed.
@@ -267,9 +268,7 @@ class BifurcationPanel:
     def _sweep_for(self, result: Any) -> ProgressiveSweep:
         """The sweep of a result; a new one where anything but the parameter differs."""
         settings, transient = result.settings, self.controls["transient"].value
-        others = tuple(item for item in values_of(result.model).items() if item[0] != self.parameter)
-        structure = getattr(result.model, "structure_key", None)  # an automaton keeps its own
-        key = structure, others, settings.x0, settings.method, transient
+        key = *apart_from(result.model, [self.parameter]), settings.x0, settings.method, transient
         if self.sweep is None or key != self._key:
             window, method = (
                 WINDOW_PERIODS * round_down_1_2_5(settings.period),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,8 @@ from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label
 from frictionlab.stability import CriticalCurve
 from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
-from frictionlab.widgets.update_scheduler import has_event_loop
+from frictionlab.widgets.panels.standard import apart_from
+from frictionlab.widgets.update_scheduler import running_loop
 
 if TYPE_CHECKING:
     from frictionlab.widgets.result import Result
@@ -46,7 +46,7 @@ class CriticalValuePanel:
         self.parameter, self.over = parameter, over
         self.bounds, self.sides = (slider_range(about[n], values[n]) for n in (parameter, over))
         self.pick = over, parameter  # what a click sets: the model moves there
-        self._curve = lru_cache(MAX_CACHED_CURVES)(self._begun)
+        self._curves: dict[Any, _CurveInParts] = {}
         self._shown: Any = None
 
     def __call__(self, result: Result) -> Drawing:
@@ -54,9 +54,10 @@ class CriticalValuePanel:
         model, eigenvalues = result.model, result.eigenvalues
         for name in (self.parameter, self.over):
             check_parameter_name(model, name)
-        curve = self._curve(_ModelApartFrom(model, (self.parameter, self.over)))
+        curve = self._curve_of(model)
         # After a change the present curve is shown before more is computed; a script gets its first part.
-        if not curve.at.size or (result is self._shown and has_event_loop()):
+        watched = running_loop() is not None
+        if not curve.at.size or (result is self._shown and watched):
             curve.work()
         self._shown = result
         here = [values_of(model)[self.over]], [values_of(model)[self.parameter]]
@@ -67,17 +68,23 @@ class CriticalValuePanel:
             "here, unstable": _operating_point(here, eigenvalues is not None and not stable, VERMILLION, "^"),
         }
         x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
-        progress = (curve.at.size, CURVE_POINTS) if curve.left and has_event_loop() else None
+        progress = (curve.at.size, CURVE_POINTS) if curve.left and watched else None
         return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds, progress=progress)
 
-    def _begun(self, others: _ModelApartFrom) -> _CurveInParts:
+    def _curve_of(self, model: Shown) -> _CurveInParts:
+        key = apart_from(model, (self.parameter, self.over))
+        if key in self._curves:
+            return self._curves[key]
+        if len(self._curves) == MAX_CACHED_CURVES:
+            self._curves.clear()
         # At the ends there may be no contact force, or a mass may be zero.
         at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
 
         def compute(part: Any) -> CriticalCurve:
-            return curve_and_gaps(others.model, self.parameter, self.bounds, over=(self.over, part))[0]
+            return curve_and_gaps(model, self.parameter, self.bounds, over=(self.over, part))[0]
 
-        return _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
+        curve = _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
+        return self._curves.setdefault(key, curve)
 
 
 class _CurveInParts:
@@ -95,21 +102,6 @@ class _CurveInParts:
         at, values = np.append(self.at, part.at), np.append(self.values, part.values)
         order = np.argsort(at)
         self.at, self.values = at[order], values[order]
-
-
-class _ModelApartFrom:
-    """A model without regard to the parameters named: two are equal if they differ only in these."""
-
-    def __init__(self, model: Shown, names: tuple[str, ...]) -> None:
-        self.model = model
-        values = tuple(item for item in values_of(model).items() if item[0] not in names)
-        self._key = getattr(model, "structure_key", None), values  # an automaton keeps its structure
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _ModelApartFrom) and self._key == other._key
-
-    def __hash__(self) -> int:
-        return hash(self._key)
 
 
 def _operating_point(here: Any, there: bool, colour: str, marker: str) -> Curve:

@@ -8,7 +8,8 @@ from functools import partial
 from inspect import signature
 from typing import Any
 
-from frictionlab.pages.scene import PANELS
+from frictionlab.models.model import values_of
+from frictionlab.pages.scene import PANELS, Shown
 from frictionlab.plotting.figure import RunFigure
 from frictionlab.validation import abbreviate, check_sequence, did_you_mean
 
@@ -60,6 +61,12 @@ def _drawn_on_axes(panel: Panel, result: Result) -> bytes:
     panel(result.run, figure.subplots())
     figure.savefig(buffer, format="svg")
     return buffer.getvalue()
+
+
+def apart_from(model: Shown, names: Iterable[str]) -> tuple[Any, ...]:
+    """What a picture over these parameters depends on: a model's structure and its other values."""
+    others = tuple(item for item in values_of(model).items() if item[0] not in names)
+    return getattr(model, "structure_key", None), others  # an automaton keeps its structure
 
 
 def needed_of(panels: Mapping[str, Panel | None]) -> frozenset[str]:
