@@ -285,24 +285,6 @@ def number(name: str, about: Parameter, value: float, group: str, bounds: Any = 
     }
 
 
-def parameter_controls(
-    model: Shown, main: Iterable[str], ranges: Any = None, moving_as: Shown | None = None
-) -> list[Data]:
-    """A number for each parameter; those of `main` come first, the others are folded away."""
-    about, values, ranges = parameters_about(model, moving_as), values_of(model), ranges or {}
-    chosen = list(main)
-    ordered = [*chosen, *(name for name in values if name not in chosen)]
-    numbers = {
-        name: number(name, about[name], values[name], _group(name in chosen), ranges.get(name))
-        for name in ordered
-    }
-    return [each | {"parameter": True} for each in numbers.values()]
-
-
-def _group(main: bool) -> str:
-    return "main" if main else "structure"
-
-
 def switch_control(model: Any, name: str) -> Data:
     """A switch of a nonlinearity of a model."""
     one = model.nonlinearities[name]
@@ -384,14 +366,19 @@ def formula_controls(models: Iterable[Shown]) -> list[Data]:
 def controls_of_models(models: Iterable[Shown], main: Any = None, ranges: Any = None) -> list[Data]:
     """A number for each parameter of any of these models; the first that has it gives its value.
 
-    `main` and `ranges` are those of the first model, where they are not the usual ones.
+    Those of `main` come first, the others are folded away; `main` and `ranges` are those of the first model,
+    where they are not the usual ones.
     """
     numbers: dict[str, Data] = {}
     first: Shown | None = None
-    for each in models:
-        first = first or each
-        for about in parameter_controls(each, main or main_parameters(each), ranges, first):
-            numbers.setdefault(about["name"], about)
+    for model in models:
+        first, chosen = first or model, main or main_parameters(model)
+        about, values = parameters_about(model, first), values_of(model)
+        for name in dict.fromkeys((*chosen, *values)):
+            if name not in numbers:
+                group = "main" if name in chosen else "structure"
+                bounds = (ranges or {}).get(name)
+                numbers[name] = number(name, about[name], values[name], group, bounds) | {"parameter": True}
         main = ranges = None
     return list(numbers.values())
 

@@ -23,6 +23,7 @@ from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
 from frictionlab.pages.python_text import python_text
 from frictionlab.pages.scene import (
+    ONE_CONTACT,
     Data,
     Shown,
     friction_points,
@@ -113,7 +114,10 @@ def result_data(
     While a slider moves it is not complete: the spectrum and what the words say of the run are left out.
     """
     model, settings = result.model, result.settings
-    shown = run_data(result) if "run" in needed else _without_run(model)
+    if "run" in needed:
+        shown = run_data(result)
+    else:
+        shown = {"structure": quantities_of(model), "finished": True, "status": ""}
     known = result.eigenvalues  # after the run, whose error names the parameter that has no value
     point = None if known is None else known.equilibrium
     if complete:
@@ -128,9 +132,10 @@ def result_data(
         "equilibrium": point
         and {
             "state": point.state.tolist(),
-            "penetration": _finite(point.penetration),
-            "normal_force": _finite(point.normal_force),
-            "friction_force": _finite(point.friction_force),
+            **{
+                name: float(value) if np.isfinite(value := getattr(point, name)) else None
+                for name in ("penetration", *ONE_CONTACT)
+            },
         },
         "friction": friction_data(result) if "friction" in needed else None,
         "complete": complete,
@@ -140,32 +145,24 @@ def result_data(
     return data | shown
 
 
-def _without_run(model: Shown) -> Data:
-    return {"structure": quantities_of(model), "finished": True, "status": ""}
-
-
 def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
     """What `quantity_data` says of a model, and the modes of a run with their colours.
 
     It depends on the structure, and on the modes that the run knows.
     """
-    if isinstance(model, HybridAutomaton):  # found at once, and its modes are not kept alive
-        return _quantities(model, run)
-    key = model.structure_key, run and run.mode_names
-    if key not in _QUANTITIES:
-        if len(_QUANTITIES) == MOST_QUANTITIES:  # runs with modes on demand come to know ever more of them
-            _QUANTITIES.clear()
-        _QUANTITIES[key] = _quantities(model, run)
-    return _QUANTITIES[key]
-
-
-def _quantities(model: Shown, run: Trajectory | None) -> Data:
-    if run is None:
-        return quantity_data(model, automaton_of(model))
-    names, colours, wholes = run.mode_names, mode_colours(run), whole_names(run)
-    modes = {"modes": list(names), "colours": [colours[name] for name in names]}
-    modes |= {"wholes": [wholes[name] for name in names]}
-    return quantity_data(model, run.automaton) | modes
+    key = None if isinstance(model, HybridAutomaton) else (model.structure_key, run and run.mode_names)
+    if key in _QUANTITIES:
+        return _QUANTITIES[key]
+    found = quantity_data(model, automaton_of(model) if run is None else run.automaton)
+    if run is not None:
+        names, colours, wholes = run.mode_names, mode_colours(run), whole_names(run)
+        found |= {"modes": list(names), "colours": [colours[name] for name in names]}
+        found |= {"wholes": [wholes[name] for name in names]}
+    if len(_QUANTITIES) == MOST_QUANTITIES:  # runs with modes on demand come to know ever more of them
+        _QUANTITIES.clear()
+    if key is not None:  # of an automaton it is found at once, and its modes are not kept alive
+        _QUANTITIES[key] = found
+    return found
 
 
 def friction_data(result: Result) -> Data | None:
@@ -192,10 +189,6 @@ def friction_data(result: Result) -> Data | None:
     mu = np.broadcast_to(formulas.arrays(speeds, normal, *values)[0], speeds.shape) / normal
     at = [float(slip), float(force / normal), float(damper / normal), float(damper)]
     return {"speeds": packed(speeds), "mu": packed(mu), "at": at}
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def run_data(result: Result) -> Data:

@@ -125,6 +125,7 @@ class Result:
 
     def __init__(self, settings: Settings) -> None:
         self.settings, self.model = settings, settings.model
+        self._period = round_down_1_2_5(settings.period)  # of which the shown part is a multiple, s
 
     @cached_property
     def run(self) -> Trajectory:
@@ -144,11 +145,6 @@ class Result:
         """Of the coordinate chosen, or of its rate if it turns for ever; None where the run is too short."""
         name, automaton = self.settings.coordinate, automaton_of(self.model)
         return amplitude_spectrum(self.run, automaton.rates[name] if name in automaton.cyclic else name)
-
-    @cached_property
-    def _period(self) -> float:
-        """The period of which the shown part is a multiple, s."""
-        return round_down_1_2_5(self.settings.period)
 
     @cached_property
     def _span(self) -> tuple[float, float]:

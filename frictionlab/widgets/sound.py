@@ -133,8 +133,10 @@ def listen(
     >>> fl.listen(run, "friction_force")
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
+    from scipy.signal import resample_poly
+
     check_run(run)
-    usual = _usual(run)
+    usual: Tone = getattr(run.source, "sound", None) or tone_of(run.automaton, period_of_run(run))
     signal, pitch = usual.signal if signal is None else signal, usual.pitch if pitch is None else pitch
     check_choice("signal", signal, (*run.automaton.outputs, *run.names))
     pitch = float(check_number("pitch", pitch, above=0.0, cure="20 takes 11 Hz to 220 Hz"))
@@ -153,13 +155,10 @@ def listen(
             f"window must last at least {MIN_SAMPLES * pitch / rate:.3g} s, got {stop - start:g} s: {cure}"
         )
     fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
-    samples = _low_pass(_signal_samples(run, signal, np.minimum(fine, stop)))
-    return Sound(_normalize(_fade(samples, rate)), rate, signal, pitch, (start, stop))
-
-
-def _usual(run: Trajectory) -> Tone:
-    """The default signal and pitch: those of the model, or such as an automaton has."""
-    return getattr(run.source, "sound", None) or tone_of(run.automaton, period_of_run(run))
+    samples = resample_poly(_signal_samples(run, signal, np.minimum(fine, stop)), 1, OVERSAMPLING)
+    faded = _fade(samples, rate)
+    scaled = PEAK_LEVEL * faded / (np.abs(faded).max() or 1.0)
+    return Sound(scaled, rate, signal, pitch, (start, stop))
 
 
 def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:
@@ -172,17 +171,6 @@ def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:
 
 def _signal_at(run: Trajectory, signal: str, t: Array) -> Array:
     return run(t)[:, run.names.index(signal)] if signal in run.names else run.output(signal, t)
-
-
-def _low_pass(fine: Array) -> Array:
-    from scipy.signal import resample_poly
-
-    return resample_poly(fine, 1, OVERSAMPLING)
-
-
-def _normalize(x: Array) -> Array:
-    largest = np.abs(x).max()
-    return PEAK_LEVEL * x / largest if largest > 0 else x
 
 
 def _fade(x: Array, rate: int) -> Array:

@@ -13,7 +13,7 @@ from frictionlab.compilation.kernel_sources import digest
 from frictionlab.pages import export, page_data
 from frictionlab.pages.gallery import LibraryScene, export_gallery
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
-from frictionlab.pages.scene import parameter_controls
+from frictionlab.pages.scene import controls_of_models
 
 
 def test_all_eight_structures_of_the_slider_are_there():
@@ -28,7 +28,7 @@ def test_a_nonlinearity_that_the_model_is_without_has_no_switch():
 
 def test_chosen_sliders_come_first_and_all_parameters_are_there():
     model = fl.SliderOnBelt(mu_k=1.4)
-    found = parameter_controls(model, *chosen_sliders(model, {"F": (0.0, 1000.0)}))
+    found = controls_of_models([model], *chosen_sliders(model, {"F": (0.0, 1000.0)}))
     assert found[0]["name"] == "F"
     assert (found[0]["low"], found[0]["high"]) == (0.0, 1000.0)
     assert [each["group"] for each in found] == ["main"] + ["structure"] * (len(model.parameters) - 1)
