@@ -4,6 +4,8 @@
     Formulas as JavaScript that computes the same numbers as Python, to the last bit.
 ``cases``
     The rules that a model checks when parameters are set, with the same messages, and its picture.
+``python_text``
+    Python that makes a model and its run, as explorers and pages copy it.
 ``page_data``
     The data of a page: structures of a model, with the tape's arrays, numbers, outputs and equilibria;
     sliders, switches and presets, checked.

@@ -341,10 +341,9 @@ def test_copied_python_computes_the_same(page):
     found = page.evaluate(RUN, [{"mu_k": 0.7}, ["cubic"], "rest", 0.5])
     page.click("button.fl-copy")
     wait_until(page, "explorer.copied")
-    text = page.evaluate("explorer.copied")
     scope = {}
-    exec(text.replace("print(run.final_state.tolist())", "state = run.final_state.tolist()"), scope)
-    assert scope["state"] == found["state"]
+    exec(page.evaluate("explorer.copied"), scope)
+    assert scope["run"].final_state.tolist() == found["state"]
 
 
 @pytest.mark.parametrize("reduced", [pytest.param(False, marks=pytest.mark.slow), True])
