@@ -392,15 +392,22 @@ def _projection(system: LagrangeSystem, combination: Combination, i: int) -> Res
 
 
 def _zeros_that_follow(system: LagrangeSystem, combination: Combination, i: int) -> dict[Any, int]:
-    """v_r of contacts that slip, which is zero where contact `i` sticks besides those that do."""
+    """v_r of contacts that slip, which is zero where contact `i` sticks besides those that do.
+
+    Where directions depend on the state it need not be: that of a crank's bearing is not zero at the dead
+    centre, where the piston stops.
+    """
     direction = system.direction_of(i)
     some = () if direction is None else direction.contacts
     together = [i, *(j for j in some if direction is not None and direction.at_one_speed(j, i))]
     stuck = _changed(system, combination, dict.fromkeys(together, "stick"))
     if not system.names.allows(stuck):
         return {}
-    chosen = zip(system.chosen(stuck), system.regimes, stuck, strict=True)
-    rest = [one for one, regimes, k in chosen if one is regimes[k].resting]
+    chosen = system.chosen(stuck)
+    held = [one.velocity for regime in chosen for one in regime.held]
+    if any(system.varies(slope) for one in held for slope in system.gradient(one, system.v)):
+        return {}
+    rest = [one for one, regimes, k in zip(chosen, system.regimes, stuck) if one is regimes[k].resting]
     return {sign * speed: 1 for one in rest for speed in one.constraints for sign in (1, -1)}
 
 

@@ -1,5 +1,6 @@
 """Friction at the piston of a crank: at a dead centre the piston stands still and cannot hold the crank."""
 
+from dataclasses import replace
 from functools import partial
 from math import pi, sin
 
@@ -76,6 +77,29 @@ def test_a_crank_turns_past_its_dead_centres(method):
     )
     assert set(run.events.target) == {"slip+", "slip-"}
     assert not run.time_in_mode.get("stick")
+
+
+@fl.model
+class CrankOnBearing(Crank):
+    """Its bearing rubs as well: that of which v_r is not zero at a dead centre."""
+
+    def mechanics(self, q, v):
+        stated = super().mechanics(q, v)
+        return replace(stated, contacts=(*stated.contacts, Friction(-0.1 * v.theta, PRESS, self.friction)))
+
+
+@pytest.mark.parametrize("method", ["taylor", "DOP853"])
+def test_a_bearing_rubs_on_where_the_piston_stands_still(method):
+    """From one dead centre to the next both take energy, and the crank stops where there is none left."""
+    run = fl.simulate(CrankOnBearing(), 25.0, x0=[0.5, 1.8], method=method, progress=False)
+    *passed, (end, _) = run.events.state
+    places, rates = np.array(passed).T
+    assert places == pytest.approx(pi * np.arange(1, len(places) + 1), rel=1e-6)
+    lost = KINETIC * PRESS * (2 * RADIUS + 0.1 * pi)
+    assert np.diff(INERTIA * rates**2 / 2) == pytest.approx([-lost] * (len(places) - 1), rel=1e-6)
+    beyond = _length_of_path(places[-1], end) * RADIUS + 0.1 * (end - places[-1])
+    assert INERTIA * rates[-1] ** 2 / 2 == pytest.approx(KINETIC * PRESS * beyond, rel=1e-6)
+    assert run.final_state == pytest.approx([end, 0.0], abs=1e-12)
 
 
 @fl.model
