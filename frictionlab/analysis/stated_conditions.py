@@ -96,10 +96,6 @@ class Places(NamedTuple):
     states: Array
     modes: Array
 
-    def where(self, some: Array) -> Places:
-        """Some of them."""
-        return Places(*(field[some] for field in self))
-
 
 def places_within_steps(run: Trajectory, stated: StatedMechanics) -> tuple[Places, Array, Array]:
     """Places within steps of each mode, accelerations there by differences along the run, their errors."""

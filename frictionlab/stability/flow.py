@@ -93,11 +93,6 @@ class Flow:
         return Entries((self.size, len(inputs)), own_places, formulas)
 
     @cached_property
-    def free(self) -> list[int]:
-        """The states whose rates depend on no state."""
-        return sorted({*range(self.size)} - {row for row, _ in self.derivative.places})
-
-    @cached_property
     def unseen(self) -> list[int]:
         """The states on which no rate depends."""
         return sorted(

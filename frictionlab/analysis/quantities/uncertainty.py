@@ -177,8 +177,6 @@ class Uncertainty(Drawable):
         return dataframe(columns, {"point": np.arange(len(self.values))}, {})
 
     def _estimate(self, statistic: Callable[[Array], Any]) -> Estimate:
-        if np.isnan(self.values).all():
-            return Estimate(float(statistic(np.nan_to_num(self.values, nan=np.nan))), float("nan"))
         parts = [part for part in self.values.reshape(self.groups, -1) if not np.isnan(part).all()]
         each = np.array([statistic(part) for part in parts])
         error = each.std(ddof=1) / np.sqrt(len(each)) if len(each) > 1 else np.nan
