@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from frictionlab.analysis.orbits.closing import but_for_turns
 from frictionlab.analysis.run_conditions import broken_condition
 from frictionlab.analysis.simulate import simulate
 from frictionlab.analysis.stated_conditions import broken_statement
@@ -33,7 +34,6 @@ from frictionlab.models.model import Model, require_model
 from frictionlab.models.serialisation import component_from_dict, component_to_dict
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
-from frictionlab.presentation import PHASE
 from frictionlab.tape.formulas import formulas_of
 from frictionlab.tape.intervals import Interval, interval
 from frictionlab.tape.packing import program_of
@@ -440,11 +440,8 @@ def _component_parameters(model: Model) -> set[str]:
 def _check_agreement(model: Model, t_end: float) -> None:
     run = simulate(model, t_end, progress=False)
     own, other = run.final_state, simulate(model, t_end, method=COMPARISON_METHOD, progress=False).final_state
-    apart = own - other
-    if isinstance(model, MechanicalModel) and PHASE in run.names:  # one of them may have begun anew
-        clock = run.names.index(PHASE)
-        apart[clock] = np.angle(np.exp(1j * apart[clock]))
-    error = np.abs(apart).max() / (np.abs(own).max() or 1.0)
+    # A phase may have begun anew in one of them.
+    error = np.abs(but_for_turns(run, own, other)).max() / (np.abs(own).max() or 1.0)
     if not error <= COMPARISON_RTOL:
         fail(
             model,

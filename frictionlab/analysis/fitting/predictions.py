@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.motion_scales import state_scales
+from frictionlab.analysis.orbits.closing import but_for_turns
 from frictionlab.analysis.parameter_flow import ParameterFlow, parameter_flow
 from frictionlab.analysis.quantities.quantities import ModeFrequency
 from frictionlab.hybrid.solve import end_of, solve, solve_from_end
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
-from frictionlab.presentation import PHASE
 from frictionlab.stability import eigenvalues
 
 from .data import EventTimes, Frequencies, SpectrumRecord, TimeRecord, line_weights, of_kind
@@ -184,7 +184,7 @@ def motion_misfit(
                 block = flow.slopes[here, i] / error
                 add((flow.states[here, i] - column[there]) / error, block[:, :n], block[:, n:], piece)
         if piece < pieces.count - 1:
-            missed = _wrapped(run, run.final_state - starts[piece + 1]) / pieces.size * pieces.weight
+            missed = but_for_turns(run, run.final_state, starts[piece + 1]) / pieces.size * pieces.weight
             block = flow.end / pieces.size[:, None] * pieces.weight
             add(missed, block[:, :n], block[:, n:], piece)
             place = count + first + n * piece
@@ -313,11 +313,3 @@ def _differences(
         if len(other.raw.event_times) == len(event_slopes):
             event_slopes[:, d] = (other.raw.event_times - run.raw.event_times) / step
     return ParameterFlow(states, slopes, run.raw.event_times, event_slopes, end)
-
-
-def _wrapped(run: Trajectory, missed: Array) -> Array:
-    """Differences of states, with that of the phase of a force taken modulo a turn."""
-    if PHASE in run.names:
-        i = run.names.index(PHASE)
-        missed[i] = (missed[i] + np.pi) % (2 * np.pi) - np.pi
-    return missed

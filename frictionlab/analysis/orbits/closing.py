@@ -54,6 +54,11 @@ class Closing(NamedTuple):
         return self.projection @ first, self.projection @ last
 
 
+def but_for_turns(run: Trajectory, state: Array, other: Array) -> Array:
+    """The difference (n,) of two states of a motion, but for whole periods of its phases."""
+    return Closing(None, turns_of_phases(run)).difference(state, other)
+
+
 def closing_of(run: Trajectory) -> Closing:
     """What of a motion has to return, by the modes that a run of it visits."""
     automaton, turns = run.automaton, turns_of_phases(run)
