@@ -446,7 +446,11 @@ class _StatementCheck:
 
     def _signs(self, contact: StatedContact, regimes: Array, places: Places) -> Array:
         """The direction of slip: that of v_r, or of the belt where sliding keeps its direction."""
-        belt = self.stated.at(contact.speed, np.zeros((1, places.states.shape[1])))[0]
+        at_rest = places.states.copy()
+        at_rest[:, self.stated.n : 2 * self.stated.n] = 0.0
+        belt = self.stated.at(contact.speed, np.zeros_like(at_rest))
+        # In polar directions v_r at the origin is 0/0.
+        belt = np.where(np.isnan(belt), self.stated.at(contact.speed, at_rest), belt)
         return np.where(
             regimes == "slip", np.sign(belt), np.sign(self.stated.at(contact.speed, places.states))
         )

@@ -168,6 +168,30 @@ def test_it_is_no_difference_which_of_two_feet_holds_a_block(x0):
     assert found.events_agree
 
 
+@fl.model
+class RotorInStator(fl.MechanicalModel):
+    """A rotor that rubs along a stator: its v_r is 0/0 in the centre."""
+
+    Omega: float = 115.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.12, mu_s=0.12)
+    interface = fl.SlidingSeparation()
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        r = fl.functions.sqrt(q.x**2 + q.y**2)
+        v_r = 0.02 * self.Omega + (q.x * v.y - q.y * v.x) / r
+        rim = fl.Friction(v_r, lambda d: 2e5 * d, self.friction, penetration=r - 3e-4)
+        springs, dampers = 1e4 * (q.x**2 + q.y**2) / 2, 15.0 * (v.x**2 + v.y**2) / 2
+        return fl.Mechanics((v.x**2 + v.y**2) / 2, springs, dampers, contacts=(rim,))
+
+
+def test_friction_along_a_rim_gives_no_false_alarm():
+    start = [1e-4, -2e-4, 0.04, 0.02]
+    run = fl.simulate(RotorInStator(), 0.02, x0=start, progress=False)
+    assert run.time_in_mode["slip"] > 0.0
+    assert fl.verify(RotorInStator(), 0.02, x0=start, progress=False).ok
+
+
 def test_a_run_that_ends_early_says_so():
     found = fl.verify(fl.MassOnBelt(), 50.0, method=fl.Taylor(max_steps=10), progress=False)
     assert found.until == found.run.raw.t < 50.0
