@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.models.model import ModelOrAutomaton
+from frictionlab.models.model import ModelOrAutomaton, MovingSystem, check_varied
 from frictionlab.presentation import Drawable
 from frictionlab.stability.equilibrium_points.equilibria import (
     Equilibrium,
@@ -273,6 +273,8 @@ def _problems(
     model: ModelOrAutomaton, parameter: str, bounds: Any, equilibrium: Equilibrium | None
 ) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
     """The equilibria to follow, and the bounds, checked."""
+    if isinstance(model, MovingSystem):
+        check_varied(model, parameter)
     if equilibrium is not None or sliding_equations(model) is not None:
         problem = equilibrium_problem(model, equilibrium)
         return [problem], check_bounds(problem.model, parameter, bounds)

@@ -514,6 +514,8 @@ def test_motions_have_no_derivatives_by_what_the_mass_depends_on():
         fl.GrowthRate().values(body, {"m": np.array([1.0, 3.0])})
     with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
         fl.optimum(body, fl.GrowthRate(), {"m": (1.0, 3.0)})
+    with pytest.raises(ValueError, match="m must not be one on which M of the structure depends"):
+        fl.hopf(body, "m", (1.0, 3.0))
 
 
 def test_steady_states_over_a_parameter_are_those_of_the_model(tmp_path):
