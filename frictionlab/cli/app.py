@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from .parsing import (
+    EXIT_FAILED,
     OneLineParser,
     add_command,
     complain,
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 DEFAULT_PORT = 8866
 NOTEBOOK_CELL = "from frictionlab.widgets.scenes import Scenes\n\nScenes(address=True)"
-EXIT_FAILED = 1
 
 APP_DESCRIPTION = """\
 Show the explorer (fl.explore) in the browser: scenes worth seeing and all

@@ -16,6 +16,7 @@ from .models import add_models
 from .page import add_page
 from .paper import add_figure, add_reproduce
 from .parsing import (
+    EXIT_FAILED,
     OneLineParser,
     complain,
     discard,
@@ -29,7 +30,7 @@ from .stability import add_critical, add_eig
 from .warmup import add_warmup
 
 PROGRAM = "frictionlab"
-EXIT_FAILED, EXIT_INTERRUPTED = 1, 130  # the latter is 128 + SIGINT, as in shells
+EXIT_INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
 
 def main(argv: Sequence[str] | None = None) -> int:

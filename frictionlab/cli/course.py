@@ -6,9 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .parsing import OneLineParser, add_command, add_json, complain, print_json
+from .parsing import EXIT_FAILED, OneLineParser, add_command, add_json, complain, print_json
 
-EXIT_FAILED = 1
 NOTEBOOKS = "*.ipynb"
 DATA = "diagrams.py", "diagrams/*.*"  # the diagrams that notebooks draw, and the script that computes them
 

@@ -16,7 +16,6 @@ from .parsing import (
     add_json,
     add_model_options,
     check_writable,
-    complain,
     model_data,
     model_from_options,
     print_json,
@@ -24,7 +23,6 @@ from .parsing import (
 
 FILM_HELP = ".gif, .html or .webp; where there is ffmpeg also .mp4 and others (default: run.gif)"
 SOUND_FORMATS = (".wav",)
-EXIT_FAILED = 1
 
 ANIMATE_DESCRIPTION = """\
 Simulate a model and write a film of its moving parts, in slow motion: springs,
@@ -95,7 +93,7 @@ def animate_command(args: argparse.Namespace, parser: OneLineParser) -> int:
             film = animate(run, window=window, speed=args.speed, fps=args.fps)
         except ValueError as error:
             parser.error(str(error))
-        return _write(film, args, parser, {**model_data(run.source), "t_end": run.raw.t})
+        return _write(film, args, {**model_data(run.source), "t_end": run.raw.t})
 
 
 def sound_command(args: argparse.Namespace, parser: OneLineParser) -> int:
@@ -110,7 +108,7 @@ def sound_command(args: argparse.Namespace, parser: OneLineParser) -> int:
         except ValueError as error:
             parser.error(str(error))
         about = {"t_end": run.raw.t, "signal": sound.signal, "pitch": sound.pitch}
-        return _write(sound, args, parser, {**model_data(run.source), **about})
+        return _write(sound, args, {**model_data(run.source), **about})
 
 
 def _checked_run(
@@ -133,13 +131,9 @@ def _checked_run(
         parser.error(str(error))
 
 
-def _write(result: Any, args: argparse.Namespace, parser: OneLineParser, data: dict[str, Any]) -> int:
+def _write(result: Any, args: argparse.Namespace, data: dict[str, Any]) -> int:
     path = Path(args.output)
     options = {} if path.suffix.lower() in (".wav", ".html") else {"writer": "pillow"}
-    try:
-        result.save(path, **options)
-    except OSError as error:
-        complain(parser.prog, f"error: {error}")
-        return EXIT_FAILED
+    result.save(path, **options)
     print_json({**data, "file": str(path)}) if args.json else print(f"wrote {path}")
     return 0

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from .parsing import (
+    EXIT_FAILED,
     OneLineParser,
     add_command,
     add_json,
@@ -17,7 +18,6 @@ from .parsing import (
     print_json,
 )
 
-EXIT_FAILED = 1
 OF_ONE_MODEL = {
     "output": "-o",
     "model": "--model",

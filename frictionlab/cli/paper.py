@@ -8,6 +8,7 @@ from typing import Any
 
 from frictionlab.cli import parsing
 from frictionlab.cli.parsing import (
+    EXIT_FAILED,
     OneLineParser,
     add_command,
     add_json,
@@ -16,8 +17,6 @@ from frictionlab.cli.parsing import (
     complain,
     print_json,
 )
-
-EXIT_FAILED = 1
 
 FIGURE_DESCRIPTION = """\
 Compute a figure of the paper (Liu & Ouyang 2020), print its numbers and draw
@@ -104,7 +103,7 @@ def figure_command(args: argparse.Namespace, parser: OneLineParser) -> int:
         return EXIT_FAILED
     if not args.json:
         print(result, flush=True)
-    return _write_picture(result, args, parser)
+    return _write_picture(result, args)
 
 
 def _figure_options(args: argparse.Namespace) -> dict[str, Any]:
@@ -113,13 +112,9 @@ def _figure_options(args: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(args, name) for name in names} | {"impact": impact}
 
 
-def _write_picture(result: Any, args: argparse.Namespace, parser: OneLineParser) -> int:
+def _write_picture(result: Any, args: argparse.Namespace) -> int:
     path = args.output
-    try:
-        result.plot().savefig(path)
-    except OSError as error:  # a full disk, or a folder that has gone since the check
-        complain(parser.prog, f"error: {error}")
-        return EXIT_FAILED
+    result.plot().savefig(path)
     if args.json:
         about = {name: getattr(result, name) for name in ("number", "how", "caption", "summary")}
         print_json({**about, "file": path})
@@ -166,7 +161,7 @@ def reproduce_command(args: argparse.Namespace, parser: OneLineParser) -> int:
     options = {"quick": args.quick, "workers": args.workers, "progress": not args.quiet}
     try:
         page = reproduce(args.output, Setting(**options, resume=resume))
-    except (OSError, ValueError) as error:  # ValueError: a file in --resume that is damaged
+    except ValueError as error:  # a file in --resume that is damaged
         complain(parser.prog, f"error: {error}")
         return EXIT_FAILED
     print_json({"page": page}) if args.json else print(f"Page in {page}")

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 # Negative numbers, "-1e-3" and "-inf" included, and lists of them: argparse mistakes some for options.
 NEGATIVE_NUMBER = re.compile(r"-(\d|\.\d|inf|nan)", re.IGNORECASE)
 DEFAULT_MODEL = "SliderOnBelt"
+EXIT_FAILED = 1  # the exit status of a command that did not do what was asked
 SHOWN = {"SliderOnBelt": {"mu_k": 1.4}}  # values used unless others are given: the paper's cycle is there
 OWN_FILE = re.compile(r"(?P<path>.+\.py)(?::(?P<name>.*))?")
 PICTURE_FORMATS = (".png", ".pdf", ".svg", ".eps", ".jpg", ".webp")

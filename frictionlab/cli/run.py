@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 from . import parsing
 from .parsing import (
+    EXIT_FAILED,
     OneLineParser,
     add_command,
     add_json,
     add_model_options,
-    complain,
     model_data,
     model_from_options,
     print_json,
@@ -57,7 +57,6 @@ exit status: 0 the end time was reached; 1 the run ended early;
 2 bad arguments; 130 stopped by ctrl-C (what was computed is kept)."""
 
 METHOD_NAMES = ("taylor", "rk4", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
-EXIT_FAILED = 1
 
 
 def add_run(commands: Any) -> OneLineParser:
@@ -189,10 +188,10 @@ def run_command(args: argparse.Namespace, parser: OneLineParser) -> int:
         raise stopped or KeyboardInterrupt
     print_json(run_data(run, args)) if args.json else print(after(run), flush=True)
     with _without_collection():
-        exit_status = _write_files(run, args, parser)
+        _write_files(run, args)
     if stopped:
         raise stopped
-    return exit_status if run.status.ok else EXIT_FAILED
+    return 0 if run.status.ok else EXIT_FAILED
 
 
 @contextmanager
@@ -265,17 +264,12 @@ def run_data(run: Trajectory, args: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _write_files(run: Trajectory, args: argparse.Namespace, parser: OneLineParser) -> int:
-    try:
-        if args.save is not None:
-            saved = run.save(args.save)
-            _say(f"Saved as {saved}", args)
-        if args.output is not None:
-            from frictionlab.plotting import plot_run
+def _write_files(run: Trajectory, args: argparse.Namespace) -> None:
+    if args.save is not None:
+        saved = run.save(args.save)
+        _say(f"Saved as {saved}", args)
+    if args.output is not None:
+        from frictionlab.plotting import plot_run
 
-            plot_run(run).savefig(args.output)
-            _say(f"Picture in {args.output}", args)
-    except OSError as error:  # a full disk, or a folder that has gone since the check
-        complain(parser.prog, f"error: {error}")
-        return EXIT_FAILED
-    return 0
+        plot_run(run).savefig(args.output)
+        _say(f"Picture in {args.output}", args)

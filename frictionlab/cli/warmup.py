@@ -6,9 +6,7 @@ import argparse
 import time
 from typing import Any
 
-from .parsing import OneLineParser, add_command, add_json, print_json
-
-EXIT_FAILED = 1
+from .parsing import EXIT_FAILED, OneLineParser, add_command, add_json, print_json
 
 WARMUP_DESCRIPTION = """\
 Compile what has to be compiled once on a machine, and run a second of the
