@@ -77,6 +77,35 @@ class Plain(fl.MechanicalModel):
         return fl.Mechanics(self.m * v.x**2 / 2, q.x**2 / 2, self.c * v.x**2 / 2, (rubbing,))
 
 
+def said_on_page(model, symbols, values):
+    """The message of a page of the model where its parameters are set to values."""
+    functions, *scripts = (text_of(f"{script}.js") for script in ("functions", "browser_engine"))
+    rules, given = rule_data(model, symbols), [values.get(one.name, 0.0) for one in symbols]
+    return run_in_node(
+        f"""{functions}{"".join(scripts)}
+        const rules = {{ numbers: {rules["numbers"]}, cases: {json.dumps(rules["cases"])} }};
+        console.log(JSON.stringify(brokenRule({{ rules }}, {json.dumps(given)})));"""
+    )
+
+
+@pytest.mark.parametrize(("name", "value"), [("mu_s_inner", 0.2), ("mu_k_inner", 0.4), ("alpha", -1.0)])
+def test_rules_of_laws_at_a_structure_are_said_in_the_same_words(name, value):
+    """Each group of contacts has its own; those of the other one hold."""
+    rubbing = {"tangential": [[1.0, 0.0]], "normal": [[0.0, 1.0]], "friction": fl.Coulomb(0.3, 0.4)}
+    held = fl.SlidingContacts([[1.0, 1.0]], N=2.0, friction=fl.Coulomb(0.1, 0.2), name="outer")
+    pads = [fl.SlidingContacts(**rubbing, name="inner"), held]
+    structure = fl.Structure([[1, 0], [0, 1]], [[2, 0], [0, 2]], fl.RayleighDamping(0.1), contacts=pads)
+    shown = fl.explore(structure, panels=["response"], t_end=0.1).model
+    values = {**structure.parameters, name: value}
+    try:
+        structure.replace(**{name: value})
+        expected = None
+    except ValueError as error:
+        expected = str(error)
+    assert (expected is None) == (name == "mu_k_inner")
+    assert said_on_page(shown, tuple(shown.parameters), values) == expected
+
+
 @pytest.mark.parametrize(
     ("name", "value", "rule"),
     [
@@ -90,15 +119,7 @@ class Plain(fl.MechanicalModel):
 )
 def test_masses_dampers_and_normal_forces_are_refused_in_the_same_words(name, value, rule):
     model = Plain(**{name: value})
-    symbols = tuple(Plain().automaton().parameters)
-    functions, *scripts = (text_of(f"{script}.js") for script in ("functions", "browser_engine"))
-    rules = rule_data(Plain(), symbols)
-    values = [model.parameters.get(one.name, 0.0) for one in symbols]
-    said = run_in_node(
-        f"""{functions}{"".join(scripts)}
-        const rules = {{ numbers: {rules["numbers"]}, cases: {json.dumps(rules["cases"])} }};
-        console.log(JSON.stringify(brokenRule({{ rules }}, {json.dumps(values)})));"""
-    )
+    said = said_on_page(Plain(), tuple(Plain().automaton().parameters), model.parameters)
     if not rule:
         model.automaton()
         assert said is None
