@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -41,7 +41,7 @@ from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.letters import LATEX
 from frictionlab.models.composition import parameter_owners
 from frictionlab.models.library.challenges import CHALLENGES
-from frictionlab.models.mechanism import Point
+from frictionlab.models.mechanism import Belt, Point, Turn
 from frictionlab.models.model import (
     Model,
     ModelOrAutomaton,
@@ -557,6 +557,11 @@ def mechanism_data(model: Shown) -> list[Data] | None:
 
 def _stated(fields: Any) -> Data:
     """The fields that say something: no names that are empty, no parts that are missing."""
-    said = {name: one for name, one in vars(fields).items() if not isinstance(one, NOTHING_SAID) or one}
-    points = {name: Point(*one) if isinstance(one, tuple) else one for name, one in said.items()}
-    return {name: _stated(one) if is_dataclass(one) else one for name, one in points.items()}
+    said: Data = {}
+    for name, one in vars(fields).items():
+        field = Point(*one) if isinstance(one, tuple) else one
+        if isinstance(field, (Point, Turn, Belt)):
+            said[name] = _stated(field)
+        elif not isinstance(field, NOTHING_SAID) or field:
+            said[name] = field
+    return said

@@ -67,8 +67,9 @@ class Explorer:
         with self.widget.hold_sync():
             self.widget.scene = scene | {"initial": self.initial} | about
             self.widget.state, self.widget.picture = self.initial, {}
+        self._sent = self.initial  # the state that Python has set last
         for control in self.controls.values():
-            control.observe(self._changed, names="value")
+            control.observe(lambda _: self.scheduler.request(), names="value")
         answers = {"state": self._moved, "sliding": self._stopped, "shown": self._go_on}
         self._answers = {name: in_this_thread(answer) for name, answer in answers.items()}
         for name, answer in self._answers.items():
@@ -123,11 +124,10 @@ class Explorer:
     def _repr_mimebundle_(self, **options: Any) -> Any:
         return self.widget._repr_mimebundle_(**options)
 
-    def _changed(self, _: Any) -> None:
-        self.scheduler.request()
-
     def _moved(self, change: Any) -> None:
         """Set the controls as the browser says; what they cannot have is told there."""
+        if change["new"] is self._sent:
+            return
         state = {name: data for name, data in change["new"].items() if name in self.controls}
         if not self.error and state == self.values():  # an answer that was sent to the browser
             return
@@ -174,7 +174,7 @@ class Explorer:
         with self.widget.hold_sync():
             self.widget.error, self.widget.picture, self.widget.computing = "", picture, False
             if self.widget.state == asked:  # else the browser has moved on, and an update follows
-                self.widget.state = self.values()
+                self.widget.state = self._sent = self.values()
         if self.progress and (self.widget.shown or not running_loop()):
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
