@@ -20,7 +20,7 @@ from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.mode import Mode
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.component import StructureKey
-from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
@@ -238,7 +238,7 @@ class Balance:
         return np.broadcast_to(np.asarray(function(*states.T, *self._values), dtype=float), len(states))
 
     def _output(self, name: str, states: Array, modes: Any) -> Array:
-        return evaluate_output(self.automaton, name, states, modes, self.mode_names)
+        return evaluate_outputs(self.automaton, [name], states, modes, self.mode_names)[name]
 
     def _contact_powers(self, contact: ContactTerms, states: Array, modes: Any) -> Any:
         """Names and powers (W) of a contact."""
@@ -314,11 +314,9 @@ class StatedBalance:
         return {"resets": gained}
 
     def _outputs(self, prefix: str, states: Array, modes: Any) -> dict[str, Array]:
-        return {
-            name.removeprefix(prefix): evaluate_output(self.automaton, name, states, modes, self.mode_names)
-            for name in self.automaton.outputs
-            if name.startswith(prefix)
-        }
+        names = [name for name in self.automaton.outputs if name.startswith(prefix)]
+        values = evaluate_outputs(self.automaton, names, states, modes, self.mode_names)
+        return {name.removeprefix(prefix): values[name] for name in names}
 
 
 @lru_cache(maxsize=64)

@@ -43,7 +43,7 @@ def derive(model: Model) -> None:
 
     from frictionlab.analysis.initial_states import initial_state_of
     from frictionlab.hybrid.chatter_limit import chatter_limit
-    from frictionlab.hybrid.outputs import evaluate_output
+    from frictionlab.hybrid.outputs import evaluate_outputs
     from frictionlab.stability import eigenvalues
     from frictionlab.tape.packing import program_of
 
@@ -54,8 +54,7 @@ def derive(model: Model) -> None:
     count = len(automaton.names)
     states = np.ones((count, len(automaton.state_names)))
     with np.errstate(all="ignore"):
-        for name in automaton.outputs:
-            evaluate_output(automaton, name, states, np.arange(count), automaton.names)
+        evaluate_outputs(automaton, automaton.outputs, states, np.arange(count), automaton.names)
     with suppress(ValueError):  # there need be no equilibrium
         eigenvalues(model)
 

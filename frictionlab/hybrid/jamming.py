@@ -7,7 +7,7 @@ import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.guard_bounds import Tape
-from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.problem import Problem
 from frictionlab.presentation import DISTANCE, REACTION, WEDGE
 
@@ -42,11 +42,10 @@ def jammed_contact(automaton: HybridAutomaton, problem: Problem, state: np.ndarr
 def contact_behind(automaton: HybridAutomaton, state: np.ndarray) -> str:
     """Words for the rigid contact whose bodies overlap most at a start; empty where none do."""
     states, mode = state[None, : len(automaton.states)], next(iter(automaton.names))
-    distances = {
-        name: float(evaluate_output(automaton, name, states, np.zeros(1, dtype=int), [mode])[0])
-        for name in automaton.outputs
-        if name.startswith(DISTANCE) and name.replace(DISTANCE, REACTION) in automaton.outputs
-    }
+    outputs = automaton.outputs
+    names = [n for n in outputs if n.startswith(DISTANCE) and n.replace(DISTANCE, REACTION) in outputs]
+    values = evaluate_outputs(automaton, names, states, np.zeros(1, dtype=int), [mode])
+    distances = {name: float(value[0]) for name, value in values.items()}
     name = min(distances, key=distances.__getitem__, default="")
     if not distances.get(name, 0.0) < 0.0:
         return ""

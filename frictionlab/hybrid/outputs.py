@@ -5,7 +5,7 @@ Powers in these formulas follow the rule of the tape: a base that rounding has m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -14,19 +14,24 @@ from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 
-def evaluate_output(
-    automaton: HybridAutomaton, name: str, states: np.ndarray, modes: np.ndarray, mode_names: Sequence[str]
-) -> np.ndarray:
-    """Values (N,) of output `name` at `states` (N, n), each by the formula of its mode.
+def evaluate_outputs(
+    automaton: HybridAutomaton,
+    names: Iterable[str],
+    states: np.ndarray,
+    modes: np.ndarray,
+    mode_names: Sequence[str],
+) -> dict[str, np.ndarray]:
+    """Values (N,) of the outputs of these names at `states` (N, n), each by the formula of its mode.
 
     `modes` (N,) holds indices into `mode_names`; where it is negative no mode could be entered, and the
-    output is not a number.
+    outputs are not numbers.
     """
-    values, numbers = np.full(len(states), np.nan), automaton.values.values()
+    values = {name: np.full(len(states), np.nan) for name in names}
     for i in np.unique(modes[modes >= 0]):
         chosen = modes == i
-        formulas = output_formulas(automaton, mode_names[int(i)], name)
-        values[chosen] = formulas.along_run(*states[chosen].T, *numbers)[0]
+        inputs = *states[chosen].T, *automaton.values.values()
+        for name, column in values.items():
+            column[chosen] = output_formulas(automaton, mode_names[int(i)], name).along_run(*inputs)[0]
     return values
 
 

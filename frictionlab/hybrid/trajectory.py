@@ -25,7 +25,7 @@ from frictionlab.hybrid.guard_bounds import condition_violation
 from frictionlab.hybrid.jamming import contact_behind, jammed_contact
 from frictionlab.hybrid.kernels.run_state import StepData, jet_columns
 from frictionlab.hybrid.kernels.taylor_steps import sample_states, subdivide_steps
-from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.problem import Problem, RunData, Sampling, Status
 from frictionlab.hybrid.real_powers import negative_base
 from frictionlab.hybrid.run_events import EventOutputs, Events, SectionPoints
@@ -317,9 +317,10 @@ class Trajectory(Drawable):
             raise KeyError(
                 f"the run has no output {abbreviate(name)}{hint}; it has {', '.join(known) or 'none'}"
             )
+        states_and_modes = (self.states, self.mode_indices) if t is None else self.states_and_modes(t)
+        values = evaluate_outputs(self.automaton, [name], *states_and_modes, self.mode_names)[name]
         if t is None:
-            return evaluate_output(self.automaton, name, self.states, self.mode_indices, self.mode_names)
-        values = evaluate_output(self.automaton, name, *self.states_and_modes(t), self.mode_names)
+            return values
         return values.reshape(np.shape(t)) if np.ndim(t) else float(values[0])
 
     @cached_property

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_outputs
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
@@ -58,7 +58,7 @@ class StructureBalance:
             powers["circulatory"] = -_form(self.structure.circulatory, v, q, self.structure)
         for i, row, belt in self._rubbing():
             name = "friction_force" + (f"_{i + 1}" if self._count > 1 else "")
-            force = evaluate_output(self.automaton, name, states, modes, self.mode_names)
+            force = evaluate_outputs(self.automaton, [name], states, modes, self.mode_names)[name]
             powers["belt drive"] = powers.get("belt drive", 0.0) + force * belt
             powers["friction"] = powers.get("friction", 0.0) - force * (belt - v @ row)
         return powers

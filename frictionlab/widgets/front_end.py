@@ -16,7 +16,7 @@ from matplotlib.colors import to_hex
 
 from frictionlab.analysis.motion_scales import time_of_rest
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.hybrid.outputs import evaluate_output
+from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import Model, automaton_of, values_of
 from frictionlab.pages.export import FRONT_END, script_text, text_of
@@ -183,7 +183,8 @@ def friction_data(result: Result) -> Data | None:
         speeds = np.linspace(0.0, FRICTION_REACH * (last or 1.0), FRICTION_SAMPLES)
         return {"speeds": packed(speeds), "mu": packed(formulas.arrays(speeds, 1.0, *values)[0]), "at": None}
     mode, normal = next(iter(automaton.names)), point.normal_force
-    slip = abs(evaluate_output(automaton, "relative_velocity", point.state[None], np.zeros(1), [mode])[0])
+    of_sliding = evaluate_outputs(automaton, ["relative_velocity"], point.state[None], np.zeros(1), [mode])
+    slip = abs(of_sliding["relative_velocity"][0])
     speeds = np.linspace(0.0, FRICTION_REACH * max(last, slip), FRICTION_SAMPLES)
     force, damper = formulas.numbers(slip, normal, *values)
     mu = np.broadcast_to(formulas.arrays(speeds, normal, *values)[0], speeds.shape) / normal
@@ -216,7 +217,7 @@ def sampled_run(run: Trajectory, model: Shown, times: Array, states: Array, mode
     """A run at times (N,), with its states (N, n) and modes (N,) there."""
     automaton, names = run.automaton, run.mode_names
     columns = {name: states[:, i] for i, name in enumerate(run.names)}
-    columns |= {name: evaluate_output(automaton, name, states, modes, names) for name in automaton.outputs}
+    columns |= evaluate_outputs(automaton, automaton.outputs, states, modes, names)
     return {
         "structure": quantities_of(model, run),
         "mechanism": mechanism_data(model),
