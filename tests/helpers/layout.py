@@ -4,8 +4,10 @@ import ast
 import inspect
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 PACKAGE = Path(__file__).parents[2] / "frictionlab"
 Graph = dict[str, set[str]]
@@ -109,7 +111,21 @@ def _calls() -> dict[str, Callable[[], object]]:
             model, "mu_k", [0.5, 1.0], transient=5.0, window=5.0, workers=1, progress=False
         ),
         "critical_value": lambda: fl.critical_value(model, "mu_k", bounds=(0, 4)),
+        "a slider's step": lambda: _move(_slider()),
     }
+
+
+@cache
+def _slider() -> Any:
+    import frictionlab as fl
+
+    explorer = fl.explore(fl.SliderOnBelt(mu_k=1.4))
+    explorer.widget.sliding = True
+    return explorer.controls["mu_k"]
+
+
+def _move(slider: Any) -> None:
+    slider.value += 0.01
 
 
 def main() -> None:
