@@ -54,19 +54,11 @@ Array = NDArray[np.float64]
 Modes = tuple[Array, Array]  # frequencies (m,), rad/s, and shapes (n, m)
 Box = Mapping[str, tuple[float, float]]  # ranges of parameters
 LEAST_TOL, MOST_TOL = 1e-10, 0.1  # of eigenvalues
-LEFT_OUT = (
-    1e-2,
-    1e-3,
-    1e-4,
-    1e-5,
-    1e-6,
-    1e-7,
-    1e-8,
-    1e-9,
-)  # of the largest singular value
+LEFT_OUT = 10.0 ** -np.arange(2, 10)  # of the largest singular value, tried in turn
 ESTIMATE_SHARE = 0.5  # of the tolerance: estimates are right to a factor of two
 FINER = 2.0**0.25  # ratio of the highest frequencies of modes that are tried in turn
 WIDER = 2.0  # the same of those up to which modes are computed
+MOST_CUTS = 64  # such frequencies, up to 65,000 times the window's end: freedoms without mass have no modes
 MOST_FREEDOMS = 1000  # of a basis of real modes: beyond, full matrices are slow, and motions are refused
 SHIFT_SHARE = 0.1  # of the highest frequency: the shift, by which rigid motions are no obstacle
 
@@ -136,7 +128,7 @@ class _ModesUpToFrequency(ReductionBasis):
         fixed = self.fixed(structure)
         if structure.contacts:
             fixed = extended(fixed, np.stack([one.displacements for one in samples], axis=1), EXACT)
-        for vectors in self._ever_more(structure):
+        for vectors in islice(self._ever_more(structure), MOST_CUTS):
             small = structure.projected(extended(fixed, vectors, EXACT))
             error = _largest_error(small, samples, tol)
             if error <= tol or small.size >= min(MOST_FREEDOMS, structure.size):

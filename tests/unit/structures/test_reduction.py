@@ -307,6 +307,18 @@ def test_a_tolerance_that_a_basis_does_not_reach_is_told(monkeypatch):
     assert 40 <= small.size < 60
 
 
+def test_modes_end_where_freedoms_have_no_mass():
+    """Of 60 freedoms 40 have some, in directions that are no freedoms; dampers move the others."""
+    rng = np.random.default_rng(0)
+    turn = np.linalg.qr(rng.standard_normal((60, 60)))[0]
+    M, K = turn[:, :40] @ turn[:, :40].T, 2 * np.eye(60) - np.eye(60, k=1) - np.eye(60, k=-1)
+    large = fl.Structure(0.5 * (M + M.T), K, np.diag(rng.uniform(0.0, 0.1, 60)), window=(0.0, 0.02))
+    with pytest.warns(RuntimeWarning, match="more than tol"):
+        small = fl.reduce(large, tol=1e-10, basis=fl.RealModes())
+    assert small.size <= 40
+    assert 1e-10 < small.error < 0.1
+
+
 @pytest.mark.parametrize(
     ("interface", "message"),
     [
