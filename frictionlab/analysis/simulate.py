@@ -20,6 +20,7 @@ def simulate(
     t_end: float,
     *,
     x0: Any = "rest",
+    mode: str | None = None,
     method: str | Method = "taylor",
     t_eval: Any = None,
     sections: Mapping[str, Any] | None = None,
@@ -43,7 +44,9 @@ def simulate(
         an event or is no longer linear; by 0.01 in its largest state if it always is.  A mapping such as
         ``{"x1": 0.1, "x1'": -0.2}`` gives some states; the others are as at rest.  An array holds
         coordinates, then velocities; further states of a model, such as the phase of a force, are zero where
-        they are left out.
+        they are left out.  ``run.final_state`` goes on from another run's end.
+    mode : str or None
+        See :func:`frictionlab.solve`; with hysteresis a run goes on in ``run.mode[-1]``.
     method : "taylor", "rk4", the name of a scipy method such as "dop853", Taylor(...), RK4(...), Scipy(...)
         "taylor" is exact to rounding; RK4 is the paper's algorithm.
     t_eval : array_like or None
@@ -81,6 +84,6 @@ def simulate(
     """
     known = require_model_or_automaton(model, "write simulate(model, t_end)")
     automaton, source = (known, None) if isinstance(known, HybridAutomaton) else (known.automaton(), known)
-    solver, options = method_of(method), RunOptions(None, t_eval, sections, quadratures, progress, source)
+    solver, options = method_of(method), RunOptions(mode, t_eval, sections, quadratures, progress, source)
     start = initial_state_of(known, x0, automaton)
     return with_warning(run_automaton(automaton, t_end, start, solver, options))

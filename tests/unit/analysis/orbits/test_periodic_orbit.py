@@ -403,6 +403,9 @@ def test_a_motion_with_hysteresis_goes_on_in_its_mode():
     assert orbit.period == pytest.approx(2 * np.pi / 3, rel=1e-9)
     branch = fl.continue_orbit(orbit, "scale", (0.99, 1.01), max_points=3, progress=False)
     assert branch.periods * branch.values == pytest.approx(2 * np.pi / 3, rel=1e-9)
+    whole, part = (fl.simulate(two, t_end, x0=[5.5, 0.0], progress=False) for t_end in (5.0, 2.0))
+    rest = fl.simulate(two, 3.0, x0=part.final_state, mode=part.mode[-1], progress=False)
+    assert rest.final_state == pytest.approx(whole.final_state, abs=1e-13)
 
 
 def test_amplitude_and_frequency_over_friction():
