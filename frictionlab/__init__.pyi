@@ -151,6 +151,8 @@ from .models.zoo.belt_oscillators import ModularChain as ModularChain
 from .models.zoo.belt_oscillators import NoisyOscillator as NoisyOscillator
 from .models.zoo.belt_oscillators import OscillatorChain as OscillatorChain
 from .models.zoo.belt_oscillators import PoppStelter as PoppStelter
+from .models.zoo.belt_oscillators import WeakeningOscillator as WeakeningOscillator
+from .models.zoo.bristles_and_states import BoltedJoint as BoltedJoint
 from .models.zoo.bristles_and_states import JenkinsOscillator as JenkinsOscillator
 from .models.zoo.bristles_and_states import LuGreOscillator as LuGreOscillator
 from .models.zoo.bristles_and_states import SpringSlider as SpringSlider

@@ -4,7 +4,7 @@
     ```
 
 draws the parts of a model as they are at the start of a run, as an SVG; those of one with contact forces half
-a period later, with the forces that it has come to.
+a period later, with the forces that it has come to.  Its source stands below.
 """
 
 import ast
@@ -33,7 +33,7 @@ class Schematic(SphinxDirective):
     final_argument_whitespace = True
 
     def run(self) -> list[nodes.Node]:
-        """The picture."""
+        """The picture, and the source of the model."""
         text = self.arguments[0]
         name = re.sub(r"[^A-Za-z0-9_.]+", "-", text).strip("-") + ".svg"
         page = Path(self.env.doc2path(self.env.docname)).parent
@@ -41,7 +41,8 @@ class Schematic(SphinxDirective):
         alt = f"The parts of {text.partition('(')[0]}: bodies, springs and the contact"
         image = nodes.image(uri=f"{FOLDER}/{name}", alt=alt, classes=["schematic"])
         self.set_source_info(image)
-        return [image]
+        source = model_of(ast.parse(text, mode="eval").body).reference
+        return [image, nodes.caption("", source)] if source else [image]
 
 
 def draw(text: str, path: Path) -> None:

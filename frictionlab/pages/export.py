@@ -177,6 +177,7 @@ def model_page(
     models, period = [model, *with_laws.values()], oscillation_period(model, start)
     t_end = usual_duration(model, period) if t_end is None else float(check_t_end(t_end))
     chosen, ranges = chosen_sliders(model, sliders)
+    about = ". ".join(filter(None, (getattr(model, name, "") for name in ("about", "reference"))))
     controls = [
         *(switch_control(model, name) for name in names),
         *([law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []),
@@ -185,7 +186,7 @@ def model_page(
         *run_controls(model, period, t_end, start),
     ]
     scene = scene_data(model, controls, panels_of(model), period, title=title) | {
-        "about": f"exact solver, in your browser; frictionlab {__version__}",
+        "about": f"{about or 'exact solver, in your browser'}; frictionlab {__version__}",
         "switches": names,
         "menu": scene_menu(model, names, presets),
         "method": method_data(),

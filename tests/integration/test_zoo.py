@@ -2,6 +2,10 @@
 
 import ast
 import inspect
+import json
+import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,17 +22,8 @@ NOT_PHYSICS = ("about", "reference", "not_applicable", "period")
 MEDIAN_LINES = 12
 
 
-def weakening():
-    """Stick-slip beside stable sliding, as A. Papangelo, M. Ciavarella, N. Hoffmann (2017) have it."""
-    law = fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0)
-    return fl.MassOnBelt(friction=law, c=0.1, v=0.65)
-
-
-OF_THE_LIBRARY = (
-    fl.ModeCoupling,
-    fl.SliderOnRigidBelt,
-    weakening,
-)  # N. Hoffmann et al., Z. Li et al., Papangelo
+OF_THE_LIBRARY = fl.ModeCoupling, fl.SliderOnRigidBelt  # N. Hoffmann et al., Z. Li et al.
+PAGES = "".join(path.read_text(encoding="utf-8") for path in sorted(Path("docs/zoo").glob("*.md")))
 
 
 @pytest.fixture(params=slow_but(FAST, (*CLASSES, *OF_THE_LIBRARY)), ids=lambda make: make.__name__)
@@ -76,8 +71,13 @@ def eigenvalues(model, tmp_path):
 
 
 def ablation(model, tmp_path):
-    found = fl.ablation(model, lambda m: len(m.automaton().names), progress=False)
+    def amplitude(alternative):
+        run = fl.simulate(alternative, 20 * model.period, progress=False)
+        return np.abs(run.q).max() if run.status.ok else math.inf
+
+    found = fl.ablation(model, amplitude, progress=False)
     assert len(found.results) == 2 ** len(model.nonlinearities)
+    assert np.isfinite([*found.results]).all()
 
 
 def energy_audit(model, tmp_path):
@@ -105,7 +105,11 @@ def explore(model, tmp_path):
 def export_page(model, tmp_path):
     path = tmp_path / "page.html"
     fl.export_page(model, path)
-    assert type(model).__name__ in path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-8")
+    assert f"<title>{type(model).__name__}" in text
+    assert '"mechanism":true' in text
+    for source in (getattr(model, "about", ""), model.reference):
+        assert json.dumps(source, ensure_ascii=False)[1:-1] in text
 
 
 ANALYSES = (
@@ -142,6 +146,17 @@ def test_reasons_are_of_analyses_that_there_are():
         assert cls.about
         assert cls.reference
         assert cls.mechanism is not None
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_its_page_has_its_schematic_its_source_and_facts_that_are_checked(cls):
+    (section,) = (
+        one for one in PAGES.split("\n## ") if f"\n\n{{py:class}}`~frictionlab.{cls.__name__}`" in one
+    )
+    assert f"```{{schematic}} {cls.__name__}(" in section
+    assert cls.reference  # which stands below the schematic
+    assert re.search(r"^ *assert ", section, re.MULTILINE)
+    assert "References\n" in (inspect.getdoc(cls) or "")
 
 
 def lines_of_physics(cls):

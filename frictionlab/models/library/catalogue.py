@@ -11,7 +11,7 @@ from functools import cache
 from html import escape
 from typing import NamedTuple
 
-from frictionlab.components.friction import FrictionCurve, Stribeck, WeakeningStrengthening
+from frictionlab.components.friction import FrictionCurve, Stribeck
 from frictionlab.models.model import Model
 from frictionlab.validation import check_choice
 
@@ -19,15 +19,11 @@ from .dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlo
 from .impact_oscillators import BouncingBall, ImpactOscillator
 from .sliders import ModeCoupling, SliderOnBelt, SliderOnRigidBelt
 
-PAPANGELO_REFERENCE = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017)"
-WEAKENING_CALL = "MassOnBelt(friction=fl.WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0)"
-
 # The models of the rows, made here so that the text of a call need not be run as Python.
 ROW_MODELS: tuple[Model, ...] = (
     SliderOnBelt(),
     MassOnBelt(),
     MassOnBelt(friction=Stribeck(mu_k=0.5, mu_s=1.0), c=0.1),
-    MassOnBelt(friction=WeakeningStrengthening(mu_k=0.5, mu_s=1.0), c=0.1, v=1.0),
     ModeCoupling(),
     SliderOnRigidBelt(),
     DenHartog(),
@@ -97,7 +93,6 @@ MODEL_ROWS = (
         "friction that falls with speed: negative damping",
         "B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138",
     ),
-    ModelRow(WEAKENING_CALL, "weakening, then strengthening: a subcritical Hopf point", PAPANGELO_REFERENCE),
     ModelRow("ModeCoupling()", "two modes that constant friction merges", ModeCoupling.reference),
     ModelRow(
         "SliderOnRigidBelt()",

@@ -7,11 +7,18 @@ from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from random import Random
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from frictionlab.components.friction import Coulomb, ExponentialDecay, FrictionLaw, HyperbolicDecay
+from frictionlab.components.friction import (
+    Coulomb,
+    ExponentialDecay,
+    FrictionLaw,
+    HyperbolicDecay,
+    WeakeningStrengthening,
+)
 from frictionlab.components.functions import cos, ramp
 from frictionlab.models.library.dry_friction_oscillators import MassOnBelt
 from frictionlab.models.library.parameters import natural_period, not_negative, of_either_sign, positive
@@ -19,7 +26,7 @@ from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics
 from frictionlab.models.mechanism import Belt, Block, Forces, Mechanism, Point, Spring, Wall, level_belt
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, ZooModel, of_what_ends
+from frictionlab.models.zoo.zoo_model import NO_EQUILIBRIUM, UNBOUNDED, ZooModel, of_what_ends
 from frictionlab.validation import check_number
 
 
@@ -66,6 +73,51 @@ class PoppStelter(ZooModel, MassOnBelt):
 
     about = "friction that falls as a hyperbola: steady sliding above a belt speed, stick-slip below it"
     reference = "K. Popp, P. Stelter, Phil. Trans. R. Soc. A 332 (1990) 89-105"
+    not_applicable = UNBOUNDED
+
+
+@model
+class WeakeningOscillator(PoppStelter):
+    """A mass on a belt with friction that weakens and then strengthens: stick-slip beside stable sliding.
+
+    Steady sliding is stable where the belt is faster than
+
+        v_H = v_s log((mu_s - mu_k) N/(mu_v N + c v_s)),
+
+    0.602 m/s here.  The Hopf point there is subcritical: up to a fold above it stick-slip lasts beside stable
+    sliding, and where the motion begins decides.  By default the belt is between both, and the motion that
+    begins at rest is stick-slip.  On a belt of 1 m/s, above the fold, there is none.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    v : float
+        Speed of the belt, m/s.
+    friction : FrictionLaw
+
+    References
+    ----------
+    A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017) 2037-2046.
+
+    Examples
+    --------
+    >>> import math
+    >>> import frictionlab as fl
+    >>> point = fl.hopf(fl.WeakeningOscillator(), "v", bounds=(0.3, 1.0))
+    >>> abs(point.value - 0.5 * math.log(0.5 / 0.15)) < 1e-9, point.criticality
+    (True, 'subcritical')
+    """
+
+    v = 0.65
+    friction = WeakeningStrengthening(mu_k=0.5, mu_s=1.0)
+
+    about = "friction that weakens, then strengthens: stick-slip beside stable sliding"
+    reference = "A. Papangelo, M. Ciavarella, N. Hoffmann, Nonlinear Dynamics 90 (2017) 2037-2046"
 
 
 @model
@@ -169,7 +221,6 @@ class OscillatorChain(PoppStelter):
     [1.0, 1.0, 1.6, 1.6, 1.6, 1.6]
     """
 
-    k: float = positive(1.0, "N/m", "k", "stiffness of each mass's spring")
     k_c: float = not_negative(0.2, 2.0, "N/m", r"k_{\mathrm{c}}", "stiffness between neighbours")
     v = 0.9
     friction = ExponentialDecay(mu_k=0.5, mu_s=1.0, v_s=0.5)
@@ -309,6 +360,7 @@ class DoubleLayerPad(ZooModel):
 
     about = "a pad of two layers on a belt: two modes that falling friction feeds"
     reference = "D. Wei, J. Song, Y. Nan, W. Zhu, Mech. Systems and Signal Processing 118 (2019)"
+    not_applicable = UNBOUNDED
 
     @property
     def period(self) -> float:
@@ -371,8 +423,13 @@ class BrakedOscillator(PoppStelter):
 
     about = "a belt that brakes: silence, then a squeal before it stops"
     reference = "V. Pilipchuk, P. Olejnik, J. Awrejcewicz, J. Sound and Vibration 344 (2015) 297-312"
-    not_applicable = of_what_ends(
-        "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
+    not_applicable = MappingProxyType(
+        {
+            **UNBOUNDED,
+            **of_what_ends(
+                "The belt comes to a halt: its speed depends on time, and no motion goes on for ever."
+            ),
+        }
     )
 
     def mechanics(self, q: Any, v: Any) -> Mechanics:

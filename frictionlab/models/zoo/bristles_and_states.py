@@ -1,8 +1,8 @@
-"""Oscillators with dynamic friction laws: LuGre's bristles, rate and state, Jenkins' element."""
+"""Oscillators with dynamic friction laws: LuGre's bristles, rate and state, Jenkins' and Iwan's elements."""
 
 from __future__ import annotations
 
-from frictionlab.components.dynamic_friction import Jenkins, LuGre, RateAndState
+from frictionlab.components.dynamic_friction import Iwan, Jenkins, LuGre, RateAndState
 from frictionlab.models.library.dry_friction_oscillators import DenHartog, MassOnBelt
 from frictionlab.models.library.parameters import not_negative, of_either_sign, positive
 from frictionlab.models.model import model
@@ -149,3 +149,45 @@ class JenkinsOscillator(ZooModel, DenHartog):
     about = "a joint that slips beyond a limit: damping that grows with the amplitude"
     reference = "W. D. Iwan, J. Applied Mechanics 33 (1966) 893-900"
     not_applicable = NO_EQUILIBRIUM
+
+
+@model
+class BoltedJoint(JenkinsOscillator):
+    """A driven mass on a spring and a joint that slips little by little: Iwan's element.
+
+        m x'' + c x' + k x = F cos(Omega t) + F_T
+
+    Its n elements slip one after the other: partial slip, then slip of the whole.  A motion that goes from -X
+    to X and back takes, in a period, the work
+
+        sum over i of 4 F_i max(X - F_i/k_i, 0)
+
+    in it, with the strength F_i and the stiffness k_i of each element.  The numbers are this package's.
+
+    Parameters
+    ----------
+    m : float
+        Mass, kg, above 0.
+    c, k : float
+        Damper, N s/m, and spring, N/m.
+    N : float
+        Normal force, N.
+    F, Omega : float
+        Amplitude (N) and angular frequency (rad/s) of the force.
+    friction : FrictionLaw
+
+    References
+    ----------
+    W. D. Iwan, Journal of Applied Mechanics 33 (1966) 893-900.
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> run = fl.simulate(fl.BoltedJoint(), 50.0, progress=False)
+    >>> "contact | slip+ | slip+ | stick" in run.events.target
+    True
+    """
+
+    friction = Iwan(mu_k=0.3, k_t=1.0)
+
+    about = "a joint of several elements, that slips little by little: Iwan's element, and Masing's rule"

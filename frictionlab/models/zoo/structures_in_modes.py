@@ -14,7 +14,7 @@ from frictionlab.models.mechanical.mechanical_model import numbered
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, Stop
 from frictionlab.models.mechanism import Belt, Block, Mechanism, Point, Spring, Wall
 from frictionlab.models.model import model
-from frictionlab.models.zoo.zoo_model import LINEAR, ZooModel, of_what_ends
+from frictionlab.models.zoo.zoo_model import LINEAR, UNBOUNDED, ZooModel, of_what_ends
 
 
 @model
@@ -71,6 +71,7 @@ class BowedString(ZooModel):
 
     about = "a string in modes under a bow: stick for most of a period, a short flight back"
     reference = "M. E. McIntyre, R. T. Schumacher, J. Woodhouse, J. Acoust. Soc. America 74 (1983) 1325-1345"
+    not_applicable = UNBOUNDED
 
     def release(self) -> Mapping[str, float]:
         """In Helmholtz's motion, half-way through stick."""

@@ -14,8 +14,9 @@ from .belt_oscillators import (
     NoisyOscillator,
     OscillatorChain,
     PoppStelter,
+    WeakeningOscillator,
 )
-from .bristles_and_states import JenkinsOscillator, LuGreOscillator, SpringSlider
+from .bristles_and_states import BoltedJoint, JenkinsOscillator, LuGreOscillator, SpringSlider
 from .impacts import BallOnTable, NewtonsCradle, RattlingGear, RockingBlock, Woodpecker
 from .mode_couplings import HultenOscillator, PadOnDisc, StrutPad
 from .rotating_systems import DrillString, FroudePendulum, MotorAndCart, WobblingDisc
@@ -26,6 +27,7 @@ TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
     {
         "oscillators on a belt": (
             PoppStelter,
+            WeakeningOscillator,
             ExcitedBeltOscillator,
             OscillatorChain,
             DoubleLayerPad,
@@ -36,7 +38,7 @@ TOPICS: Mapping[str, tuple[type[ZooModel], ...]] = MappingProxyType(
         ),
         "mode coupling": (HultenOscillator, StrutPad, PadOnDisc),
         "rotating systems": (WobblingDisc, DrillString, FroudePendulum, MotorAndCart),
-        "dynamic friction": (LuGreOscillator, SpringSlider, JenkinsOscillator),
+        "dynamic friction": (LuGreOscillator, SpringSlider, JenkinsOscillator, BoltedJoint),
         "impacts": (BallOnTable, RockingBlock, RattlingGear, NewtonsCradle, Woodpecker),
         "structures in modes": (BowedString, MassOnBeam, DiscAndPads),
     }

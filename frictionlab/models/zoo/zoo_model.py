@@ -17,6 +17,12 @@ LINEAR: Mapping[str, str] = MappingProxyType(
         "The model is linear: about an unstable equilibrium motions grow for ever, and none is periodic.",
     )
 )
+UNBOUNDED: Mapping[str, str] = MappingProxyType(
+    {
+        "ablation": 'Without "nonsmooth" no motion is bounded: beyond v_r = 0 friction that falls with speed '
+        "drives it for ever."
+    }
+)
 
 
 def of_what_ends(why: str) -> Mapping[str, str]:

@@ -49,6 +49,38 @@ def test_popp_and_stelter_hopf_point():
     assert 2 * math.pi * point.frequency == pytest.approx(math.sqrt(2.0), rel=1e-10)
 
 
+def test_friction_that_strengthens_has_stick_slip_up_to_a_fold_above_its_hopf_point():
+    """Papangelo: v_H by the slope of the curve; stick-slip as by DOP853 at 0.65 m/s, and none at 1 m/s."""
+    model = fl.WeakeningOscillator(N=1.3, mu_v=0.12, v_s=0.4)
+    exact = 0.4 * math.log(0.5 * 1.3 / (0.12 * 1.3 + 0.1 * 0.4))
+    assert fl.hopf(model, "v", bounds=(0.2, 1.5)).value == pytest.approx(exact, rel=1e-10)
+    model = fl.WeakeningOscillator()
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 100.0, progress=False))
+    assert orbit.stable
+    stick = next(seconds for name, seconds in orbit.modes if name == "stick")
+
+    def slips(_, state):
+        x, v = state
+        ratio = (0.65 - v) / 0.5
+        return [v, 0.5 + 0.5 * math.exp(-ratio) + 0.1 * ratio - x - 0.1 * v]
+
+    begins = [1.0 - 0.1 * 0.65, 0.65 - 1e-12]  # where the spring and the damper tear it off
+    slid = solve_ivp(slips, (0.0, 20.0), begins, "DOP853", rtol=1e-12, atol=1e-13, events=until_sticks)
+    (t,), ((x, _),) = slid.t_events[0][-1:], slid.y_events[0][-1:]
+    assert stick == pytest.approx((begins[0] - x) / 0.65, rel=1e-6)
+    assert orbit.period == pytest.approx(stick + t, rel=1e-6)
+    fast = fl.simulate(model.replace(v=1.0), 300.0, x0={"x'": 1.0}, progress=False)
+    assert np.ptp(fast(np.linspace(280.0, 300.0, 400))[:, 0]) < 1e-3
+
+
+def until_sticks(t, state):
+    """v_r = 0 again, a while after the mass was torn off."""
+    return 0.65 - state[1] if t > 0.5 else 1.0
+
+
+until_sticks.terminal, until_sticks.direction = True, -1.0
+
+
 @pytest.mark.parametrize("omega", [0.5, 0.8, 1.7])
 def test_a_mass_that_slides_on_an_excited_spring_is_linear(omega):
     model = fl.ExcitedBeltOscillator(Omega=omega, v=3.0, c=0.2)
@@ -365,6 +397,15 @@ def test_a_jenkins_element_takes_the_work_of_its_loop():
     X = np.ptp(z[:, 0]) / 2
     taken = -fl.energy_audit(run, progress=False).works["friction"][-1]
     assert taken == pytest.approx(4 * 0.3 * (X - 0.3 / model.k_t), rel=1e-6)
+
+
+def test_a_bolted_joint_takes_the_energy_of_the_loops_of_its_elements():
+    model = fl.BoltedJoint(k_t=1.3, mu_k=0.25)
+    orbit = fl.periodic_orbit(model, fl.simulate(model, 300.0, progress=False))
+    run = fl.simulate(model, orbit.period, x0=orbit.state, sections={"turn": "x'"}, progress=False)
+    X, limits = np.ptp(run.sections["turn"].state[:, 0]) / 2, 0.25 / 1.3 * np.array([1, 3, 5]) / 3
+    taken = -fl.energy_audit(run, progress=False).works["friction"][-1]
+    assert taken == pytest.approx(4 * 1.3 / 3 * np.sum(limits * np.maximum(X - limits, 0)), rel=1e-9)
 
 
 # --- impacts
