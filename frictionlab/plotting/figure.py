@@ -16,12 +16,10 @@ and the same curves can be checked in a test or kept for comparison::
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from io import BytesIO
 from os import PathLike
-from os.path import splitext
 from pathlib import Path
 from textwrap import fill
 from typing import Any, Literal, NamedTuple, TypeVar
@@ -36,7 +34,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from frictionlab.file_writing import write_file
-from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, in_print, rcParams
+from frictionlab.plotting.appearance import PANEL_SIZE, crowding, figure_size, font_size, in_print
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -51,9 +49,6 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 A = TypeVar("A", bound=Artist)
-COMPRESSION = 3  # of PNG: zlib's default, 6, takes twice as long for files that are 2 percent smaller
-# Settings of matplotlib that change what is written, and what they are by default.
-PLAIN = {"savefig.bbox": None, "savefig.facecolor": "auto", "savefig.edgecolor": "auto"}
 
 
 class Curve(NamedTuple):
@@ -146,14 +141,6 @@ def _check_curve(label: str, curve: Any) -> None:
     )
 
 
-class SavingCanvas(FigureCanvasAgg):
-    """A canvas that draws animated artists too, as a file needs."""
-
-    def is_saving(self) -> bool:
-        """Always."""
-        return True
-
-
 class RunFigure(Figure):
     """A matplotlib figure that a notebook displays whether or not pyplot was imported there."""
 
@@ -163,41 +150,13 @@ class RunFigure(Figure):
             suffixes = [f".{kind}" for kind in self.canvas.get_supported_filetypes()]
             check_path("fname", fname, suffixes)
         with write_file(fname) as beside:
-            # An Agg canvas that the figure has already may draw in its own way, so it is used.
-            if _is_plain_png(beside, options) and not isinstance(self.canvas, FigureCanvasAgg):
-                self._write_png(beside, options.get("dpi") or rcParams["savefig.dpi"])
-            else:
-                super().savefig(beside, **options)
-
-    def _write_png(self, path: Any, dpi: Any) -> None:
-        # Matplotlib's savefig draws twice, first without ink: other formats need the layout beforehand.
-        with self._on(SavingCanvas, self.dpi if dpi == "figure" else dpi) as canvas:
-            canvas.print_png(path, pil_kwargs={"compress_level": COMPRESSION})
-
-    @contextmanager
-    def _on(self, kind: type[FigureCanvasAgg], dpi: float) -> Iterator[FigureCanvasAgg]:
-        """A canvas in place of the figure's own."""
-        before, usual = self.canvas, self.dpi
-        canvas = kind(self)
-        self.dpi = dpi
-        try:
-            yield canvas
-        finally:
-            self.dpi = usual
-            self.set_canvas(before)
+            super().savefig(beside, **options)
 
     def _repr_png_(self) -> bytes:
         # IPython knows how to display a Figure only once pyplot has set up its inline backend.
         buffer = BytesIO()
         self.savefig(buffer, format="png")
         return buffer.getvalue()
-
-
-def _is_plain_png(path: Any, options: Mapping[str, Any]) -> bool:
-    """Whether the whole picture is to be written as PNG, with the figure's own background."""
-    kind = options.get("format") or splitext(str(path))[1][1:]
-    plain = not rcParams["savefig.transparent"] and all(rcParams[name] == PLAIN[name] for name in PLAIN)
-    return kind.lower() == "png" and plain and {*options} <= {"format", "dpi"}
 
 
 class RunAxes(Axes):
@@ -330,8 +289,14 @@ class AnimatedFigure(RunFigure):
 
     def pixels(self, dpi: float) -> np.ndarray:
         """The picture as (height, width, 4) bytes."""
-        with self._on(FigureCanvasAgg, dpi) as canvas:
+        before, usual = self.canvas, self.dpi
+        canvas = FigureCanvasAgg(self)
+        self.dpi = dpi
+        try:
             return self._drawn(canvas)
+        finally:
+            self.dpi = usual
+            self.set_canvas(before)
 
     def _drawn(self, canvas: FigureCanvasAgg) -> np.ndarray:
         renderer, size = canvas.get_renderer(), canvas.get_width_height()
