@@ -77,11 +77,12 @@ def targets_of_system() -> list[Target]:
 def targets_of_machine() -> list[Target]:
     """The targets whose code runs here, the best one first."""
     fitting = targets_of_system()
-    features = _features() if any(target.needs for target in fitting) else {}
+    features = processor_features() if any(target.needs for target in fitting) else {}
     return [target for target in fitting if all(features.get(name) for name in target.needs)]
 
 
-def _features() -> dict[str, bool]:
+def processor_features() -> dict[str, bool]:
+    """What this processor can do, by LLVM's names."""
     import llvmlite.binding as llvm
 
     try:

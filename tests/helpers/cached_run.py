@@ -9,7 +9,7 @@ import sympy as sp
 import frictionlab as fl
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.compilation.decorators import kernel
-from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT
+from frictionlab.hybrid.codegen.jet_codegen import LEFT, MEASURE, MOVE, lane_count
 from frictionlab.hybrid.codegen.native_cache import NativeCode
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_jets, call_lane_step
@@ -36,7 +36,8 @@ def taylor_steps(address, z, constants, terms, J):
 @kernel
 def lane_steps(address, z, constants, terms, J, control):
     """One step of several runs."""
-    call_lane_step(address, z, constants, terms, J, control, ORDER)
+    call_lane_step(address, z, constants, terms, J, control, MEASURE, ORDER)
+    call_lane_step(address, z, constants, terms, J, control, MOVE, ORDER)
 
 
 def final_states() -> bytes:
@@ -51,7 +52,7 @@ def final_states() -> bytes:
     z, J = np.array([1.0, 0.5]), np.zeros((program.slots, jet_columns(ORDER)))
     taylor_steps(native.code.native[0], z, *numbers, J)
     problem = Problem(program, numbers, np.zeros(2), 1.0)
-    lanes = new_batch([problem] * LANE_COUNT, fl.Taylor(order=ORDER)).lanes
+    lanes = new_batch([problem] * lane_count(), fl.Taylor(order=ORDER)).lanes
     lanes.constants[:], lanes.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
     lanes.z[:], lanes.control[LEFT] = z[:, None], 1.0
     lane_steps(native.code.lanes[0], lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control)

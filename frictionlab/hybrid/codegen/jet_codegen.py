@@ -14,8 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
+from itertools import islice
 from typing import Any, NamedTuple
 
+from frictionlab.compilation import machine_code
 from frictionlab.compilation.decorators import c_address
 from frictionlab.compilation.llvm_instructions import (
     Instructions,
@@ -24,6 +26,7 @@ from frictionlab.compilation.llvm_instructions import (
     write_exp2,
     write_loop,
 )
+from frictionlab.compilation.targets import processor_features
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
 from frictionlab.tape.elementary.exponentials import power
@@ -83,11 +86,19 @@ def _registered(name: str) -> None:
     llvm.add_symbol(name, c_address(name, *KERNELS[name]))
 
 
+Pair = tuple[int, int]  # of slots
 CONVOLUTIONS_PER_LOOP = 2  # with more, AVX2 has too few registers
-LANE_COUNT = 4
-# Rows of `control`, of LANE_COUNT numbers each; one row more for each guard has its number of leading zeros.
+# Rows of `control`, with a number for each lane; one row more for each guard has its number of leading zeros.
 LEFT, LENGTH, REGULAR, MEASURED, SUITED, TOL, LOG_TOL, GUARD_TOL = range(8)
 CONTROL_ROWS = 8
+MEASURE, MOVE = range(2)  # the parts of a step of lanes
+
+
+@cache
+def lane_count() -> int:
+    """How many runs step side by side: eight where AVX-512 has vectors of so many numbers, else four."""
+    wide = machine_code.HAS_MACHINE_CODE and processor_features().get("avx512f")
+    return 2 * PARTS if wide else PARTS
 
 
 class ModeTape(NamedTuple):
@@ -99,7 +110,7 @@ class ModeTape(NamedTuple):
     kept: frozenset[int]  # slots whose rows are wanted
 
 
-def convolutions_of(tape: Tape) -> list[tuple[int, int]]:
+def convolutions_of(tape: Tape) -> list[Pair]:
     """The pairs of slots whose series operations of a tape multiply, each once."""
     pairs = []
     for out, (kind, a, b) in enumerate(tape.ops, start=tape.inputs):
@@ -127,15 +138,15 @@ def jets_module(function: ModeTape, name: str) -> Any:
     """LLVM module with the function `name`(z, constants, terms, J, order)."""
     from llvmlite import ir
 
-    body = empty_function(ir, 4, name)
+    body = empty_function(ir, 4, 1, name)
     JetWriter(ir, body, function).write()
     return body.module
 
 
-def empty_function(ir: Any, arrays: int, name: str) -> Any:
-    """An empty function `name` of this number of arrays, which do not overlap, and of the order."""
+def empty_function(ir: Any, arrays: int, integers: int, name: str) -> Any:
+    """An empty function `name` of these numbers of arrays, which do not overlap, and of integers."""
     pointers = [ir.DoubleType().as_pointer()] * arrays
-    signature = ir.FunctionType(ir.VoidType(), [*pointers, ir.IntType(64)])
+    signature = ir.FunctionType(ir.VoidType(), [*pointers, *[ir.IntType(64)] * integers])
     body = ir.Function(ir.Module(name=name), signature, name)
     body.attributes.add("nounwind")
     body.attributes.alignstack = 8 * PARTS  # vectors kept there do not lie across the lines of a cache
@@ -158,7 +169,7 @@ class JetWriter(Instructions):
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
         self.shares = self._table_of_shares()
         self.first_block = True
-        self.sums: dict[tuple[int, int], Any] = {}  # of convolutions, for the next orders of the block
+        self.sums: dict[Pair, Values] = {}  # of convolutions, for the next orders of the block
         self.block: list[dict[int, Any]] = []  # the values at the orders of this block before the current one
 
     def _table_of_shares(self) -> Any:
@@ -272,13 +283,16 @@ class JetWriter(Instructions):
         (slot, factor), build = self.function.tape.terms[j], self.build
         if factor is None:
             term = build.fmul(self._load(self.terms, self.function.first[1] + j), self.values[slot])
-        elif factor > 0 or total is not None:
-            term = self.values[slot]
         else:
-            term = build.fneg(self.values[slot])
-        if total is None:
-            return term
-        return build.fsub(total, term) if factor == -1.0 else build.fadd(total, term)
+            term = self.values[slot] if factor > 0 else self._with_sign(j, self.values[slot])
+        return term if total is None else build.fadd(total, term)
+
+    def _with_sign(self, j: int, value: Any) -> Any:
+        """A value times a factor whose absolute value is 1; for a majorant, the factor -1 is given as 1."""
+        build, whole = self.build, self.whole
+        factor = build.bitcast(self._load(self.terms, self.function.first[1] + j), whole)
+        sign = build.and_(factor, whole(-(2**63)))
+        return build.bitcast(build.xor(build.bitcast(value, whole), sign), self.kind)
 
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._convolution_with_last(a, b, at)
@@ -340,7 +354,7 @@ class JetWriter(Instructions):
     def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
         """Sum over 1 <= j < k of the coefficients j of a and k - j of b, as :func:`jets.convolution`."""
         if not self.first_block:
-            return self.build.extract_element(self.sums[a, b], self.ir.IntType(32)(0))
+            return self.build.extract_element(self.sums[a, b][0], self.ir.IntType(32)(0))
         return self._with_block(a, b, self._number(0.0), at)
 
     def _with_block(self, a: int, b: int, total: Any, at: OrderInLoop) -> Any:
@@ -357,23 +371,23 @@ class JetWriter(Instructions):
         four, pairs = self.ir.VectorType(self.kind, PARTS), convolutions_of(self.function.tape)
         for start in range(0, len(pairs), CONVOLUTIONS_PER_LOOP):
             some = pairs[start : start + CONVOLUTIONS_PER_LOOP]
-            self.sums.update(zip(some, self._known_sums(some, fours, 1, four), strict=True))
+            self.sums.update(self._known_sums(some, fours, [1], four))
 
     def _add_newest(self, at: OrderInLoop) -> None:
         """Add products with the coefficients of this order to the sums for the next orders of the block."""
         places = self.ir.VectorType(self.ir.IntType(32), PARTS)([1, 2, 3, 3])  # the last one is of no use
-        for (a, b), sums in self.sums.items():
+        for (a, b), (sums,) in self.sums.items():
             four, following = sums.type, self.build.shuffle_vector(sums, sums, places)
             for older, newer in (b, a), (a, b):
                 low = self._vector(self._place(older, self.J), 1, four)
                 newest = self._broadcast(self._place(newer, at.column), 0, four)
                 following = self._multiply_add(newest, low, following)
-            self.sums[a, b] = following
+            self.sums[a, b] = [following]
 
-    def _known_sums(self, pairs: list[tuple[int, int]], fours: Any, least: int, kind: Any) -> Values:
+    def _known_sums(self, pairs: list[Pair], fours: Any, least: list[int], kind: Any) -> dict[Pair, Values]:
         """What is known of convolutions before the block after order 4 `fours`.
 
-        They are for its order number `least`, or for vectors of orders from this one on.
+        They are for its orders with the numbers `least`, or for vectors of orders from these on.
         """
         build, base = self.build, self._ahead(self.J, self.build.shl(fours, self.whole(2)))
 
@@ -383,17 +397,20 @@ class JetWriter(Instructions):
             factors = [
                 (
                     self._broadcast(self._place(a, front), -n, kind),
-                    self._vector(self._place(b, back), least + n, kind),
+                    self._vector(self._place(b, back), number + n, kind),
                 )
                 for a, b in pairs
+                for number in least
                 for n in range(PARTS)
             ]
             return [self._multiply_add(*both, part) for both, part in zip(factors, sums, strict=True)]
 
-        zeros = [llvm_constant(self.ir, kind, 0.0)] * (PARTS * len(pairs))
-        sums = write_loop(build, build.sub(fours, self.whole(1)), zeros, group)
-        parts = [sums[i : i + PARTS] for i in range(0, len(sums), PARTS)]
-        return [self._with_newest(*pair, four, base, least) for pair, four in zip(pairs, parts, strict=True)]
+        zeros = [llvm_constant(self.ir, kind, 0.0)] * (PARTS * len(pairs) * len(least))
+        parts = iter(write_loop(build, build.sub(fours, self.whole(1)), zeros, group))
+        return {
+            pair: [self._with_newest(*pair, list(islice(parts, PARTS)), base, number) for number in least]
+            for pair in pairs
+        }
 
     def _with_newest(self, a: int, b: int, parts: Values, base: Any, least: int) -> Any:
         """Four partial sums and the products with the newest coefficients of `b`, up to order 4 of `a`."""
@@ -427,19 +444,28 @@ class JetWriter(Instructions):
 class LaneWriter(JetWriter):
     """The recurrences for several runs side by side, and other operations on all lanes."""
 
-    width = LANE_COUNT
-
     def __init__(self, ir: Any, body: Any, function: ModeTape) -> None:
+        self.width = lane_count()
         super().__init__(ir, body, function)
         self.control = body.args[4]
 
+    def _with_sign(self, j: int, value: Any) -> Any:
+        return self.build.fneg(value)
+
     def _prepare_convolutions(self, fours: Any) -> None:
-        """A vector holds one coefficient of all lanes, so sums are computed where they are wanted."""
+        """As for one run; a vector holds one coefficient of all lanes, so each order has a sum of its own."""
+        together = self.width // 2  # orders in a loop: with vectors of eight numbers come 32 registers
+        for pair in convolutions_of(self.function.tape):
+            self.sums[pair] = []
+            for first in range(1, PARTS + 1, together):
+                orders = list(range(first, first + together))
+                self.sums[pair] += self._known_sums([pair], fours, orders, self.kind)[pair]
+
+    def _add_newest(self, at: OrderInLoop) -> None:
+        """Products with coefficients of the block are added where the convolution is wanted."""
 
     def _convolution(self, a: int, b: int, at: OrderInLoop) -> Any:
-        total = self._number(0.0)
-        if not self.first_block:
-            (total,) = self._known_sums([(a, b)], at.fours, at.rest + 1, self.kind)
+        total = self._number(0.0) if self.first_block else self.sums[a, b][at.rest]
         return self._with_block(a, b, total, at)
 
     def _broadcast(self, array: Any, i: int, kind: Any) -> Any:
@@ -460,7 +486,7 @@ class LaneWriter(JetWriter):
 
     def _call(self, name: str, *arguments: Any) -> Any:
         result = self._number(0.0)
-        for lane in range(LANE_COUNT):
+        for lane in range(self.width):
             place = self.ir.IntType(32)(lane)
             numbers = (self.build.extract_element(a, place) if a.type == self.kind else a for a in arguments)
             each = super()._call(name, *numbers)
@@ -478,6 +504,6 @@ class LaneWriter(JetWriter):
 
     def _spread(self, value: Any) -> Any:
         result = self._number(0.0)
-        for lane in range(LANE_COUNT):
+        for lane in range(self.width):
             result = self.build.insert_element(result, value, self.ir.IntType(32)(lane))
         return result

@@ -22,7 +22,6 @@ from frictionlab.compilation.llvm_instructions import (
     write_while_loop,
 )
 from frictionlab.hybrid.codegen.jet_codegen import (
-    LANE_COUNT,
     LEFT,
     POWER_SYMBOL,
     RANGE_SYMBOL,
@@ -144,10 +143,10 @@ class RemainderWriter(RangeWriter):
         return self.build.icmp_signed(">=", self.whole(degree), self.order)
 
     def _all(self) -> Any:
-        return self.ir.Constant(self.ir.VectorType(self.ir.IntType(1), LANE_COUNT), [1] * LANE_COUNT)
+        return self.ir.Constant(self.ir.VectorType(self.ir.IntType(1), self.width), [1] * self.width)
 
     def _any(self, lanes: Any) -> Any:
-        bits = self.build.bitcast(lanes, self.ir.IntType(LANE_COUNT))
+        bits = self.build.bitcast(lanes, self.ir.IntType(self.width))
         return self.build.icmp_unsigned("!=", bits, bits.type(0))
 
     def _support(self, radius: Any) -> tuple[Any, Any]:

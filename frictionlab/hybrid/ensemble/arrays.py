@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from frictionlab.hybrid.codegen.jet_codegen import CONTROL_ROWS, GUARD_TOL, LANE_COUNT, LOG_TOL, TOL
+from frictionlab.hybrid.codegen.jet_codegen import CONTROL_ROWS, GUARD_TOL, LOG_TOL, TOL, lane_count
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.kernels import run_state, step_length
 from frictionlab.hybrid.kernels.run_state import jet_columns, most_impacts, new_record, new_scratch
@@ -95,18 +95,21 @@ def _new_runs(
 
 
 def _new_lanes(program: Program, numbers: Numbers, method: Taylor, order: int) -> Lanes:
-    control = aligned_zeros(CONTROL_ROWS + most_guards(program.code), LANE_COUNT)
+    count = lane_count()
+    control = aligned_zeros(CONTROL_ROWS + most_guards(program.code), count)
     control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
     control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
     return Lanes(
-        runs=np.full(LANE_COUNT, FREE),
+        runs=np.full(count, FREE),
+        guards=np.zeros(count, dtype=np.int64),
+        multiplicities=np.zeros(count, dtype=np.int64),
         needed=needed_slots(program),
         first_terms=np.cumsum([0, *(len(tape.terms) for tape in program.tapes)]),
         counts=np.zeros(run_state.COUNTS, dtype=np.int64),
-        z=aligned_zeros(program.code.inputs, LANE_COUNT),
-        constants=aligned_zeros(numbers.constants.shape[1], LANE_COUNT),
-        terms=aligned_zeros(numbers.terms.shape[1], LANE_COUNT),
-        jets=aligned_zeros(program.slots, jet_columns(order), LANE_COUNT),
+        z=aligned_zeros(program.code.inputs, count),
+        constants=aligned_zeros(numbers.constants.shape[1], count),
+        terms=aligned_zeros(numbers.terms.shape[1], count),
+        jets=aligned_zeros(program.slots, jet_columns(order), count),
         control=control,
     )
 
@@ -136,7 +139,9 @@ class Lanes(NamedTuple):
     """The runs that step together; the last axis is the lane, but for the slots."""
 
     runs: np.ndarray  # index of the run in each lane, FREE where there is none
-    needed: np.ndarray  # (modes, slots) slots whose jets are needed to find events, then FREE
+    guards: np.ndarray  # that end the steps, NO_GUARD where none does
+    multiplicities: np.ndarray  # of these guards' zeros
+    needed: np.ndarray  # (modes, slots) slots whose jets are needed besides those of guards, then FREE
     first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
     counts: np.ndarray  # scratch: those of a run before its event
     z: np.ndarray
@@ -152,12 +157,10 @@ def most_guards(code: Code) -> int:
 
 
 def needed_slots(program: Program) -> np.ndarray:
-    """For each mode the slots of its guards, and the slots whose jets the majorants need."""
-    code = program.code
+    """For each mode the slots whose jets the majorants need."""
     needed = np.full((len(program.modes), program.slots), FREE)
     for mode, tape in enumerate(program.tapes[: len(program.modes)]):
-        first, last = code.mode_guards[mode : mode + 2]
-        slots = set(code.function_slots[first:last].tolist())
+        slots: set[int] = set()
         for i, (kind, a, b) in enumerate(tape.ops):
             if kind >= QUOTIENT:
                 slots |= {tape.inputs + i, a if kind == POWER else b}

@@ -1,12 +1,13 @@
 """Kernels for many runs of one structure: runs in the same mode take their steps side by side.
 
-Runs wait in a queue for each mode.  Up to LANE_COUNT of the longest queue are loaded into lanes; a step of
-all lanes is one call of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  A run that
-meets an event leaves its lane to the next run in the queue.  The kernels of single runs find the event in the
-jets of the lane, and choose the next mode by a low order of its series.  The full order is computed once the
-run is in a lane again.  Until then it is noted which leading coefficients count as zero after the event.
-Rare kinds of steps are taken by the kernels of single runs.  Every run takes the steps that it would take
-alone, so its results depend on no other run.
+Runs wait in a queue for each mode.  As many as there are lanes are taken from the longest queue; a step of
+all lanes is two calls of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  The first
+one computes the jets and the lengths of the steps.  Between the calls the kernels of single runs find the
+events, in the jets of the lanes.  The second call advances all states, up to the event where there is one.  A
+run that meets an event leaves its lane to the next run in the queue.  Its next mode is chosen by a low order
+of its series.  The full order is computed once the run is in a lane again.  Until then it is noted which
+leading coefficients count as zero after the event.  Rare kinds of steps are taken by the kernels of single
+runs.  Every run takes the steps that it would take alone, so its results depend on no other run.
 """
 
 from __future__ import annotations
@@ -14,17 +15,26 @@ from __future__ import annotations
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.jet_codegen import (
     CONTROL_ROWS,
-    LANE_COUNT,
     LEFT,
     LENGTH,
+    MEASURE,
     MEASURED,
+    MOVE,
     REGULAR,
     SUITED,
 )
 from frictionlab.hybrid.ensemble.arrays import FREE
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
-from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, NO_GUARD, first_event
+from frictionlab.hybrid.kernels.event_location import (
+    COEFFICIENT_ROUNDING,
+    LOW_ORDER,
+    NO_GUARD,
+    GuardZero,
+    first_event,
+    is_zero_truncated,
+    refine_zero,
+)
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import NO_MODE, Rounding, forget_zeros, select_mode
 from frictionlab.hybrid.kernels.remainder import has_zero_guard, needs_remainder
@@ -42,16 +52,18 @@ from frictionlab.hybrid.kernels.run_state import (
     RunState,
     Truncation,
     advance_clock,
+    record_sizes,
     remaining_time,
 )
 from frictionlab.hybrid.kernels.step_length import function_step, has_negative_base, is_cut_short
-from frictionlab.hybrid.kernels.taylor_steps import advance_taylor, step_to_event
+from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.tape.program import Numbers, System
 
 MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one
 SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
 MAX_CALLS = 1000  # most calls in one mode, after which the kernel looks for the longest queue again
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
+ALONE = NO_GUARD - 1  # stands for the guard of a lane whose run takes its next step alone
 
 
 @kernel
@@ -178,7 +190,7 @@ def unload_lane(runs, lanes, lane):
 def load_lanes(code, runs, lanes, mode):
     """Load runs from the queue of the mode into free lanes; returns the number of occupied lanes."""
     taken = 0
-    for lane in range(LANE_COUNT):
+    for lane in range(lanes.runs.shape[0]):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
             runs.queued[mode] -= 1
             load_lane(code, runs, lanes, mode, lane, runs.queue[mode, runs.queued[mode]])
@@ -192,14 +204,14 @@ def load_lanes(code, runs, lanes, mode):
 @kernel
 def release_lanes(runs, lanes):
     """Free all lanes; their runs return to the queue."""
-    for lane in range(LANE_COUNT):
+    for lane in range(lanes.runs.shape[0]):
         if lanes.runs[lane] != FREE:
             enqueue(runs, unload_lane(runs, lanes, lane))
 
 
 @kernel
 def accept_lane_step(runs, lanes, lane):
-    """Record a regular step of a lane."""
+    """Record a step of a lane without an event."""
     i = lanes.runs[lane]
     goes_on = advance_clock(runs.times[i], lanes.control[LENGTH, lane], lanes.control[LEFT, lane])
     runs.counts[i, STEPS] = 1
@@ -214,13 +226,20 @@ def copy_jet(lanes, lane, slot, order, scratch):
 
 
 @inlined
-def copy_needed_jets(lanes, lane, mode, order, scratch):
-    """Copy the jets needed to find events, and how many leading coefficients of guards count as zero."""
+def copy_needed_jets(code, lanes, lane, mode, order, all_guards, scratch):
+    """Copy the jets needed to find events, and how many leading coefficients of guards count as zero.
+
+    Those of guards that stay positive are needed only if `all_guards` are.
+    """
     for slot in lanes.needed[mode]:
         if slot == FREE:
             break
         copy_jet(lanes, lane, slot, order, scratch)
     copy_vector(lanes.control[CONTROL_ROWS:, lane], scratch.leading_zeros)
+    first = code.mode_guards[mode]
+    for g in range(first, code.mode_guards[mode + 1]):
+        if all_guards or scratch.leading_zeros[g - first] <= order:
+            copy_jet(lanes, lane, code.function_slots[g], order, scratch)
 
 
 @inlined
@@ -236,35 +255,57 @@ def shorter_length(code, truncation, lanes, lane, mode, scratch):
 
 
 @kernel
-def finish_lane_step(code, truncation, runs, lanes, lane, record, scratch):
-    """Complete a step that was not regular, up to its event if there is one."""
-    i, order, measured = lanes.runs[lane], truncation.order, lanes.control[MEASURED, lane] != 0.0
-    mode, h, left = runs.counts[i, MODE], lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
-    copy_needed_jets(lanes, lane, mode, order, scratch)
+def locate_event(code, truncation, runs, lanes, mode, lane, scratch):
+    """Find the event of a step that is not regular; the step ends there, or has the length zero if the run
+    takes it alone."""
+    order, control, i = truncation.order, lanes.control, lanes.runs[lane]
+    h, left, measured = control[LENGTH, lane], control[LEFT, lane], control[MEASURED, lane] != 0.0
+    copy_needed_jets(code, lanes, lane, mode, order, not measured, scratch)
     if not measured:
         h = shorter_length(code, truncation, lanes, lane, mode, scratch)
         if h == 0.0:
-            unload_lane(runs, lanes, lane)
-            advance_single(code, truncation, runs, i, 1, record, scratch)
+            lanes.guards[lane], control[LENGTH, lane] = ALONE, 0.0
             return
-    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
-    copy_vector(lanes.jets[: code.inputs, 0, lane], run.state)
-    zero = first_event(system, mode, run.state, order, h, scratch)
-    lanes.control[CONTROL_ROWS:, lane] = 0.0
-    if measured and zero.guard == NO_GUARD:
-        accept_lane_step(runs, lanes, lane)
-        return
-    for slot in range(code.inputs):
-        copy_jet(lanes, lane, slot, order, scratch)
+    system, z = system_of_run(code, runs, i), runs.states[i]
+    copy_vector(lanes.z[:, lane], z)
+    zero = first_event(system, mode, z, order, h, measured, scratch)
+    if is_zero_truncated(code, zero, mode, order, scratch.jets):
+        for slot in range(code.inputs):
+            copy_jet(lanes, lane, slot, order, scratch)
+        zero = refine_zero(system, mode, zero, left, order, scratch)
+    control[LENGTH, lane], lanes.guards[lane], lanes.multiplicities[lane] = zero
+    control[CONTROL_ROWS:, lane] = 0.0
+
+
+@kernel
+def finish_at_event(code, truncation, runs, lanes, lane, record, scratch):
+    """Complete a step that has led to an event: the run leaves its lane for its next mode."""
+    i, h, left = lanes.runs[lane], lanes.control[LENGTH, lane], lanes.control[LEFT, lane]
     lanes.runs[lane] = FREE
-    runs.zeros[i] = 0.0
-    event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
-    if event.guard != NO_GUARD:
-        forget_zeros(scratch)
-        status = change_mode(system, truncation, event, run, lanes.counts, record, scratch)
-        keep_zeros(runs, i, scratch)
+    system, run = system_of_run(code, runs, i), run_state_of(runs, i)
+    copy_vector(lanes.z[:, lane], run.state)
+    if h > 0.0:
+        run.counts[STEPS] += 1
+        advance_clock(run.times, h, left)
+        record_sizes(lanes.jets[:, 0, lane], lanes.jets[:, 1, lane], h, run)
+    event = GuardZero(h, lanes.guards[lane], lanes.multiplicities[lane])
+    forget_zeros(scratch)
+    status = change_mode(system, truncation, event, run, lanes.counts, record, scratch)
+    keep_zeros(runs, i, scratch)
     if not record_step_end(runs, i, status):
         enqueue(runs, i)
+
+
+@kernel
+def finish_step(code, truncation, runs, lanes, lane, record, scratch):
+    """Record the end of a lane's step."""
+    if lanes.guards[lane] == NO_GUARD:
+        accept_lane_step(runs, lanes, lane)
+    elif lanes.guards[lane] == ALONE:
+        i = unload_lane(runs, lanes, lane)
+        advance_single(code, truncation, runs, i, 1, record, scratch)
+    else:
+        finish_at_event(code, truncation, runs, lanes, lane, record, scratch)
 
 
 @kernel
@@ -311,22 +352,23 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
 
     It ends when few runs are left, or when another mode would fill more lanes.
     """
-    calls = 0
+    calls, count = 0, lanes.runs.shape[0]
+    arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
     while calls < MAX_CALLS:
         taken = load_lanes(code, runs, lanes, mode)
-        others_fill_lanes = runs.queued[longest_queue(runs)] >= LANE_COUNT
-        if taken < MIN_RUNS_FOR_LANES or (taken < LANE_COUNT and others_fill_lanes):
+        others_fill_lanes = runs.queued[longest_queue(runs)] >= count
+        if taken < MIN_RUNS_FOR_LANES or (taken < count and others_fill_lanes):
             break
         calls += 1
-        arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
-        call_lane_step(code.lanes[mode], *arrays, truncation.order)
-        for lane in range(LANE_COUNT):
-            if lanes.runs[lane] == FREE:
-                continue
-            if lanes.control[REGULAR, lane] != 0.0:
-                accept_lane_step(runs, lanes, lane)
-            else:
-                finish_lane_step(code, truncation, runs, lanes, lane, record, scratch)
+        call_lane_step(code.lanes[mode], *arrays, MEASURE, truncation.order)
+        for lane in range(count):
+            lanes.guards[lane] = NO_GUARD
+            if lanes.runs[lane] != FREE and lanes.control[REGULAR, lane] == 0.0:
+                locate_event(code, truncation, runs, lanes, mode, lane, scratch)
+        call_lane_step(code.lanes[mode], *arrays, MOVE, truncation.order)
+        for lane in range(count):
+            if lanes.runs[lane] != FREE:
+                finish_step(code, truncation, runs, lanes, lane, record, scratch)
     release_lanes(runs, lanes)
     return calls
 
@@ -344,7 +386,8 @@ def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds)
             and lanes.jets.shape[1] == JET_COLUMNS
             and runs.queued[mode] >= MIN_RUNS_FOR_LANES
         ):
-            rounds -= LANE_COUNT * advance_lanes(code, truncation, runs, lanes, mode, record, scratch)
+            calls = advance_lanes(code, truncation, runs, lanes, mode, record, scratch)
+            rounds -= lanes.runs.shape[0] * calls
         else:
             runs.queued[mode] -= 1
             i = runs.queue[mode, runs.queued[mode]]

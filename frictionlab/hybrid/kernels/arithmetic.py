@@ -32,6 +32,7 @@ from frictionlab.tape.panels import ROWS
 
 SIGN_AND_EXPONENT_MASK = 0xFFF
 PARTS = 4  # partial sums of a convolution or a series, independent of each other
+COLUMNS = 8  # Bernstein coefficients that are computed at once
 
 
 def _plain_sum(J, slot, groups, last, s):
@@ -71,6 +72,14 @@ def _plain_panel(terms, slots, first, column, count, k, J, out, rows):
         for t in range(count):
             total += terms[first + ROWS * t + row] * J[slots[column + t], k]
         J[out + row, k] = total
+
+
+def _plain_bernstein(a, n, monomials, first, b):
+    for j in range(first, first + COLUMNS):
+        total = a[0]
+        for k in range(1, min(n, first + COLUMNS - 1) + 1):
+            total += monomials[k, j] * a[k]
+        b[j] = total
 
 
 def _plain_correction(x, coefficients):
@@ -214,6 +223,27 @@ def sums_of_panel(ir: Any, build: Any, entries: Any, slots: Any, count: Any, col
     return write_loop(build, count, [ir.Constant(kind, [0.0] * PARTS)] * (ROWS // PARTS), add_column)
 
 
+def bernstein_columns(ir: Any, build: Any, a: Any, n: Any, column: Any, length: Any, first: Any) -> list[Any]:
+    """Instructions of :func:`write_bernstein`; returns the coefficients as vectors of four.
+
+    `column` is the address of the table's column `first`, and `length` that of its rows.
+    """
+    kind, one = ir.VectorType(ir.DoubleType(), PARTS), n.type(1)
+    highest = build.add(first, first.type(COLUMNS - 1))  # the rows below have zeros in these columns
+    highest = build.select(build.icmp_signed("<", n, highest), n, highest)
+
+    def add_row(i: Any, carried: list[Any]) -> list[Any]:
+        k = build.add(i, one)
+        factor = spread(ir, build, build.load(build.gep(a, [k])))
+        row = build.gep(column, [build.mul(k, length)])
+        places = (build.gep(row, [one.type(PARTS * part)]) for part in range(len(carried)))
+        fours = [build.load(build.bitcast(place, kind.as_pointer()), align=8) for place in places]
+        return [build.fadd(total, build.fmul(four, factor)) for total, four in zip(carried, fours)]
+
+    start = spread(ir, build, build.load(a))
+    return write_loop(build, highest, [start] * (COLUMNS // PARTS), add_row)
+
+
 def _lane_of_each(ir: Any, build: Any, vectors: list[Any], lane: int) -> Any:
     """One lane of four vectors, as a vector."""
     two, four = (ir.VectorType(ir.IntType(32), n) for n in (2, PARTS))
@@ -268,11 +298,11 @@ def _intrinsics() -> tuple[Any, ...]:
     from numba.extending import intrinsic
 
     def by_address(context, builder, signature, arguments):
-        address, *arrays, order = arguments
+        address, *others = arguments
         passed = [
-            context.make_array(kind)(context, builder, array).data
-            for kind, array in zip(signature.args[1:-1], arrays, strict=True)
-        ] + [order]
+            context.make_array(kind)(context, builder, each).data if isinstance(kind, types.Array) else each
+            for kind, each in zip(signature.args[1:], others, strict=True)
+        ]
         kind = ir.FunctionType(ir.VoidType(), [each.type for each in passed])
         builder.call(builder.inttoptr(address, kind.as_pointer()), passed)
         return context.get_dummy_value()
@@ -283,9 +313,10 @@ def _intrinsics() -> tuple[Any, ...]:
         return types.void(types.int64, z, constants, terms, J, types.int64), by_address
 
     @intrinsic
-    def call_step(typing_context, address, z, constants, terms, J, control, order):
-        """Call native(z, constants, terms, J, control, order) at an address, as :func:`call` does."""
-        return types.void(types.int64, z, constants, terms, J, control, types.int64), by_address
+    def call_step(typing_context, address, z, constants, terms, J, control, part, order):
+        """Call native(z, constants, terms, J, control, part, order) at an address, as :func:`call` does."""
+        integers = types.int64, types.int64
+        return types.void(types.int64, z, constants, terms, J, control, *integers), by_address
 
     def series(context, builder, signature, arguments, of):
         array, slot, groups, last, s = arguments
@@ -353,6 +384,18 @@ def _intrinsics() -> tuple[Any, ...]:
         write_loop(builder, rows, [], write_row)
         return context.get_dummy_value()
 
+    def bernstein(context, builder, signature, arguments):
+        (a, n, monomials, first, b), kinds = arguments, signature.args
+        series, table, target = (
+            context.make_array(kind)(context, builder, array)
+            for kind, array in ((kinds[0], a), (kinds[2], monomials), (kinds[4], b))
+        )
+        length, column = builder.extract_value(table.shape, 1), builder.gep(table.data, [first])
+        for i, four in enumerate(bernstein_columns(ir, builder, series.data, n, column, length, first)):
+            place = builder.gep(target.data, [builder.add(first, first.type(PARTS * i))])
+            builder.store(four, builder.bitcast(place, four.type.as_pointer()), align=8)
+        return context.get_dummy_value()
+
     def step(context, builder, signature, arguments):
         log_tol, order, sizes, before, end = arguments
         numbers = [builder.extract_value(sizes, i) for i in range(len(signature.args[2]))]
@@ -377,6 +420,15 @@ def _intrinsics() -> tuple[Any, ...]:
         sums are computed side by side, as vectors; the arrays must be contiguous.
         """
         return types.void(terms, slots, whole, whole, whole, whole, J, whole, whole), panel
+
+    @intrinsic
+    def write_bernstein(typing_context, a, n, monomials, first, b):
+        """Write eight Bernstein coefficients of a polynomial into `b`, from b[first] on.
+
+        The polynomial is the sum of a[k] x^k up to k = `n`; row k of the table `monomials` has the Bernstein
+        coefficients of x^k.  All arrays must be contiguous.
+        """
+        return types.void(a, whole, monomials, whole, b), bernstein
 
     @intrinsic
     def write_states(typing_context, J, first, order, s, z):
@@ -418,14 +470,20 @@ def _intrinsics() -> tuple[Any, ...]:
         return function
 
     of_one = of_one_number(llvm_instructions.write_log2), of_one_number(llvm_instructions.write_exp2)
-    sums = sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel
+    sums = sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel, write_bernstein
     return call, call_step, *sums, log2_step_of_terms, *of_one
 
 
-_PLAIN_SUMS = _plain_sum, _plain_sum_of_magnitudes, _plain_change, _plain_states, _plain_panel
+_PLAIN_SUMS = (
+    _plain_sum,
+    _plain_sum_of_magnitudes,
+    _plain_change,
+    _plain_states,
+    _plain_panel,
+    _plain_bernstein,
+)
 _PLAIN = _plain_call, _plain_call, *_PLAIN_SUMS, _plain_step, _plain_log2, _plain_exp2
 _MADE = _PLAIN if NUMBA is None else _intrinsics()
-call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change, write_states, write_panel = _MADE[
-    :-3
-]
+call_jets, call_lane_step, sum_of_series, sum_of_magnitudes, add_change = _MADE[:5]
+write_states, write_panel, write_bernstein = _MADE[5:-3]
 log2_step_of_terms, log2, exp2 = _MADE[-3:]

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
+from frictionlab.hybrid.kernels.arithmetic import COLUMNS, write_bernstein
 from frictionlab.hybrid.kernels.jets import (
     MACHINE_EPSILON,
     majorant,
@@ -38,21 +39,22 @@ LAST_NEWTON_STEP = 1e-10
 class RootScratch(NamedTuple):
     """A polynomial on [0, 1], its roots, and the arrays used to find them."""
 
-    stack: np.ndarray  # (MAX_DEPTH + 1, order + 1) Bernstein coefficients on the intervals that wait
+    stack: np.ndarray  # (MAX_DEPTH + 1, columns) Bernstein coefficients on the intervals that wait
     intervals: np.ndarray  # (MAX_DEPTH + 1, 2)
     scaled: np.ndarray  # (order + 1,) coefficients of the polynomial, lowest first
-    monomials: np.ndarray  # (order + 1, order + 1) row k: Bernstein coefficients of x^k
+    monomials: np.ndarray  # (order + 1, columns) row k: Bernstein coefficients of x^k, then zeros
     places: np.ndarray  # (order + 2,) of its roots
     multiplicity: np.ndarray  # (order + 2,)
 
 
 def new_root_scratch(order: int) -> RootScratch:
     """Scratch arrays for polynomials up to the degree `order`."""
+    monomials = monomials_in_bernstein_form(order)
     return RootScratch(
-        stack=np.zeros((MAX_DEPTH + 1, order + 1)),
+        stack=np.zeros((MAX_DEPTH + 1, monomials.shape[1])),
         intervals=np.zeros((MAX_DEPTH + 1, 2)),
         scaled=np.zeros(order + 1),
-        monomials=monomials_in_bernstein_form(order),
+        monomials=monomials,
         places=np.zeros(order + 2),
         multiplicity=np.zeros(order + 2, dtype=np.int64),
     )
@@ -60,9 +62,13 @@ def new_root_scratch(order: int) -> RootScratch:
 
 @cache
 def monomials_in_bernstein_form(order: int) -> np.ndarray:
-    """Bernstein coefficients of degree `order` on [0, 1] of x^k, in row k: C(j, k) / C(order, k)."""
+    """Bernstein coefficients of degree `order` on [0, 1] of x^k, in row k: C(j, k) / C(order, k).
+
+    The rows are filled up with zeros to a multiple of COLUMNS.
+    """
     places = range(order + 1)
-    table = np.array([[math.comb(j, k) / math.comb(order, k) for j in places] for k in places])
+    table = np.zeros((order + 1, -(-(order + 1) // COLUMNS) * COLUMNS))
+    table[:, : order + 1] = [[math.comb(j, k) / math.comb(order, k) for j in places] for k in places]
     table.flags.writeable = False
     return table
 
@@ -87,19 +93,15 @@ def to_bernstein(a, n, monomials, b):
     """Bernstein coefficients `b` on [0, 1] of sum a[k] x^k, of degree `n`; returns their degree.
 
     This is the degree of the table `monomials`, unless that is 2 `n` or more.  A degree above `n` adds no
-    sign changes.
+    sign changes.  `b` is as long as the rows of the table.
     """
     degree = monomials.shape[0] - 1
     if 2 * n <= degree:
         low_degree_to_bernstein(a, n, b)
         degree = n
     else:
-        for j in range(degree + 1):
-            b[j] = a[0]
-        for k in range(1, n + 1):
-            c = a[k]
-            for j in range(degree + 1):  # the table is zero for j < k, but all j make whole vectors
-                b[j] += monomials[k, j] * c
+        for first in range(0, monomials.shape[1], COLUMNS):
+            write_bernstein(a, n, monomials, first, b)
     total = 0.0
     for k in range(n + 1):
         total += a[k]
@@ -281,24 +283,14 @@ def lower_bound(c, m, n, h):
 
 
 @kernel
-def absolute_sum(c, m, n, h):
-    """Sum of the absolute terms of c[m] + c[m+1] s + ... at s = h."""
-    total = 0.0
-    power = 1.0
-    for k in range(m, n + 1):
-        total += abs(c[k]) * power
-        power *= h
-    return total
-
-
-@kernel
 def rescale(c, m, n, h, a):
-    """Write the coefficients of c[m] + c[m+1] s + ... in s/h into `a`; return the degree."""
-    power = 1.0
+    """Write the coefficients of c[m] + c[m+1] s + ... in s/h into `a`; return their absolute sum."""
+    power, total = 1.0, 0.0
     for k in range(m, n + 1):
         a[k - m] = c[k] * power
+        total += abs(a[k - m])
         power *= h
-    return n - m
+    return total
 
 
 @inlined
@@ -311,10 +303,11 @@ def lower_bound_of_guard(J, slot, m, order, h):
 
 
 @inlined
-def first_event(system, mode, z, order, h, scratch):
+def first_event(system, mode, z, order, h, tried, scratch):
     """First zero of the mode's guards in [0, h], along the jets in `scratch`.
 
-    ``scratch.leading_zeros[g]`` leading coefficients of guard g count as zero at the start.
+    ``scratch.leading_zeros[g]`` leading coefficients of guard g count as zero at the start.  If the lower
+    bounds on [0, h] have been `tried`, all coefficients of guards that stay positive count as zero.
     """
     code, J, roots = system.code, scratch.jets, scratch.roots
     first = code.mode_guards[mode]
@@ -324,19 +317,21 @@ def first_event(system, mode, z, order, h, scratch):
         slot = code.function_slots[g]
         c = J[slot]
         m = scratch.leading_zeros[g - first]
-        if m > order or lower_bound_of_guard(J, slot, m, order, h) > 0.0:
+        if m > order:
             continue
-        size = absolute_sum(c, m, order, h)
+        if (not tried or hit != NO_GUARD) and lower_bound_of_guard(J, slot, m, order, h) > 0.0:
+            continue
+        size = rescale(c, m, order, h, roots.scaled)
         if c[m] <= SUSPECT_SHARE * size:
             m = leading_order_of_slot(system, mode, slot, m, z, order, J, scratch.bounds)
             if m > order:
                 continue
+            rescale(c, m, order, h, roots.scaled)
             if c[m] < 0.0:
                 return GuardZero(0.0, g, 1)
         if not size < math.inf:  # so near to a pole its polynomial has no meaning
             continue
-        n = rescale(c, m, order, h, roots.scaled)
-        found = isolate_roots(n, 1, roots)
+        found = isolate_roots(order - m, 1, roots)
         # Of two at one instant the first in the mode's order counts.
         if found and (hit == NO_GUARD or roots.places[0] < 1.0 - SAME_PLACE):
             h *= roots.places[0]
@@ -392,3 +387,22 @@ def refine_event_time(system, mode, guard, order, s, scratch):
         if not time >= 0.0:
             break
     return best
+
+
+@inlined
+def is_zero_truncated(code, zero, mode, order, J):
+    """Whether a zero is a simple one of a guard whose polynomial may differ from the guard there."""
+    return (
+        zero.guard != NO_GUARD
+        and zero.multiplicity == 1
+        and is_guard_truncated(code, zero.guard, mode, order, zero.time, J)
+    )
+
+
+@kernel
+def refine_zero(system, mode, zero, left, order, scratch):
+    """The zero of the guard itself near that of its polynomial; none where it is after the time `left`."""
+    time = refine_event_time(system, mode, zero.guard, order, zero.time, scratch)
+    if time > left:  # beyond the end of this run
+        return GuardZero(left, NO_GUARD, zero.multiplicity)
+    return GuardZero(time, zero.guard, zero.multiplicity)

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.jets import copy_vector, majorant, mode_jets
+from frictionlab.hybrid.kernels.jets import copy_vector, low_majorant, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (
     add_zeros_by_construction,
     apply_event_reset,
@@ -89,7 +89,8 @@ def linearise_guards(system, run, scratch):
     for i in range(run.state.shape[0]):
         run.sizes[i] = max(run.sizes[i], abs(run.state[i]))
     mode_jets(system.code, system.numbers, mode, 2, run.state, J)
-    majorant(system.code, system.magnitudes, mode, 2, run.sizes, J, scratch.bounds)
+    magnitudes, sizes = system.magnitudes, scratch.impacts.total
+    low_majorant(system.code, magnitudes, mode, (0, 2), run.sizes, sizes, J, scratch.bounds)
 
 
 @inlined

@@ -25,6 +25,7 @@ from frictionlab.hybrid.kernels.arithmetic import (
 from frictionlab.tape.elementary.exponentials import power
 from frictionlab.tape.functions import AFFINE, POWER, PRODUCT, QUOTIENT, RATE, SQUARE, function_value
 from frictionlab.tape.panels import ROWS
+from frictionlab.tape.program import NOT_POLYNOMIAL
 
 MAX_ORDER = 60  # highest order that may be asked for
 JET_COLUMNS = MAX_ORDER + 1  # not a power of two, by which all rows would fall on few sets of the cache
@@ -268,6 +269,20 @@ def majorant_of_orders(code, magnitudes, mode, orders, z, jets, J):
     for i in range(z.shape[0]):
         J[i, 0] = abs(z[i])
     run_tape(code, magnitudes, mode_operations(code, mode), orders, code.flow[mode], 1.0, jets, J)
+
+
+@inlined
+def low_majorant(code, magnitudes, mode, orders, z, sizes, jets, J):
+    """As :func:`majorant_of_orders`, by native code where all operations are polynomials; `sizes` is scratch.
+
+    With absolute values of numbers and states their jets are their majorant.
+    """
+    if code.degrees[mode] == NOT_POLYNOMIAL or not has_native_jets(code, mode, J):
+        majorant_of_orders(code, magnitudes, mode, orders, z, jets, J)
+        return
+    for i in range(z.shape[0]):
+        sizes[i] = abs(z[i])
+    call_jets(code.native[mode], sizes, magnitudes.constants, magnitudes.terms, J, orders[1])
 
 
 @kernel

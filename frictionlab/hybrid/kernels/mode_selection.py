@@ -29,8 +29,8 @@ from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_
 from frictionlab.hybrid.kernels.jets import (
     copy_vector,
     first_order_bounds,
+    low_majorant,
     majorant,
-    majorant_of_orders,
     mode_jets,
     reset_values,
     widen_by_reset,
@@ -167,7 +167,8 @@ def admissibility(system, mode, rounding, orders, scratch):
     lowest, order = orders
     if code.quotients[mode]:  # the bounds of values, column 0, were made sharper since
         lowest = 0
-    majorant_of_orders(code, system.magnitudes, mode, (lowest, order), rounding.sizes, J, bounds)
+    sizes = scratch.impacts.total
+    low_majorant(code, system.magnitudes, mode, (lowest, order), rounding.sizes, sizes, J, bounds)
     if first_order_bounds(code, system.magnitudes, mode, J, bounds):
         return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
@@ -190,15 +191,16 @@ def admissibility(system, mode, rounding, orders, scratch):
 
 
 @kernel
-def try_mode(system, mode, z, rounding, order, scratch):
+def try_mode(system, mode, z, rounding, likely, order, scratch):
     """Whether a mode can be entered at `z`; if so, leaves all its jets in `scratch`.
 
-    Values alone refuse most modes, and a low order decides nearly all others.  Jets of all orders take ten
-    times as long.  They are computed only for a mode that a low order admits or leaves undecided.
+    Values alone refuse most modes, and a low order decides nearly all others; if the mode is the `likely`
+    one, it is examined at once.  Jets of all orders take ten times as long.  They are computed only for a
+    mode that a low order admits or leaves undecided.
     """
     verdict, at_hand, examined = UNDECIDED, -1, -1
-    code, J = system.code, scratch.jets
-    for upto in (0, min(LOW_ORDER, order), order):
+    code, J, low = system.code, scratch.jets, min(LOW_ORDER, order)
+    for upto in (low if likely else 0, low, order):
         if upto > at_hand:
             at_hand = order if verdict == ADMITTED else upto
             mode_jets(code, system.numbers, mode, at_hand, z, J)
@@ -237,8 +239,9 @@ def select_mode(system, candidates, z, rounding, order, scratch):
     event is entered, and that event ends it at once.
     """
     passed = NO_MODE
-    for mode in candidates:
-        verdict = try_mode(system, mode, z, rounding, order, scratch)
+    for i in range(candidates.shape[0]):
+        mode = candidates[i]
+        verdict = try_mode(system, mode, z, rounding, i == 0, order, scratch)
         if verdict > AT_ANOTHER_EVENT:
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
@@ -433,7 +436,7 @@ def try_candidate(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered, by its series up to `order` or by the values of its conditions."""
     if order == BY_VALUES:
         return try_mode_by_values(system, mode, z, scratch)
-    return try_mode(system, mode, z, rounding, order, scratch)
+    return try_mode(system, mode, z, rounding, False, order, scratch)
 
 
 @kernel

@@ -173,6 +173,13 @@ def advance_clock(times, h, left):
     return times[NOW] > before
 
 
+@inlined
+def record_sizes(start, rates, h, run):
+    """Note what the state's rounding errors are relative to, after a step `h` from `start` at these rates."""
+    for i in range(run.state.shape[0]):
+        run.sizes[i] = max(abs(start[i]), abs(run.state[i]), abs(rates[i] * h))
+
+
 def most_impacts(code: Code) -> int:
     """How many contacts have impacts, so how many events may be recorded at once; 1 at least."""
     impacts = code.resets[:, 0] != code.resets[:, 1]

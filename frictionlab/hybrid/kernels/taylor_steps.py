@@ -17,12 +17,10 @@ from frictionlab.hybrid.kernels.event_handling import count_repeat, handle_event
 from frictionlab.hybrid.kernels.event_location import (
     COEFFICIENT_ROUNDING,
     NO_GUARD,
-    GuardZero,
-    absolute_sum,
     first_event,
-    is_guard_truncated,
+    is_zero_truncated,
     isolate_roots,
-    refine_event_time,
+    refine_zero,
     rescale,
 )
 from frictionlab.hybrid.kernels.jets import (
@@ -56,6 +54,7 @@ from frictionlab.hybrid.kernels.run_state import (
     STEPS,
     Truncation,
     advance_clock,
+    record_sizes,
     remaining_time,
 )
 from frictionlab.hybrid.kernels.step_length import (
@@ -131,7 +130,7 @@ def record_section_events(system, order, mode, h, run, record, scratch):
         error += abs(polynomial_value(J[slot], order, h) - scratch.values[slot, 0])
         if not error < math.inf:  # a pole is so near that the polynomial has no meaning
             note_sign(code, section, sign_of(J[slot, 0]), 0.0, order, run, record, scratch)
-        elif absolute_sum(J[slot], 0, order, h) > error:
+        elif rescale(J[slot], 0, order, h, scratch.roots.scaled) > error:
             record_crossings(code, section, error, mode, order, h, run, record, scratch)
 
 
@@ -165,10 +164,9 @@ def sign_between(c, order, first, last, error):
 
 @kernel
 def record_crossings(code, section, error, mode, order, h, run, record, scratch):
-    """Record where a section whose series has this `error` changes its sign in a step."""
+    """Record where a section whose rescaled series has this `error` changes its sign in a step."""
     roots, c = scratch.roots, scratch.jets[code.sections[mode, section]]
-    n = rescale(c, 0, order, h, roots.scaled)
-    count = isolate_roots(n, n + 1, roots)
+    count = isolate_roots(order, order + 1, roots)
     place = 0.0
     for i in range(count + 1):
         end = roots.places[i] * h if i < count else h
@@ -223,13 +221,6 @@ def subdivide_steps(step_times: np.ndarray, parts: int) -> tuple[np.ndarray, np.
     times = step_times[:, :1] + step_times[:, 1:] * share
     steps = np.repeat(np.arange(len(step_times)), parts)
     return times.ravel(), steps
-
-
-@inlined
-def record_sizes(start, h, run, J):
-    """Note what the state's rounding errors are relative to, after a step `h` from `start` along the jets."""
-    for i in range(start.shape[0]):
-        run.sizes[i] = max(abs(start[i]), abs(run.state[i]), abs(J[i, 1] * h))
 
 
 @kernel
@@ -289,7 +280,7 @@ def take_taylor_step(system, truncation, run, record, scratch):
         if hidden or blind:
             visible = not hidden and polynomials_visible(code, order, mode, longest, left)
             h = remainder_step(system, truncation, mode, h, visible, hidden, run, scratch)
-    zero = first_event(system, mode, run.state, order, h, scratch)
+    zero = first_event(system, mode, run.state, order, h, False, scratch)
     event, status = step_to_event(system, truncation, zero, left, run, record, scratch)
     if event.guard == NO_GUARD:
         return status
@@ -307,11 +298,9 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
     code, order, J = system.code, truncation.order, scratch.jets
     times, counts = run.times, run.counts
     mode, goes_on = counts[MODE], False
-    h, guard, multiplicity = zero
-    if guard != NO_GUARD and multiplicity == 1 and is_guard_truncated(code, guard, mode, order, h, J):
-        h = refine_event_time(system, mode, guard, order, h, scratch)
-        if h > left:  # beyond the end of this run
-            h, guard = left, NO_GUARD
+    if is_zero_truncated(code, zero, mode, order, J):
+        zero = refine_zero(system, mode, zero, left, order, scratch)
+    h, guard, _ = zero
     if h > 0.0:
         row = counts[STEPS]
         record.step_times[row, 0] = times[NOW]
@@ -324,11 +313,11 @@ def step_to_event(system, truncation, zero, left, run, record, scratch):
         states_at(J, order, h, run.state)
         goes_on = advance_clock(times, h, left)
         if guard != NO_GUARD:
-            record_sizes(record.step_states[row], h, run, J)
+            record_sizes(record.step_states[row], J[:, 1], h, run)
     status = RUNNING
     if guard == NO_GUARD and not goes_on:
         status = count_repeat(counts)
-    return GuardZero(h, guard, multiplicity), status
+    return zero, status
 
 
 @kernel

@@ -10,7 +10,7 @@ from frictionlab.automaton.matrix_rows import matrix_rows
 from frictionlab.compilation import machine_code
 from frictionlab.compilation.decorators import kernel
 from frictionlab.hybrid.codegen import native_cache
-from frictionlab.hybrid.codegen.jet_codegen import LANE_COUNT, LEFT, LENGTH, REGULAR
+from frictionlab.hybrid.codegen.jet_codegen import LEFT, LENGTH, MEASURE, MOVE, REGULAR, lane_count
 from frictionlab.hybrid.ensemble.arrays import new_batch
 from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import (
@@ -52,8 +52,10 @@ SCENES = {f.name: of_rate(Y + f.expression(A * INNER.get(f.expression, X)) / 8) 
 
 @kernel
 def step_of_lanes(code, lanes, order):
-    """One call."""
-    call_lane_step(code.lanes[0], lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control, order)
+    """Both parts."""
+    arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
+    call_lane_step(code.lanes[0], *arrays, MEASURE, order)
+    call_lane_step(code.lanes[0], *arrays, MOVE, order)
 
 
 def with_step(automaton):
@@ -84,14 +86,14 @@ QUICK = "quotient", "nested", "guard"
 @pytest.mark.parametrize("name", slow_but(QUICK, SCENES))
 def test_a_step_of_lanes_is_that_of_a_run_alone(name):
     fine, shortened = fine_and_shortened(SCENES[name], METHODS)
-    assert fine > 0.9 * 10 * LANE_COUNT * len(METHODS)
+    assert fine > 0.9 * 10 * lane_count() * len(METHODS)
     assert shortened > 0
 
 
 def test_a_polynomial_of_a_degree_as_high_as_the_order_is_left_to_runs_alone():
     """There its last terms do not tell how long a step may be; below they do, and no step is shortened."""
     automaton = of_rate(Y - A * X**12)
-    assert fine_and_shortened(automaton, METHODS[:2]) == (2 * 10 * LANE_COUNT, 0)
+    assert fine_and_shortened(automaton, METHODS[:2]) == (2 * 10 * lane_count(), 0)
     assert fine_and_shortened(automaton, METHODS[2:]) == (0, 0)
 
 
@@ -100,10 +102,10 @@ def fine_and_shortened(automaton, methods):
     program, numbers, code = with_step(automaton)
     fine = shortened = 0
     for method in methods:
-        group = new_batch([Problem(program, numbers, np.zeros(2), 1.0)] * LANE_COUNT, method)
+        group = new_batch([Problem(program, numbers, np.zeros(2), 1.0)] * lane_count(), method)
         lanes = group.lanes
         lanes.constants[:], lanes.terms[:] = numbers.constants[:, None], numbers.terms[:, None]
-        for states in np.random.default_rng(0).uniform(-1.2, 1.2, size=(10, LANE_COUNT, 2)):
+        for states in np.random.default_rng(0).uniform(-1.2, 1.2, size=(10, lane_count(), 2)):
             lanes.z[:], lanes.control[LEFT] = states.T, 1e3
             step_of_lanes(code, lanes, method.degree)
             for lane in np.flatnonzero(lanes.control[REGULAR]):
