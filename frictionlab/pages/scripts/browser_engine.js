@@ -257,17 +257,18 @@ function brokenRule({ rules }, values) { // the model's message for the first ru
   return broken ? textOf(broken.message, found) : null;
 }
 
-function withExponent(v, digits) { // as Python writes it
-  const [number, power] = v.toExponential(digits).split("e");
-  return `${digits === undefined ? number : +number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+function withExponent(text) { // as Python writes it
+  const [number, power] = text.split("e");
+  return `${number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
 }
 
-function formatted(v, format = "") { // as Python's formats "g", ".3g", ".2f" write it; else all digits, as repr does
-  const size = Math.abs(v), [, places, kind] = format.match(/^(?:\.(\d+))?([fg])$/) ?? [], digits = Number(places ?? 6);
+function formatted(v, format = "") { // as Python's formats "g", ".3g", ".2f", ".1e"; else all digits, as repr does
+  const [, places = 6, kind] = format.match(/^(?:\.(\d+))?([efg])$/) ?? [], digits = Number(places), size = Math.abs(v);
   if (kind === "f") return v.toFixed(digits);
-  if (!kind) return size && (size < 1e-4 || size >= 1e16) ? withExponent(v) : Number.isInteger(v) ? `${v}.0`
-    : String(v);
+  if (kind === "e") return withExponent(v.toExponential(digits));
+  if (!kind) return size && (size < 1e-4 || size >= 1e16) ? withExponent(v.toExponential())
+    : Number.isInteger(v) ? `${v}.0` : String(v);
   const shown = Math.max(digits, 1), rounded = Number(v.toPrecision(shown));
-  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 10 ** shown) ? withExponent(v, shown - 1)
-    : String(rounded);
+  return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 10 ** shown)
+    ? withExponent(v.toExponential(shown - 1).replace(/\.?0+e/, "e")) : String(rounded);
 }

@@ -150,7 +150,8 @@ def rod(picture):
         lambda l, _: [Wall((0.0, 0.0), (fl.functions.maximum(l, 0.1), 2 * np.arctan2(l, 1.0)))],
         lambda l, _: [Block(Point(0.0, 0.0))] * 2 if l > 0.5 else [Block(Point(l, 0.0), disc=True)],
         lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long")],
-        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{2 * l:.2f} m, {l:.3g}, {l:g}, {l}")],
+        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{2 * l:.2f}, {l:.3g}, {l}, {l:.1e}")],
+        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{1e8 * l:g}, {1e-6 * l:.2g}")],
         lambda l, rod: [Block(Point(rod.contact.k2 / 5e3 * l, 0.0), 0.5 if rod.contact.k2 > 6e3 else 0.2)],
     ],
 )
