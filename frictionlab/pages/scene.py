@@ -560,6 +560,8 @@ def _stated(fields: Any) -> Data:
     said: Data = {}
     for name, one in vars(fields).items():
         field = Point(*one) if isinstance(one, tuple) else one
+        if isinstance(field, (np.ndarray, np.generic)):  # as np.where gives numbers
+            field = field.item()
         if isinstance(field, (Point, Turn, Belt)):
             said[name] = _stated(field)
         elif not isinstance(field, NOTHING_SAID) or field:

@@ -147,6 +147,7 @@ def rod(picture):
     [
         lambda l, _: [Wall((0.0, 0.0), (np.hypot(l, 1.0), np.cos(np.deg2rad(l))))],
         lambda l, _: [Wall((0.0, 0.0), (1.0 if l == 0.2 else l, max(l, 0.1) - min(abs(l), 3)))],
+        lambda l, _: [Block(Point(np.where(l > 0.3, 1.0, l), np.clip(l, 0.0, 0.3)), np.int64(2))],
         lambda l, _: [Wall((0.0, 0.0), (fl.functions.maximum(l, 0.1), 2 * np.arctan2(l, 1.0)))],
         lambda l, _: [Block(Point(0.0, 0.0))] * 2 if l > 0.5 else [Block(Point(l, 0.0), disc=True)],
         lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long")],
