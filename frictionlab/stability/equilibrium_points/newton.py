@@ -40,10 +40,10 @@ START_DECADES = 15.0  # by which a state may differ from the linearised flow's z
 RESTART_ROUNDS = 8  # of new starts from the zeros found
 RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
-CORRECTOR_STEPS = 8
+CORRECTOR_STEPS = 40  # next to a fold each halves the distance; nearer than 2^-40 it is at the fold
 SAFE_CONTRACTION = 0.25
 STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
-SHORTEST_PART = 2.0**-14  # of the way to other values of the parameters
+SHORTEST_PART, MOST_PARTS = 2.0**-14, 256  # of the way to other values of the parameters
 
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
 MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
@@ -70,17 +70,22 @@ def solve_matrices(matrices: Array, right: Array) -> Any:
     Rows of a single entry, as those of x' = v, give their unknown at once.  So a velocity of zero is exactly
     zero.  An elimination of all rows leaves rounding in it, another on each processor.
     """
-    filled = (matrices != 0.0).any(axis=0)
-    rows = np.flatnonzero((filled.sum(axis=1) == 1) & (matrices.any(axis=2).all(axis=0)))
+    filled: Any = matrices.any(axis=0)
+    rows = np.flatnonzero(filled.sum(axis=1) == 1)
     columns = filled[rows].argmax(axis=1)
-    if not rows.size or len(np.unique(columns)) < rows.size:
+    regular = matrices[:, rows, columns].all(axis=0)
+    rows, columns = rows[regular], columns[regular]
+    if not rows.size or len({*columns.tolist()}) < rows.size:
         return _eliminate(matrices, right)
     solutions = np.empty_like(right)
     solutions[:, columns] = right[:, rows] / matrices[:, rows, columns, None]
-    other_rows, others = (np.delete(np.arange(len(filled)), some) for some in (rows, columns))
-    rest = right[:, other_rows] - matrices[:, other_rows[:, None], columns] @ solutions[:, columns]
-    if others.size:
-        solutions[:, others] = solve_matrices(matrices[:, other_rows[:, None], others], rest)
+    if rows.size < len(filled):
+        left = np.ones((2, len(filled)), dtype=bool)
+        left[0, rows], left[1, columns] = False, False
+        other_rows, others = map(np.flatnonzero, left)
+        rest = matrices[:, other_rows]
+        known = rest[:, :, columns] @ solutions[:, columns]
+        solutions[:, others] = solve_matrices(rest[:, :, others], right[:, other_rows] - known)
     return solutions
 
 
@@ -481,12 +486,14 @@ def follow_zero(
     """Zeros (m, count) for other values of the parameters, followed from `x` (m,) at `base`.
 
     They are NaN where the zero is lost, and at states that `admits(states, values)` refuses.  The way to the
-    values is divided until each part is safe.  A zero is lost where the parts become too short, as at a fold.
+    values is divided until each part is safe.  A zero is lost where the parts become too short, as at a fold,
+    or too many.
     """
     zeros = np.repeat(x[:, None], count, axis=1)
+    values = [v if np.ndim(v) == 0 else np.broadcast_to(v, count) for v in values]
     share, part, going = np.zeros(count), np.ones(count), np.arange(count)
     with np.errstate(all="ignore"):
-        while going.size:
+        for _ in range(MOST_PARTS):
             ahead = np.fmin(share[going] + part[going], 1.0)
             between = [_between(b, _chosen(v, going), ahead) for b, v in zip(base, values, strict=True)]
             step, safe = _first_step(flow, zeros[:, going], between)
@@ -494,11 +501,10 @@ def follow_zero(
             share[going[safe]] = ahead[safe]
             part[going] *= np.where(safe, 2.0, 0.5)
             going = going[(share[going] < 1.0) & (part[going] >= SHORTEST_PART)]
+            if not going.size:
+                break
         zeros[:, share < 1.0] = np.nan
-        zeros = _newton(flow, zeros, values)
-        # Not by the first step, which has no bounds from a zero near a fold: all would be small beside it.
-        scale = _replace_unknown(np.abs(x)[:, None] + np.abs(zeros - x[:, None]))
-        zeros[:, ~_is_solved(flow, zeros, values, scale)] = np.nan
+        zeros = _settled(flow, zeros, values, x[:, None])
         zeros[:, ~admits(zeros, values)] = np.nan
     return zeros
 
@@ -557,24 +563,33 @@ def _replace_unknown(sizes: Array) -> Array:
     return np.where(finite > 0, finite, np.where(largest > 0, largest, 1.0))
 
 
-def _newton(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
-    """Newton's method for each column, until all have converged.
+def _settled(flow: Flow, x: Array, values: Sequence[Any], start: Array) -> Array:
+    """Zeros (m, N) that Newton's method converges to, followed from `start` (m, 1); NaN where it does not, or
+    is stuck at a singular matrix.
 
-    Steps are then less than rounding.  In a large system the elimination rounds by more than that; there
-    short steps that no longer shrink are enough.
+    The last steps are less than rounding.  In a large system the elimination rounds by more than that; there
+    short steps that no longer shrink are enough.  Next to a fold each step is half of the one before.
     """
-    before = np.inf
+    count = x.shape[1]
+    zeros, before, going = np.full_like(x, np.nan), np.full(count, np.inf), np.arange(count)
     for _ in range(CORRECTOR_STEPS):
-        step = newton_step(flow, x, values)
-        x = x + step
-        if not (np.abs(step) > MACHINE_EPSILON * np.abs(x)).any():
+        some = [_chosen(v, going) for v in values]
+        matrices, rates = flow.jacobian(x, some), flow.rhs(x, some)
+        step = _newton_step(matrices, rates)
+        x, size = x + step, np.abs(step)
+        # Not by the first step, which has no bounds from a zero near a fold: all would be small beside it.
+        scale = _replace_unknown(np.abs(start) + np.abs(x - start))
+        solved = size <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale
+        solved &= np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), np.fmax(np.abs(x), scale))
+        zeros[:, going] = np.where(solved.all(axis=0), x, np.nan)
+        relative = (size / np.fmax(np.abs(x), TINY)).max(axis=0)
+        short = size.max(axis=0) <= LAST_STEP_RTOL * np.abs(x).max(axis=0)
+        moves = (size > MACHINE_EPSILON * np.abs(x)).any(axis=0)
+        moves &= ~short | (relative < POLISH_CONTRACTION * before)
+        if not moves.any():
             break
-        relative = (np.abs(step) / np.fmax(np.abs(x), TINY)).max(axis=0)
-        short = np.abs(step).max(axis=0) <= LAST_STEP_RTOL * np.abs(x).max(axis=0)
-        if not (~short | (relative < POLISH_CONTRACTION * before)).any():
-            break
-        before = relative
-    return x
+        x, before, going = x[:, moves], relative[moves], going[moves]
+    return zeros
 
 
 def _search(newton: Callable[[Array], Array], x: Array) -> Array:
@@ -590,12 +605,3 @@ def _search(newton: Callable[[Array], Array], x: Array) -> Array:
         if not going.size:
             break
     return x
-
-
-def _is_solved(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> Any:
-    """Where Newton's method has converged, and is not stuck at a singular matrix."""
-    size = np.fmax(np.abs(x), scale)
-    matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
-    small = np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), size)
-    step = np.abs(_newton_step(matrices, rates))
-    return small.all(axis=0) & (step <= LAST_STEP_RTOL * np.abs(x) + SCALE_ROUNDING * scale).all(axis=0)

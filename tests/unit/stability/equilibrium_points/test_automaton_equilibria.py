@@ -317,6 +317,8 @@ def test_a_branch_is_followed_to_its_fold_and_no_further():
     np.testing.assert_array_equal(np.isnan(locus.values[:, 0]), at < 1e-9)
     np.testing.assert_allclose(locus.values[at > 1e-9, 0], -2 * np.sqrt(at[at > 1e-9]), rtol=1e-9)
     assert fl.stability_changes(model, "p", (-4, 4)) == ()
+    near = 10.0 ** -np.arange(1, 15)
+    np.testing.assert_allclose(fl.root_locus(model, "p", near).values[:, 0], -2 * np.sqrt(near), rtol=1e-9)
 
 
 @pytest.mark.parametrize("own", [0.05, 0.1, 0.5])
