@@ -221,7 +221,9 @@ class Iwan(FrictionLaw):
     uniform distribution, F_T = k_t x - (k_t x)^2/(4 mu_k F_N) up to x = 2 mu_k F_N/k_t, at n places between
     which it is straight but for one slip.
 
-    A mode's name has the regime of each element, as in "contact | slip+ | stick | stick".
+    A mode's name has the regime of each element, as in "contact | slip+ | stick | stick".  There is no limit
+    mode of chatter: of impacts that accumulate, as those of `SliderOnBelt`, each flight is computed, which
+    takes some eight times the events that :class:`Jenkins` takes.
 
     Parameters
     ----------
