@@ -46,6 +46,7 @@ from frictionlab.validation import (
 )
 
 TURN = 2.0 * np.pi  # after which the phase of a load begins anew
+PHASE_ROUNDING = 64 * np.finfo(float).eps * TURN  # rad, by which it may begin below 0
 NAMED_METHODS: dict[str, type[Method]] = {"taylor": Taylor, "rk4": RK4}
 LOGGER = logging.getLogger(__name__)
 
@@ -133,7 +134,7 @@ def solve(
         End time in seconds, positive.
     x0 : array_like or mapping
         Initial values of all states; or of some by name, ``{"x1": 0.1}``, the others zero.  The phase of a
-        load may be beyond a turn, which stands for that within it.
+        load may be outside of a turn, which stands for that within it.
     mode : str or None
         Mode to start in; None takes the first admissible one, as after every event.
     method : "taylor", "rk4", the name of a scipy method, Taylor, RK4, Scipy
@@ -281,11 +282,11 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
 
 
 def with_phase_in_turn(automaton: HybridAutomaton, states: np.ndarray) -> np.ndarray:
-    """States (..., n) whose phase, if an event begins it anew after a turn, is at most that turn."""
+    """States (..., n) whose phase, if an event begins it anew after a turn, is within that turn."""
     if PHASE not in automaton.state_names:
         return states
     i = automaton.state_names.index(PHASE)
-    beyond = states[..., i] > TURN
+    beyond = (states[..., i] < -PHASE_ROUNDING) | (states[..., i] > TURN)
     if not beyond.any() or not _begins_anew(automaton, i):
         return states
     states = states.copy()

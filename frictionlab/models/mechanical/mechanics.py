@@ -251,7 +251,7 @@ class Mechanics:
         Forces (N) along coordinates that come from no energy, such as ``F * cos(q.phase)``.
     frequency : Expr or None
         Angular frequency (rad/s) of what depends on time, one number: the rate of the state ``q.phase``,
-        which goes from 0 to 2 pi and starts again at 0.  None where nothing depends on time.
+        which goes from 0 to 2 pi and starts again at 0.  At least 0; None where nothing depends on time.
     rates : mapping of str to Expr
         The rate of each of the model's further `states`, such as a current, a temperature, or what a filter
         lets through.  Rates, loads, dissipation, relative velocities, normal forces and what laws are given

@@ -667,3 +667,24 @@ def test_the_friction_curve_is_that_of_scipy_and_its_speeds_ascend():
     assert law.static_limit(2.0) == 2 * law.mu_0
     with pytest.raises(ValueError, match=r"^v_2 must be above v_1 \(0.4\), got 0.3: raise v_2 or lower v_1$"):
         fl.FrictionCurve(v_1=0.4)
+
+
+@fl.model
+class SquareWave(fl.MechanicalModel):
+    """A force of 1 N in the first half of a period and -1 N in the second."""
+
+    Omega: float = 3.0
+    coordinates = ("x",)
+
+    def mechanics(self, q, v):
+        force = fl.functions.piecewise(q.phase, (math.pi,), (1.0, -1.0))
+        return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, loads={"x": force}, frequency=self.Omega)
+
+
+def test_a_law_in_pieces_of_the_phase_repeats_from_any_phase():
+    starts = {"phase": -1.0}, {"phase": 2 * math.pi - 1.0}
+    below, within = (fl.simulate(SquareWave(), 20.0, x0=x0, progress=False) for x0 in starts)
+    assert len(below.events) == len(within.events) == 19
+    assert below.final_state == pytest.approx(within.final_state, abs=1e-13)
+    with pytest.raises(ValueError, match="frequency of SquareWave must be at least 0, got -3"):
+        fl.simulate(SquareWave(Omega=-3.0), 20.0)
