@@ -262,13 +262,20 @@ function withExponent(text) { // as Python writes it
   return `${number}e${power[0]}${power.slice(1).padStart(2, "0")}`;
 }
 
+function halfToEven(write, digits) { // as Python rounds what is half-way; JavaScript rounds it away from zero
+  const [number, power] = write(digits + 40).split("e"), head = number.slice(0, -40);
+  const down = /^50*$/.test(number.slice(-40)) && /[02468]\.?$/.test(head);
+  return down ? head.replace(/\.$/, "") + (power ? `e${power}` : "") : write(digits);
+}
+
 function formatted(v, format = "") { // as Python's formats "g", ".3g", ".2f", ".1e"; else all digits, as repr does
   const [, places = 6, kind] = format.match(/^(?:\.(\d+))?([efg])$/) ?? [], digits = Number(places), size = Math.abs(v);
-  if (kind === "f") return v.toFixed(digits);
-  if (kind === "e") return withExponent(v.toExponential(digits));
+  const exponential = (count) => halfToEven((d) => v.toExponential(d), count);
+  if (kind === "f") return halfToEven((d) => v.toFixed(d), digits);
+  if (kind === "e") return withExponent(exponential(digits));
   if (!kind) return size && (size < 1e-4 || size >= 1e16) ? withExponent(v.toExponential())
     : Number.isInteger(v) ? `${v}.0` : String(v);
-  const shown = Math.max(digits, 1), rounded = Number(v.toPrecision(shown));
+  const shown = Math.max(digits, 1), text = exponential(shown - 1), rounded = Number(text);
   return size && (Math.abs(rounded) < 1e-4 || Math.abs(rounded) >= 10 ** shown)
-    ? withExponent(v.toExponential(shown - 1).replace(/\.?0+e/, "e")) : String(rounded);
+    ? withExponent(text.replace(/\.?0+e/, "e")) : String(rounded);
 }

@@ -141,7 +141,7 @@ def rod(picture):
     return Rod()
 
 
-@pytest.mark.parametrize("l", [0.2, -1.5, 1234.5, 0.0])
+@pytest.mark.parametrize("l", [0.2, -1.5, 1234.5, 0.0625, 0.0])
 @pytest.mark.parametrize(
     "picture",
     [
