@@ -44,6 +44,7 @@ CORRECTOR_STEPS = 40  # next to a fold each halves the distance; nearer than 2^-
 SAFE_CONTRACTION = 0.25
 STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
 SHORTEST_PART, MOST_PARTS = 2.0**-14, 256  # of the way to other values of the parameters
+CORNER_RTOL = 1e-3  # share of a step over a corner of a law, to which the way back leads to its start
 
 LEAST_STATES = 32  # below, whole matrices at all points take less than a tenth of a second
 MOST_NONLINEAR_SHARE = 0.25  # of the states: with more, whole matrices cost about as much
@@ -495,8 +496,12 @@ def follow_zero(
     with np.errstate(all="ignore"):
         for _ in range(MOST_PARTS):
             ahead = np.fmin(share[going] + part[going], 1.0)
-            between = [_between(b, _chosen(v, going), ahead) for b, v in zip(base, values, strict=True)]
-            step, safe = _first_step(flow, zeros[:, going], between)
+            step, safe = _first_step(flow, zeros[:, going], _between(base, values, ahead, going))
+            short = ~safe & (part[going] < 2 * SHORTEST_PART)
+            if short.any():
+                some = going[short]
+                here, there = (_between(base, values, s, some) for s in (share[some], ahead[short]))
+                step[:, short], safe[short] = _corner_step(flow, zeros[:, some], here, there, x[:, None])
             zeros[:, going[safe]] += step[:, safe]
             share[going[safe]] = ahead[safe]
             part[going] *= np.where(safe, 2.0, 0.5)
@@ -509,8 +514,14 @@ def follow_zero(
     return zeros
 
 
-def _between(base: float, values: Any, share: Array) -> Any:
-    """The values of a parameter at shares (N,) of the way from `base`."""
+def _between(
+    base: Sequence[float], values: Sequence[Any], shares: Array, some: NDArray[np.intp]
+) -> list[Any]:
+    """The values of the parameters in columns `some` (N,), at shares (N,) of the way from `base`."""
+    return [_part_way(b, _chosen(v, some), shares) for b, v in zip(base, values, strict=True)]
+
+
+def _part_way(base: float, values: Any, share: Array) -> Any:
     if (share == 1.0).all() or (np.ndim(values) == 0 and values == base):
         return values
     return np.where(share == 1.0, values, base + share * (values - base))
@@ -535,6 +546,24 @@ def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any
     rounding = LAST_STEP_RTOL * np.abs(x[:, safe]).max(axis=0)
     safe[safe] = next_steps <= np.fmax(SAFE_CONTRACTION * size[safe], rounding)
     return step, safe
+
+
+def _corner_step(
+    flow: Flow, x: Array, here: Sequence[Any], there: Sequence[Any], start: Array
+) -> tuple[Array, Any]:
+    """A step (m, N) over a corner of a law, at which none is safe however short, and where it is right.
+
+    Newton's method leads to the zeros on both sides of x, and from each back to x.  On one side of a fold
+    there is none, and from another branch no way leads back.
+    """
+    behind = [h + h - t for h, t in zip(here, there, strict=True)]
+    right, steps = np.ones(x.shape[1], dtype=bool), []
+    for values in (behind, there):
+        zeros = _settled(flow, x, values, start)
+        back = _settled(flow, zeros, here, start)
+        steps.append(zeros - x)
+        right &= np.abs(back - x).max(axis=0) <= CORNER_RTOL * np.abs(steps[-1]).max(axis=0)
+    return steps[-1], right
 
 
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:
