@@ -7,6 +7,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     Matrices from files.
 ``parametric_matrix``
     `ParametricMatrix`: a sum of coefficients times sparse matrices.
+``matrix_function``
+    A function of parameters that gives a matrix, as the sum that it computes.
 ``structure``
     `Structure`: the matrices, checked, the values of the parameters, the window of frequencies.
 ``sliding_contacts``, ``sliding_equilibrium``

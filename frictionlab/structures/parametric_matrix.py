@@ -6,8 +6,8 @@ exact, as the coefficients are formulas.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
@@ -19,12 +19,18 @@ from scipy import sparse
 
 from frictionlab.lazy_names import sympy as sp
 from frictionlab.models.symbols import symbol
+from frictionlab.structures.matrix_function import (
+    arguments_of,
+    called_with_formulas,
+    hint_of,
+    terms_of_function,
+    text_of,
+)
 from frictionlab.tape.arguments import names_in, parse_expression
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import (
     abbreviate,
     check_number,
-    did_you_mean_or_known,
     float_array,
     is_sequence,
 )
@@ -140,14 +146,15 @@ def paths_in(given: Any) -> list[Any]:
 def parametric_matrix(
     name: str, given: Any, parameters: Mapping[str, float], files: Mapping[Any, Matrix]
 ) -> ParametricMatrix:
-    """What a user gives as one matrix of a structure: an array, a sparse matrix, a path, or a list of terms.
+    """What a user gives as one matrix of a structure.
 
     Parameters
     ----------
     name : str
         What errors call it.
-    given : array, sparse matrix, str, Path, ParametricMatrix or list of (coefficient, matrix)
-        A coefficient is a number, a text such as "1/r - 1", or a function of parameters.
+    given : array, sparse matrix, str, Path, function, ParametricMatrix or list of (coefficient, matrix)
+        A coefficient is a number, a text such as "1/r - 1", or a function of parameters.  A function of
+        parameters that gives the matrix is such a list.
     parameters : mapping of str to float
         Those that coefficients may name.
     files : mapping of paths to matrices
@@ -159,9 +166,12 @@ def parametric_matrix(
     """
     if isinstance(given, ParametricMatrix):
         return given
-    if not _is_list_of_terms(given):
+    if callable(given):
+        terms: list[Any] = _terms_of_function(name, given, parameters)
+    elif _is_list_of_terms(given):
+        terms = list(given)
+    else:
         return ParametricMatrix(("1",), (_sparse(name, given, files),))
-    terms = list(given)
     texts, matrices = [], []
     for i, term in enumerate(terms):
         where = f"term {i} of {name}"
@@ -182,7 +192,7 @@ def parametric_matrix(
 
 
 def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) -> ParametricMatrix:
-    """What a user gives as constant forces, as columns (n, 1): an array, or a list of (coefficient, array).
+    """What a user gives as constant forces, as columns (n, 1): an array, a function, or a list of terms.
 
     Raises
     ------
@@ -190,6 +200,8 @@ def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) ->
         As :func:`parametric_matrix`.
     """
     cure = "give one force for each freedom"
+    if callable(given):
+        given = _terms_of_function("load", given, parameters)
     terms = [(1, given)]
     if is_sequence(given) and len(given) and all(is_sequence(one) and len(one) == 2 for one in given):
         pairs: Any = given
@@ -243,9 +255,7 @@ def _coefficient(where: str, given: Any, parameters: Mapping[str, float]) -> str
 def _parse(what: str, text: str, parameters: Mapping[str, float]) -> Any:
     for each in names_in(text):
         if each not in parameters:
-            cure = f": give parameters={{{each!r}: 1.0}}"
-            hint = did_you_mean_or_known(each, parameters) if parameters else cure
-            raise ValueError(f"{what} names {each!r}, which is no parameter{hint}")
+            raise ValueError(f"{what} names {each!r}, which is no parameter{hint_of(each, parameters)}")
     try:
         return parse_expression(text, {each: symbol(each) for each in names_in(text)})
     except ValueError as error:
@@ -255,20 +265,38 @@ def _parse(what: str, text: str, parameters: Mapping[str, float]) -> Any:
 
 
 def _text_of_function(what: str, function: Callable[..., Any], parameters: Mapping[str, float]) -> str:
-    """The expression that a function of parameters computes: it is called with symbols once."""
-    cure = "take its parameters by name and use arithmetic alone, such as lambda r: 1/r - 1"
-    names: Iterable[str] = inspect.signature(function).parameters
-    if unknown := [each for each in names if each not in parameters]:
-        hint = did_you_mean_or_known(unknown[0], parameters)
-        raise ValueError(f"{what} takes {unknown[0]!r}, which is no parameter{hint}")
-    try:
-        text = str(sp.sympify(function(*(symbol(each) for each in names)), strict=True))
+    """The expression that a function of parameters computes."""
+    names = arguments_of(what, function, parameters)
+    cure = "take its parameters by name and use arithmetic and functions of numpy, such as lambda r: 1/r - 1"
+    with _refusal(f"{what} must be a formula", cure):
+        text = text_of(sp.sympify(called_with_formulas(function, names), strict=True))
         _parse(what, text, parameters)
-    except Exception as error:  # what a function of somebody's own raises
-        raise ValueError(
-            f"{what} must be a formula, but called with symbols it fails ({error}): {cure}"
-        ) from None
     return text
+
+
+def _terms_of_function(
+    name: str, function: Callable[..., Any], parameters: Mapping[str, float]
+) -> list[tuple[str, Any]]:
+    """The list of (text, matrix) that a function of parameters computes."""
+    names = arguments_of(name, function, parameters)
+    cure = (
+        "use + - * / @ and functions of numpy such as np.sqrt(r), as in lambda r: D + r*G + (1/r - 1)*R, "
+        f'or give the list {name}=[(1, D), ("r", G), ("1/r - 1", R)]'
+    )
+    with _refusal(f"{name} must be a sum of expressions of its arguments times matrices", cure):
+        terms = terms_of_function(function, names)
+        for text, _ in terms:
+            _parse(f"a coefficient of {name}", text, parameters)
+    return terms
+
+
+@contextmanager
+def _refusal(rule: str, cure: str) -> Iterator[None]:
+    """Any error of a function of somebody's own as a ValueError with the rule and the cure."""
+    try:
+        yield
+    except Exception as error:
+        raise ValueError(f"{rule}, but called with formulas it fails ({error}): {cure}") from None
 
 
 def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
@@ -287,7 +315,7 @@ def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
     except (TypeError, ValueError):
         raise ValueError(
             f"{name} must be a matrix of numbers, got {abbreviate(given)}: give an array, a sparse matrix of "
-            "scipy, the path of a file, or a list of (coefficient, matrix)"
+            "scipy, the path of a file, a function of parameters, or a list of (coefficient, matrix)"
         ) from None
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise ValueError(

@@ -67,9 +67,11 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
 
     It moves little about a state in which all contacts slide steadily, or are open.
 
-    Each matrix is an array, a sparse matrix of scipy, the path of a file (see :func:`read_matrix`), or a sum:
-    a list of (coefficient, matrix).  A coefficient is a number, a text such as "1/r - 1", or a function of
-    named parameters.  New values of parameters read and check no matrix again.
+    Each matrix is an array, a sparse matrix of scipy, the path of a file (see :func:`read_matrix`), a
+    function of named parameters, such as ``lambda r: D + r*G + (1/r - 1)*R``, or a sum: a list of
+    (coefficient, matrix).  A coefficient is a number, a text such as "1/r - 1", or a function of named
+    parameters.  Functions are called once, with formulas in place of numbers, and give the sum that they
+    compute.  New values of parameters read and check no matrix again.
 
     Matrices are used as they are.  One that is not what it must be is refused.
 
@@ -87,8 +89,8 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     circulatory : matrix (n, n), optional
         N, of any form: what friction adds to the stiffness.
     load : array (n,), optional
-        Constant forces, or a sum: a list of (coefficient, array).  Without contacts they matter to the static
-        displacements alone.
+        Constant forces, a function, or a sum: a list of (coefficient, array).  Without contacts they matter
+        to the static displacements alone.
     contacts : SlidingContacts or sequence of SlidingContacts, optional
         With their laws.  What they add to K and C is that of the equilibrium under the load.
     parameters : mapping of str to float, optional
@@ -103,7 +105,8 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     ------
     ValueError
         For a matrix that is not square or finite, of another size than the others, or without the symmetry
-        that it must have; a mass matrix that is not positive; a parameter without a value, or without use.
+        that it must have; a mass matrix that is not positive; a parameter without a value, or without use; a
+        function that computes no sum of expressions times matrices.
 
     See Also
     --------
@@ -113,11 +116,12 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     --------
     Two modes that friction couples (Hoffmann et al. 2002): it is unstable above mu = 1/2.
 
+    >>> import numpy as np
     >>> import frictionlab as fl
     >>> structure = fl.Structure(
     ...     M=[[1.0, 0.0], [0.0, 1.0]],
     ...     K=[[2.0, 0.0], [0.0, 1.0]],
-    ...     circulatory=[("mu", [[0.0, 1.0], [-1.0, 0.0]])],
+    ...     circulatory=lambda mu: mu * np.array([[0.0, 1.0], [-1.0, 0.0]]),
     ...     parameters={"mu": 0.6},
     ... )
     >>> structure

@@ -1,9 +1,10 @@
 """What the solver is given: an automaton, and expressions as text, such as a section "x1 - x2'".
 
 An automaton is checked before any work is done; one that is not well formed gives one clear error.  Text is
-read by a parser that knows nothing but arithmetic.  sympy's own parser runs its text as Python, and computes
-9**9**9.  This one walks the syntax tree of the text, accepts numbers, the names it is given, + - * / ** and
-parentheses, and bounds the length of the text, the numbers and the exponents.
+read by a parser that knows nothing but arithmetic and functions of one argument.  sympy's own parser runs its
+text as Python, and computes 9**9**9.  This one walks the syntax tree of the text, accepts numbers, the names
+it is given, + - * / **, parentheses and the functions, and bounds the length of the text, the numbers and the
+exponents.
 """
 
 from __future__ import annotations
@@ -23,7 +24,21 @@ from frictionlab.presentation import shorten
 from frictionlab.tape.tape import is_matrix_row
 from frictionlab.validation import MAX_CHARACTERS, abbreviate, check_number, did_you_mean_or_known
 
-NAME_PATTERN = re.compile(r"(?<![\w.])[A-Za-z_]\w*'?")  # x' is the rate of x
+GROWING_FUNCTIONS = "exp", "sinh", "cosh"
+FUNCTIONS = (
+    *GROWING_FUNCTIONS,
+    "log",
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "tanh",
+    "atan",
+    "asinh",
+)  # as sympy calls them
+NAME_PATTERN = re.compile(  # x' is the rate of x; a function is no name where it is called
+    rf"(?<![\w.])(?!(?:{'|'.join(FUNCTIONS)})\s*\()[A-Za-z_]\w*'?"
+)
 MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
 MAX_EXPONENT = 100  # a power becomes at most as many products
 MAX_NUMBER = 1e300  # within the range of double precision, with room for products
@@ -36,7 +51,7 @@ OPERATIONS: dict[type, Callable[..., Any]] = {
     ast.USub: operator.neg,
 }
 TIME_NAMES = "t", "time"  # what users call time
-ARITHMETIC = "numbers, names, + - * / ** and parentheses are all that it may hold"
+ARITHMETIC = f"numbers, names, + - * / **, parentheses, {', '.join(FUNCTIONS)} are all that it may hold"
 
 
 def check_automaton(automaton: Any) -> None:
@@ -271,8 +286,8 @@ def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
     Raises
     ------
     ValueError
-        For anything but arithmetic, for unknown names, and where numbers, exponents or the text are too
-        large; it says which.
+        For anything but arithmetic and functions, for unknown names, and where numbers, exponents or the text
+        are too large; it says which.
     """
     if len(text) > MAX_LENGTH:
         raise ValueError(f"it has {len(text)} characters, of which at most {MAX_LENGTH} are read")
@@ -298,6 +313,11 @@ def _value(node: ast.expr, symbols: Mapping[str, Any]) -> Any:
             exponent = _value(right, symbols)
             _check_exponent(exponent)
             return _bounded(_value(left, symbols) ** exponent)
+        case ast.Call(func=ast.Name(id=name), args=[only], keywords=[]) if name in FUNCTIONS:
+            argument = _value(only, symbols)
+            if name in GROWING_FUNCTIONS:
+                _check_exponent(argument)
+            return _bounded(getattr(sp, name)(argument))
         case ast.BinOp(left=left, op=sign, right=right) if type(sign) in OPERATIONS:
             return _bounded(OPERATIONS[type(sign)](_value(left, symbols), _value(right, symbols)))
     raise ValueError(ARITHMETIC)
@@ -307,7 +327,7 @@ def _bounded(result: Any) -> Any:
     """The result of an operation, if it is within bounds: powers of powers grow without limit."""
     if result.has(sp.zoo, sp.nan, sp.oo, sp.I):
         raise ValueError("it divides by zero, takes a root of a negative number, or is infinite")
-    for power in result.atoms(sp.Pow):
+    for power in result.atoms(sp.Pow, sp.exp):
         _check_exponent(power.exp)
     for number in result.atoms(sp.Number):
         if any(abs(part) > MAX_NUMBER for part in number.as_numer_denom()):

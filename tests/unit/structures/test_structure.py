@@ -1,5 +1,6 @@
 """A structure holds its matrices as they are, and refuses those that are not what they must be."""
 
+import copy
 import json
 import pickle
 
@@ -20,6 +21,98 @@ def test_coefficients_are_texts_numbers_or_functions():
     assert np.allclose(structure.pencil.K.toarray(), STIFF + (3.0 + 0.25) * UNIT, rtol=1e-15)
     assert np.allclose(structure.pencil_derivative("r").K.toarray(), (4.0 - 0.125) * UNIT, rtol=1e-15)
     assert not structure.pencil_derivative("r").M.count_nonzero()
+
+
+D, G, R = (one + one.T for one in np.random.default_rng(0).standard_normal((3, 4, 4)))
+FORMATS = [
+    f"{name}_{kind}"
+    for name in ("bsr", "coo", "csc", "csr", "dia", "dok", "lil")
+    for kind in ("array", "matrix")
+]
+
+
+@pytest.mark.parametrize("form", [np.array, *(getattr(sparse, name) for name in FORMATS)])
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda r, D, G, R: D + r * G + (1 / r - 1) * R,
+        lambda r, D, G, R: (-G * r - D / r) + 0.1 * (R - (r * G).T) * np.float64(3.0),
+        lambda r, D, G, R: sum([np.sin(r) * G, D, 2**r * R]) / (1 + np.sqrt(r)),
+        lambda r, D, G, R: fl.functions.arctan(r / 3.0) * (D @ (r * D)) + np.pi * r**-0.5 * R,
+    ],
+)
+def test_a_function_gives_a_matrix(function, form):
+    """As numpy computes it from dense matrices."""
+    given = [form(one) for one in (D, G, R)]
+    structure = fl.Structure(np.eye(4), lambda r: function(r, *given), parameters={"r": 1.0})
+    for r in np.random.default_rng(1).uniform(0.2, 3.0, 3):
+        there = copy.deepcopy(pickle.loads(pickle.dumps(structure))).replace(r=r)
+        assert np.allclose(there.pencil.K.toarray(), function(r, D, G, R), rtol=1e-13, atol=1e-13)
+
+
+def test_functions_are_lists_of_terms():
+    """In every place that takes such a list, and in files."""
+    N = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    values = {"r": 1.7, "mu": 0.3, "k": 2.0, "F": 2.0}
+    made = fl.Structure(
+        lambda r: (1 + r) * UNIT,
+        lambda k, mu: [[2 * k * (1 + 0.1j * mu), -k], [-k, 2 * k + np.sqrt(mu)]],
+        C=lambda r, stiff=STIFF: 0.01 * r * stiff,  # an argument with a value is no parameter
+        gyroscopic=lambda r: r * np.triu(N) - r * np.triu(N).T,  # skew, though no term by itself is
+        circulatory=lambda mu: mu * N,
+        load=lambda F: F * np.array([1.0, 0.0]),
+        parameters=values,
+    )
+    hysteretic, held = np.diag([0.2j, 0.0]), np.diag([0.0, 1.0])
+    listed = fl.Structure(
+        [("1 + r", UNIT)],
+        [("k", STIFF), ("k*mu", hysteretic), ("sqrt(mu)", held)],
+        C=[("0.01*r", STIFF)],
+        gyroscopic=[("r", N)],
+        circulatory=[("mu", N)],
+        load=[("F", [1.0, 0.0])],
+        parameters=values,
+    )
+    again = fl.Structure.from_dict(json.loads(json.dumps(made.to_dict())))
+    expected = fl.eigenvalues(listed)
+    for found in map(fl.eigenvalues, (made, again)):
+        assert np.allclose(found.values, expected.values, rtol=1e-14)
+        for name in ("r", "mu", "k"):
+            assert np.allclose(
+                found.sensitivities(name), expected.sensitivities(name), rtol=1e-12, atol=1e-14
+            )
+    assert np.allclose(made.load_vector, listed.load_vector)
+
+
+def entry_by_index(k):
+    K = STIFF.copy()
+    K[0, 0] = k
+    return K
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        entry_by_index,
+        lambda k: (k * STIFF) @ (k * UNIT),
+        lambda k: (k * STIFF) * UNIT,
+        lambda k: STIFF if k > 1 else UNIT,
+        lambda k: STIFF if k == 1 else UNIT,
+        lambda k: STIFF if k else UNIT,
+        lambda k: np.add(STIFF, k * UNIT, out=STIFF.copy()),
+        lambda k: STIFF + k,
+        lambda k: k * STIFF + np.eye(3),
+        lambda k: np.block([[k * UNIT]]),
+        lambda k: abs(k) * STIFF,
+        lambda k: 2 * k,
+        lambda k: None,
+    ],
+)
+def test_a_function_that_is_no_sum_is_refused(function):
+    with pytest.raises(ValueError, match=r"K must be a sum of .* or give the list K=\[\(1, D\)"):
+        fl.Structure(UNIT, function, parameters={"k": 1.0})
+    with pytest.raises(ValueError, match=r"K takes 'k', which is no parameter: give parameters="):
+        fl.Structure(UNIT, function)
 
 
 def test_new_values_leave_the_matrices_alone():
