@@ -77,8 +77,9 @@ def eigenvalue_bounds(
         return np.zeros(0)
     distances = np.abs(values[:, None] - values)
     _, group = connected_components(sparse.csr_array(distances <= CLOSE * np.abs(values)), directed=False)
-    bounds = np.where((values == 0.0) & pencil.at_rest(values, vectors), 0.0, np.inf)
-    for each in np.unique(group[places[bounds[places] > 0.0]]):
+    # the exact eigenvalue of a rigid motion is 0, a double one, where no Taylor polynomial tells
+    bounds = np.where(pencil.at_rest(values, vectors), np.abs(values), np.inf)
+    for each in np.unique(group[places[np.isinf(bounds[places])]]):
         own = group == each
         most = np.abs(values[own]).max() or np.abs(values).max()  # a group at 0 has no size of its own
         next_one = distances[np.ix_(own, ~own)].min(initial=most)

@@ -747,10 +747,13 @@ class ReducedStructure(Structure):
         """Bounds (m,) of the distances of ``eigenvalues(self).values`` from the large structure's, 1/s.
 
         Within each distance there is an eigenvalue of the large structure, and of close ones as many as there
-        are here.  It is infinite where the modes here are too rough to tell.  Each group of close eigenvalues
-        takes a factorisation of the large matrices.  The bounds rest on Rouche's theorem.  Rounding is
-        estimated in them, and so are two norms of inverses for each group: one of these is too small with a
-        probability of at most 2e-10.
+        are here.  A distance is infinite where the modes here are too rough to tell, or nearly rigid.  A
+        rigid motion, whose elastic energy in the large structure is rounding, has the eigenvalue 0 there, so
+        that its distance is the size of the eigenvalue here.
+
+        Each group of close eigenvalues takes a factorisation of the large matrices.  The bounds rest on
+        Rouche's theorem.  Rounding is estimated in them, and so are two norms of inverses for each group: one
+        of these is too small with a probability of at most 2e-10.
 
         Parameters
         ----------

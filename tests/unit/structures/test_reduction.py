@@ -134,6 +134,23 @@ def test_bounds_of_a_uniform_chain():
         small.error_bounds([len(values)])
 
 
+@pytest.mark.parametrize("share", [0.0, 0.01])
+def test_bounds_of_a_free_chain(share):
+    """With C = share K they are the roots of s^2 + share k s + k, where sqrt(k) = 2 sin(i pi / 2n)."""
+    n = 60
+    springs = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    springs[0, 0] = springs[-1, -1] = 1.0
+    small = fl.reduce(fl.Structure(np.eye(n), springs, share * springs, window=(0, 0.1)))
+    values, bounds = fl.eigenvalues(small).values, small.error_bounds()
+    k = (2 * np.sin(np.arange(n) * np.pi / (2 * n))) ** 2
+    exact = -share * k / 2 + 1j * np.sqrt(k - (share * k / 2) ** 2)
+    exact = np.concatenate([exact, exact.conj()])  # 0 twice, of the translation
+    distances = np.abs(values[:, None] - exact)
+    rows, columns = linear_sum_assignment(distances)
+    assert (distances[rows, columns] <= bounds).all()
+    assert bounds.max() < 1e-12
+
+
 def test_a_basis_that_is_too_small_has_no_bounds():
     small = chain().projected(np.eye(80)[:, :12])
     assert np.isinf(small.error_bounds()).any()
