@@ -288,8 +288,10 @@ class JetWriter(Instructions):
         return term if total is None else build.fadd(total, term)
 
     def _with_sign(self, j: int, value: Any) -> Any:
-        """A value times a factor whose absolute value is 1; for a majorant, the factor -1 is given as 1."""
+        """A value times the factor -1, which is 1 in a majorant, of no more orders than the first block."""
         build, whole = self.build, self.whole
+        if not self.first_block:
+            return build.fneg(value)
         factor = build.bitcast(self._load(self.terms, self.function.first[1] + j), whole)
         sign = build.and_(factor, whole(-(2**63)))
         return build.bitcast(build.xor(build.bitcast(value, whole), sign), self.kind)

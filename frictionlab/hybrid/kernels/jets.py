@@ -273,11 +273,12 @@ def majorant_of_orders(code, magnitudes, mode, orders, z, jets, J):
 
 @inlined
 def low_majorant(code, magnitudes, mode, orders, z, sizes, jets, J):
-    """As :func:`majorant_of_orders`, by native code where all operations are polynomials; `sizes` is scratch.
+    """As :func:`majorant_of_orders`; for few orders by native code where all operations are polynomials.
 
-    With absolute values of numbers and states their jets are their majorant.
+    With absolute values of numbers and states their jets are their majorant.  `sizes` is scratch.
     """
-    if code.degrees[mode] == NOT_POLYNOMIAL or not has_native_jets(code, mode, J):
+    many = orders[1] > PARTS
+    if many or code.degrees[mode] == NOT_POLYNOMIAL or not has_native_jets(code, mode, J):
         majorant_of_orders(code, magnitudes, mode, orders, z, jets, J)
         return
     for i in range(z.shape[0]):
