@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-13  # share of the greatest impulse of an event below which others are none
-TOUCHING = 1e-9  # share of its largest value in a run below which a gap is closed at an impact
+TOUCHING = 1e-9  # share of the coordinates, or of its largest value in a run, below which a gap is closed
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +83,13 @@ def impulses_of_contacts(model: MechanicalModel, events: Any, states: Array) -> 
     sides = [at((*one.normal, *one.rubbing), before[rows]) for one in terms.contacts]
     gaps = [np.abs(one.gap(*before[rows].T, *numbers)) * np.ones(len(rows)) for one in terms.contacts]
     widest = [np.abs(one.gap(*states.T, *numbers)).max(initial=0.0) for one in terms.contacts]
+    reach = np.abs(states[:, :n]).max(
+        axis=0, initial=0.0
+    )  # gaps of what never parts are their rounding errors
+    sizes = [np.maximum(wide, np.abs(side[:, 0]) @ reach) for wide, side in zip(widest, sides, strict=True)]
     for k, e in enumerate(rows):
-        hit = [i for i, gap in enumerate(gaps) if gap[k] <= TOUCHING * widest[i]]
+        fired = [guards[e] in (one.guard, CHATTER_FLIGHT) for one in terms.contacts]
+        hit = [i for i, gap in enumerate(gaps) if fired[i] or gap[k] <= TOUCHING * sizes[i][k]]
         momentum = masses[k] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
         columns = np.concatenate([np.zeros((0, n)), *(sides[i][k] for i in hit)]).T
         shares, first = np.linalg.lstsq(columns, momentum)[0], 0
