@@ -29,6 +29,7 @@ from frictionlab.pages.scene import MARK, Data, Shown, mechanism_data
 
 T = TypeVar("T")
 MAX_OUTCOMES = 64  # combinations of outcomes of one piece of code; with more it is left to Python
+FORMATS = re.compile(r"((\.[0-5]?\d)?[efg])?")  # of numbers in words, as pages write them
 FORCE = Parameter(exclusive_minimum=0.0)  # a normal force that is given
 
 
@@ -116,6 +117,10 @@ def _placed(field: Any, values: Sequence[Any], numbers: list[Any]) -> Any:
     if isinstance(field, dict):
         return {name: _placed(each, values, numbers) for name, each in field.items()}
     if isinstance(field, str) and MARK in field:
+        for about in field.split(MARK)[1::2]:
+            form = about.partition(":")[2]
+            if not FORMATS.fullmatch(form):
+                raise TypeError(f'numbers in words have formats such as ".3g", ".2f" or ".1e", got "{form}"')
         return {"text": _text(field, values, numbers)}
     if isinstance(field, _Relation):
         raise TypeError("a comparison is no number")
@@ -237,6 +242,10 @@ class _Trace:
 
     def outcome(self, relation: Any) -> bool:
         place = len(self.relations)
+        if (
+            place == MAX_OUTCOMES
+        ):  # each has another outcome: there are more combinations, or a loop is endless
+            raise OverflowError(f"it has more than {MAX_OUTCOMES} combinations of outcomes")
         holds = self.given[place] if place < len(self.given) else False
         self.relations.append(relation if holds else sp.Not(relation))
         return holds
@@ -257,6 +266,12 @@ class _Relation:
         if self.relation in (sp.true, sp.false):
             return bool(self.relation)
         return self.trace.outcome(self.relation)
+
+    def __format__(self, spec: str) -> str:
+        return format(bool(self), spec)
+
+    def __repr__(self) -> str:
+        return repr(bool(self))
 
 
 class _Traced:

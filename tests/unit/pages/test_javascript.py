@@ -4,6 +4,7 @@ import json
 import math
 import shutil
 import subprocess
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -153,6 +154,7 @@ def rod(picture):
         lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label="" if l == 0.2 else "long")],
         lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{2 * l:.2f}, {l:.3g}, {l}, {l:.1e}")],
         lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{1e8 * l:g}, {1e-6 * l:.2g}")],
+        lambda l, _: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=f"{l > 1} {l > 0.1:d} {(l == 0)!s:>6}")],
         lambda l, rod: [Block(Point(rod.contact.k2 / 5e3 * l, 0.0), 0.5 if rod.contact.k2 > 6e3 else 0.2)],
     ],
 )
@@ -170,6 +172,11 @@ def test_a_picture_with_conditions_functions_of_numpy_and_numbers_in_words_follo
         lambda l, _: [Wall((0.0, 0.0), (round(l, 1), 0.0))],
         lambda l, _: [Wall((0.0, 0.0), (sum(l > i for i in range(70)), 0.0))],
         lambda l, _: [Block(Point(0.0, 0.0), disc=l > 0)],
+        lambda l, _: [Block(Point(next(x for x in count() if not x < l), 0.0))],
+        *(
+            lambda l, _, form=form: [Spring(Point(0.0, 0.0), Point(l, 0.0), label=format(l, form))]
+            for form in ("+.2f", ",.2f", ".1%", "8.2f", ".3", "n", ".60f")
+        ),
     ],
 )
 def test_a_picture_that_takes_no_formulas_is_the_present_one_and_a_warning_says_so(picture):
