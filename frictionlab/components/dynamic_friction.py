@@ -233,7 +233,7 @@ class Iwan(FrictionLaw):
         Tangential stiffness where all stick, N/m, above 0.
     elements : int
         n, from 1 to 30.
-    strengths, stiffnesses : tuple of float or None
+    strengths, stiffnesses : sequence of float or None
         For each element in proportion to what F_i and k_i are; None for those above.
 
     References
@@ -259,19 +259,24 @@ class Iwan(FrictionLaw):
         """Names of the deflections: z1, z2, ..."""
         return tuple(f"z{i + 1}" for i in range(self.elements))
 
-    def check(self) -> None:
-        """Refuse no elements, strengths and stiffnesses that are not one positive number for each, and
-        elements that slip together."""
+    def __post_init__(self) -> None:
         n = check_number("elements", self.elements, integer=True, least=1, most=MOST_ELEMENTS)
+        object.__setattr__(self, "elements", n)
         for name in ("strengths", "stiffnesses"):
             given, cure = getattr(self, name), f"write {name}=(1.0, 2.0), with elements=2, or leave it out"
-            for one in () if given is None else check_sequence(name, given, cure):
-                check_number(f"each of {name}", one, above=0, cure=cure)
-            if given is not None and len(given) != n:
+            if given is None:
+                continue
+            each = check_sequence(name, given, cure)
+            numbers = tuple(check_number(f"each of {name}", one, above=0, cure=cure) for one in each)
+            if len(numbers) != n:
                 raise ValueError(
-                    f"{name} must have one number for each of {n} elements, got {len(given)}: {cure}"
+                    f"{name} must have one number for each of {n} elements, got {len(numbers)}: {cure}"
                 )
+            object.__setattr__(self, name, numbers)
+        super().__post_init__()
 
+    def check(self) -> None:
+        """Refuse elements that slip together."""
         ratios = sorted(f / k for f, k in zip(self._f, self._k))
         if any(isclose(one, following) for one, following in pairwise(ratios)):
             raise ValueError(

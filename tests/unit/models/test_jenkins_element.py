@@ -218,6 +218,7 @@ def test_it_takes_the_place_of_any_law():
     ("given", "words"),
     [
         ({"elements": 0}, "elements must be an integer, at least 1, at most 30, got 0"),
+        ({"elements": 2.5}, "elements must be an integer, at least 1, at most 30, got 2.5"),
         ({"strengths": (1, 2)}, r"strengths must have one number for each of 3 elements, got 2: write"),
         ({"strengths": (1, 2, 4), "stiffnesses": (3, 1, 2)}, "strengths must be in different ratios to stif"),
         ({"stiffnesses": (1, 2, 0.0)}, "each of stiffnesses must be .*above 0, got 0.0"),
@@ -226,6 +227,13 @@ def test_it_takes_the_place_of_any_law():
 def test_wrong_elements_are_refused(given, words):
     with pytest.raises(ValueError, match=words):
         fl.Iwan(**given)
+
+
+def test_elements_are_what_python_and_numpy_count_and_list():
+    law = fl.Iwan(elements=2.0, strengths=np.array([1.0, 3.0]), stiffnesses=[2, 1])
+    assert law == fl.Iwan(elements=2, strengths=(1.0, 3.0), stiffnesses=(2, 1))
+    assert repr(law).endswith("elements=2, strengths=(1.0, 3.0), stiffnesses=(2, 1))")
+    assert fl.simulate(fl.MassOnBelt(friction=law), 0.1, progress=False).names[2:] == ("z1", "z2")
 
 
 def test_a_law_of_several_limits_names_them():
