@@ -408,7 +408,7 @@ def _check_structure(owner: str, name: str, value: Any) -> None:
 
 
 def value_repr(value: Any) -> str:
-    """The value of a field as a Python expression; an enum member as Kind.NAME."""
+    """The value of a field as a Python expression; an enum member as Kind.NAME, a number as Python's."""
     if isinstance(value, tuple):
         return f"({', '.join(map(value_repr, value))}{',' * (len(value) == 1)})"
-    return f"{type(value).__name__}.{value.name}" if isinstance(value, Enum) else repr(value)
+    return f"{type(value).__name__}.{value.name}" if isinstance(value, Enum) else repr(plain_number(value))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
 from functools import cache
 from typing import Any
 
-import frictionlab
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.components.component import Component
+from frictionlab.components.component import Component, value_repr
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.serialisation import is_public
@@ -31,7 +30,7 @@ def python_text(
 ) -> str:
     """Python that makes a model and its run; `values` take the places of the model's own.
 
-    An automaton has a name in it, and a law that is not the package's own an import line.
+    An automaton and a structure have a name in it, and what is not the package's own an import line.
 
     >>> import frictionlab as fl
     >>> print(python_text(fl.MassOnBelt(mu_k=0.4), 20.0, "rest", fl.Taylor()))
@@ -39,45 +38,69 @@ def python_text(
     model = fl.MassOnBelt(mu_k=0.4)
     run = fl.simulate(model, 20.0, x0='rest')
     """
+    classes = [type(method)]
     if isinstance(model, HybridAutomaton):  # any text may be the name of its parameter
-        call = f"automaton.replace(**{dict(values or model.values)!r})  # the automaton that is shown"
-        imports = []
+        what = "automaton" if model.source is None else "structure"
+        given = ", ".join(f"{n!r}: {value_repr(value)}" for n, value in (values or model.values).items())
+        call = f"{what}.replace(**{{{given}}})  # the {what} that is shown"
     else:
-        given = ", ".join(f"{name}={value!r}" for name, value in (values or {}).items())
-        call = f"{_model_call(model)}.replace({given})" if given else _model_call(model)
-        imports = list(_import_lines(model))
-    start = x0 if isinstance(x0, str) else list(x0)
-    run = f"run = fl.simulate(model, {t_end!r}, x0={start!r}{_method_argument(method)})"
-    return "\n".join(["import frictionlab as fl", *imports, f"model = {call}", run])
+        call = _expression(model)
+        classes += _classes_in(model, repr(model))
+        if values:
+            given = ", ".join(f"{name}={value_repr(value)}" for name, value in values.items())
+            call += f".replace({given})"
+    start = repr(x0) if isinstance(x0, str) else f"[{', '.join(map(value_repr, x0))}]"
+    run = f"run = fl.simulate(model, {value_repr(t_end)}, x0={start}{_method_argument(method)})"
+    return "\n".join(["import frictionlab as fl", *_import_lines(classes), f"model = {call}", run])
 
 
-def _model_call(model: Component) -> str:
-    """Python that makes the model, where names of the package have their prefix."""
-    names = re.compile(r"\b([A-Z]\w*)\(")
-    return names.sub(lambda m: f"fl.{m[0]}" if m[1] in frictionlab.__all__ else m[0], repr(model))
+def _name_of(cls: type) -> str:
+    """The class as its user writes it: the package's own have a prefix, whatever others are called."""
+    return f"fl.{cls.__name__}" if is_public(cls) else cls.__name__
+
+
+def _expression(value: Any) -> str:
+    """Python that makes a model, a law, or a field of theirs."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_expression, value))}{',' * (len(value) == 1)})"
+    text = value_repr(value)
+    if not isinstance(value, Component):
+        return text
+    for name, part in _fields_of(value):
+        if (its := _expression(part)) != (usual := value_repr(part)):
+            argument = f"{name}={its}"
+            text = re.sub(rf"\b{name}={re.escape(usual)}", lambda _, new=argument: new, text, count=1)
+    return _name_of(type(value)) + text.removeprefix(type(value).__name__)
 
 
 @cache
 def _method_argument(method: Method) -> str:
     """The method as an argument, with the options that differ from its defaults."""
-    usual = type(method)()
-    differs = [f.name for f in fields(method) if getattr(method, f.name) != getattr(usual, f.name)]
-    values = ", ".join(f"{name}={getattr(method, name)!r}" for name in differs)
-    return "" if method == Taylor() else f", method=fl.{type(method).__name__}({values})"
+    options = [(f.name, getattr(method, f.name), f.default) for f in fields(method)]
+    values = ", ".join(f"{name}={value_repr(value)}" for name, value, usual in options if value != usual)
+    return "" if method == Taylor() else f", method={_name_of(type(method))}({values})"
 
 
-def _import_lines(model: Component) -> Iterator[str]:
-    """Import lines for the model and for laws that are not the package's own."""
-    for cls in dict.fromkeys(_component_classes(model)):
-        if is_public(cls):
-            continue
+def _import_lines(classes: Iterable[type]) -> Iterator[str]:
+    """Import lines for classes that are not the package's own."""
+    for cls in dict.fromkeys(classes):
         if cls.__module__ == "__main__":
             yield f"# run the cell that defines {cls.__name__} first"
-        elif f"{cls.__name__}(" in repr(model):
+        elif not is_public(cls):
             yield f"from {cls.__module__} import {cls.__name__}"
 
 
-def _component_classes(component: Component) -> Iterator[type]:
-    yield type(component)
-    for value in getattr(component, "components", {}).values():
-        yield from _component_classes(value)
+def _classes_in(value: Any, text: str) -> Iterator[type]:
+    """Classes of a model and of the laws that are in its text."""
+    if isinstance(value, tuple):
+        for each in value:
+            yield from _classes_in(each, text)
+    elif isinstance(value, Component):
+        if f"{type(value).__name__}(" in text:
+            yield type(value)
+        for _, part in _fields_of(value):
+            yield from _classes_in(part, text)
+
+
+def _fields_of(component: Component) -> list[tuple[str, Any]]:
+    return [(f.name, getattr(component, f.name)) for f in fields(component)]

@@ -4,6 +4,7 @@ import base64
 import hashlib
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 import frictionlab as fl
@@ -13,7 +14,8 @@ from frictionlab.compilation.kernel_sources import digest
 from frictionlab.pages import export, page_data
 from frictionlab.pages.gallery import LibraryScene, export_gallery
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
-from frictionlab.pages.scene import controls_of_models
+from frictionlab.pages.python_text import python_text
+from frictionlab.pages.scene import controls_of_models, shown_model
 
 
 def test_all_eight_structures_of_the_slider_are_there():
@@ -142,3 +144,32 @@ def test_a_folder_of_all_has_no_option_of_one_model(options, tmp_path, capsys):
     with pytest.raises(SystemExit):
         command.main(["page", "--all", str(tmp_path), *options])
     assert f"--all must have no {options[0]}" in capsys.readouterr().err
+
+
+class Coulomb(fl.Coulomb):
+    """Of its user, who calls it as the package calls another."""
+
+
+class HalfSteps(fl.OneStepMethod):
+    """A method of its user."""
+
+
+def test_copied_python_has_the_classes_of_its_user():
+    model, start = fl.MassOnBelt(friction=Coulomb(0.2, 0.3)), np.array([0.0, 1.0])
+    text = python_text(model, np.float64(2.0), start, HalfSteps(step=np.float64(0.5)))
+    assert text.splitlines() == [
+        "import frictionlab as fl",
+        f"from {__name__} import HalfSteps",
+        f"from {__name__} import Coulomb",
+        "model = fl.MassOnBelt(friction=Coulomb(mu_k=0.2, mu_s=0.3))",
+        "run = fl.simulate(model, 2.0, x0=[0.0, 1.0], method=HalfSteps(step=0.5))",
+    ]
+
+
+def test_copied_python_calls_a_structure_a_structure():
+    structure = fl.Structure([[1.0]], lambda k: k * np.eye(1), parameters={"k": 2.0})
+    shown, start = shown_model(structure.replace(k=np.float64(3.0)), [0.0, 1.0], "")
+    scope = {"structure": structure}
+    exec(python_text(shown, 1.0, start, fl.Taylor()), scope)
+    assert scope["model"].parameters == {"k": 3.0}
+    assert scope["run"].final_state == pytest.approx([np.sin(3**0.5) / 3**0.5, np.cos(3**0.5)])
