@@ -335,18 +335,20 @@ def steady_states_task(
     models: Sequence[ModelOrAutomaton], starts: Sequence[np.ndarray], options: SteadyStateOptions
 ) -> list[dict[str, Any]]:
     """One task: the steady states of some models, the same as if each were computed alone."""
-    transient, t_max = options.transient, options.t_max
+    transient = options.transient
     method: Any = options.method  # a Taylor if there are several models
     if len(models) == 1 or transient == 0.0:
         return [steady_state_task(model, start, options) for model, start in zip(models, starts)]
     ends = ensemble(models, transient, x0=np.array(starts), method=method, progress=False)
-    rest = t_max - transient if t_max is not None and t_max > transient else None
-    after = replace(options, transient=0.0, t_max=rest)
-    ended = zip(models, starts, ends.states, ends.status)
-    return [
-        steady_state_task(m, state, after) if status.ok else steady_state_task(m, start, options)
-        for m, start, state, status in ended
-    ]
+    after = replace(options, transient=0.0, t_max=None)
+    results: list[dict[str, Any]] = []
+    for model, start, state, status in zip(models, starts, ends.states, ends.status):
+        result = steady_state_task(model, state, after) if status.ok else None
+        if result is None or result["kind"] == MotionKind.NOT_SETTLED:
+            # What has not settled is judged by its transient too, of which an ensemble keeps only the end.
+            result = steady_state_task(model, start, options)
+        results.append(result)
+    return results
 
 
 def steady_state_task(

@@ -6,9 +6,11 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
+from frictionlab.automaton import HybridAutomaton, Mode
 from tests.helpers.cases import slow_but
 
 FLAT = fl.SliderOnBelt().without("geometry")
@@ -19,6 +21,11 @@ SHORT = {"transient": 40.0, "window": 20.0, "progress": False}
 @pytest.fixture(scope="module")
 def one_worker(tmp_path_factory):
     return fl.bifurcation(FLAT, "mu_k", VALUES, workers=1, **SHORT)
+
+
+def damped_oscillator():
+    x, y, k = sp.symbols("x y k")
+    return HybridAutomaton((x, y), (Mode("m", (y, -k * x - y / 10)),), {k: 1.0}, coordinates=1)
 
 
 def same(found, expected):
@@ -118,16 +125,18 @@ def test_what_ends_early_is_said_and_hinders_nothing():
 
 
 @pytest.mark.parametrize(
-    ("smooth", "parameter"),
+    ("smooth", "parameter", "x0", "transient"),
     [
-        (fl.SliderOnBelt().without("nonsmooth", "geometry"), "mu_k"),
-        (fl.Structure([("m", [[1.0]])], [[1.0]], [[0.1]], parameters={"m": 2.0}), "m"),  # modes of its own
+        (fl.SliderOnBelt().without("nonsmooth", "geometry"), "mu_k", "near", 2.0),
+        # modes of its own
+        (fl.Structure([("m", [[1.0]])], [[1.0]], [[0.1]], parameters={"m": 2.0}), "m", "near", 2.0),
+        (damped_oscillator(), "k", [1.0, 0.0], 200.0),  # at rest, judged by what it was in the transient
     ],
 )
-def test_values_side_by_side_give_what_each_gives_alone(smooth, parameter):
+def test_values_side_by_side_give_what_each_gives_alone(smooth, parameter, x0, transient):
     """Without events transients run in groups; whether a value is in one makes no difference."""
     values = np.linspace(0.2, 1.0, 18)
-    options = {"x0": "near", "transient": 2.0, "window": 1.0, "progress": False}
+    options = {"x0": x0, "transient": transient, "window": 20.0, "progress": False}
     together = fl.bifurcation(smooth, parameter, values, **options)
     for i in (0, 7, 17):
         alone = fl.bifurcation(smooth, parameter, values[i : i + 1], **options)
