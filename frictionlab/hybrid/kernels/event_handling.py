@@ -11,7 +11,13 @@ from __future__ import annotations
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
-from frictionlab.hybrid.kernels.impacts import FLIGHTS, impact, is_short, stay_limit
+from frictionlab.hybrid.kernels.impacts import (
+    FLIGHTS,
+    impact,
+    is_short,
+    keep_regimes_until_impacts,
+    stay_limit,
+)
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets
 from frictionlab.hybrid.kernels.mode_selection import (
     NO_MODE,
@@ -36,6 +42,7 @@ from frictionlab.hybrid.kernels.run_state import (
     MODE,
     MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
+    NO_REGIME,
     NOW,
     REPEATED,
     RUNNING,
@@ -143,6 +150,8 @@ def reset_and_select_mode(system, queue, truncation, event, run, record, scratch
             return selection, 1
     count = reset_at_event(system, truncation, event, run, record, scratch)
     guard = impacts.guards[0]
+    if queue is not None:
+        keep_regimes_until_impacts(system, queue, truncation.tol, count, run, scratch)
     # Where all comes to rest, what is left is a rounding error of the states before.
     rests = is_closed(count, impacts) or not is_impact(code, guard)
     rounding = Rounding(run.sizes if rests else z, COEFFICIENT_ROUNDING)
@@ -159,6 +168,8 @@ def reset_and_select_mode(system, queue, truncation, event, run, record, scratch
         before = record.event_states[run.counts[EVENTS], 0]
         count_negative_as_zero(system, run.counts[MODE], before, scratch)
         selection = select_target(system, queue, guard, z, Rounding(run.sizes, remainder), order, scratch)
+    if queue is not None:
+        queue.kept[:] = NO_REGIME
     return selection, count
 
 

@@ -37,6 +37,7 @@ from frictionlab.hybrid.kernels.mode_selection import (
     apply_reset,
     forget_zeros,
     is_impact,
+    keep_regimes,
     set_zeros_by_construction,
 )
 from frictionlab.hybrid.kernels.run_state import (
@@ -381,6 +382,37 @@ def keep_touching(code, run, scratch):
             c = code.function_classes[g]
             scratch.structural_zeros[c] = max(scratch.structural_zeros[c], touching[count])
             count += 1
+
+
+@inlined
+def has_acted(guard, count, impacts):
+    """Whether the impact of a guard is one of those that acted last."""
+    acted = False
+    for i in range(count):
+        acted = acted or impacts.guards[i] == guard
+    return acted
+
+
+@kernel
+def keep_regimes_until_impacts(system, queue, tol, count, run, scratch):
+    """Note which other impacts are still to come after `count` impacts, or another event, at this instant.
+
+    Their guards are zero, or negative by rounding, and close.  The regimes that they end are kept until then:
+    else the contact would close by its spring, without its impact.
+    """
+    code, mode, J, linearised = system.code, run.counts[MODE], scratch.jets, False
+    for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
+        slot, c = code.function_slots[g], code.function_classes[g]
+        if c == 0 or not is_impact(code, g) or has_acted(g, count, scratch.impacts):
+            continue
+        if not linearised:
+            linearise_guards(system, run, scratch)
+            linearised = True
+        at_zero = is_zero(code, g, tol, scratch) or J[slot, 0] < 0.0
+        if at_zero and not is_rounding(code, g, scratch):
+            scratch.structural_zeros[c] = max(1, scratch.structural_zeros[c])
+            if J[slot, 1] < 0.0:
+                keep_regimes(queue, mode, g)
 
 
 @inlined

@@ -35,6 +35,7 @@ from frictionlab.hybrid.kernels.jets import (
     reset_values,
     widen_by_reset,
 )
+from frictionlab.hybrid.kernels.run_state import NO_REGIME
 
 NO_MODE, MISSING = -1, -2
 BY_VALUES = 0  # the order that stands for a choice by the values of conditions, without series
@@ -407,6 +408,33 @@ def mark_regimes(system, queue, z, rounding, scratch):
             slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
             if leading_order(J[slot], bounds[slot], zeros, 0, rounding.share) == 0 and J[slot, 0] < 0.0:
                 allowed[r] = 0
+    regimes, kept = queue.demand.regimes, queue.kept
+    for i in range(kept.shape[0]):
+        for r in range(regimes[i], regimes[i + 1]):
+            if kept[i] != NO_REGIME and r != regimes[i] + kept[i]:
+                allowed[r] = 0
+
+
+@kernel
+def keep_regimes(queue, mode, guard):
+    """Note that the regimes of a mode which the event of a guard changes are kept until then."""
+    demand = queue.demand
+    for k in range(demand.modes.shape[0]):
+        if demand.modes[k] == mode:
+            row = demand.combinations[k]
+            for t in range(demand.listed[guard], demand.listed[guard + 1]):
+                for i in range(row.shape[0]):
+                    if demand.targets[t, i] != row[i]:
+                        queue.kept[i] = row[i]
+
+
+@inlined
+def awaits_impact(queue):
+    """Whether an impact is still to come at this instant."""
+    awaits = False
+    for i in range(queue.kept.shape[0]):
+        awaits = awaits or queue.kept[i] != NO_REGIME
+    return awaits
 
 
 @kernel
@@ -443,11 +471,15 @@ def try_candidate(system, mode, z, rounding, order, scratch):
 def select_combination(system, queue, guard, z, rounding, order, scratch):
     """First admissible mode after the event of a guard, or at a start (NO_MODE): a :class:`Selection`.
 
-    Otherwise as :func:`select_mode`.  The combination of a missing mode is left in ``queue.missing``.
+    Otherwise as :func:`select_mode`.  The combination of a missing mode is left in ``queue.missing``.  Where
+    an impact is still to come at this instant, the first mode is entered that this impact ends at once.
     """
     rows, parts, leading, passed = queue.rows, queue.place.shape[0], 0, NO_MODE
     own = 0 if guard == NO_MODE else insert_targets(queue, 0, guard, 0)
-    count, tried, marked = own, 0, False
+    count, tried, awaits = own, 0, awaits_impact(queue)
+    marked = awaits
+    if awaits:
+        mark_regimes(system, queue, z, rounding, scratch)
     queue.progress[0], queue.progress[1] = rows.shape[0], 0
     while tried < rows.shape[0]:
         mode = find_mode(queue.demand, rows[tried]) if tried < count else UNKNOWN
@@ -465,13 +497,15 @@ def select_combination(system, queue, guard, z, rounding, order, scratch):
         if mode == UNKNOWN and is_allowed(queue, rows[tried - 1]):
             copy_vector(rows[tried - 1], queue.missing)
             return Selection(NO_MODE, MISSING)
-        if mode < 0:
+        if mode < 0 or (awaits and not is_allowed(queue, rows[tried - 1])):
             continue
         verdict = try_candidate(system, mode, z, rounding, order, scratch)
         if verdict > AT_ANOTHER_EVENT:
             return Selection(mode, NO_MODE)
         if verdict == AT_ANOTHER_EVENT and passed == NO_MODE:
             passed = mode
+            if awaits:
+                break
         if not marked:
             mark_regimes(system, queue, z, rounding, scratch)
             marked = True

@@ -19,6 +19,7 @@ RUNNING, FINISHED, NO_ADMISSIBLE_MODE, STALLED, ZENO, NOT_FINITE, MODE_NOT_DERIV
 
 # Most combinations of regimes tried after an event: all those of 6 contacts that stick or slip either way.
 MAX_CANDIDATES = 3**6
+NO_REGIME = -1
 CLOCK_RESOLUTION = 1e-15  # a step of this share of the time changes only the clock's last digits
 
 
@@ -30,6 +31,7 @@ class CombinationQueue(NamedTuple):
     allowed: np.ndarray  # (regimes,) whether their conditions allow a mode with them
     place: np.ndarray  # (parts,) the last combination taken in the automaton's order
     missing: np.ndarray  # (parts,) scratch, and in the end the combination that is to be derived
+    kept: np.ndarray  # (parts,) the regime that an impact is to end at this instant; NO_REGIME elsewhere
     progress: np.ndarray  # (2,) fewest guards that failed, joint changes that may not lower this
 
 
@@ -234,7 +236,8 @@ def new_queue(demand: Demand | None) -> CombinationQueue | None:
     parts, regimes = len(demand.regimes) - 1, demand.regimes[-1]
     rows, allowed = np.zeros((MAX_CANDIDATES, parts), dtype=np.int64), np.zeros(regimes, dtype=np.int64)
     place, missing = np.zeros((2, parts), dtype=np.int64)
-    return CombinationQueue(demand, rows, allowed, place, missing, np.zeros(2, dtype=np.int64))
+    kept, progress = np.full(parts, NO_REGIME), np.zeros(2, dtype=np.int64)
+    return CombinationQueue(demand, rows, allowed, place, missing, kept, progress)
 
 
 def jet_columns(order: int) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
+from frictionlab.hybrid.kernels.impacts import keep_regimes_until_impacts
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import (
     ADMITTED,
@@ -36,6 +37,7 @@ from frictionlab.hybrid.kernels.run_state import (
     MODE,
     MODE_NOT_DERIVED,
     NO_ADMISSIBLE_MODE,
+    NO_REGIME,
     NOT_FINITE,
     NOW,
     RUNNING,
@@ -66,18 +68,23 @@ def failed_guard(code, numbers, mode, z, J):
 
 
 @kernel
-def select_mode_by_values(system, queue, guard, z, scratch):
+def select_mode_by_values(system, queue, guard, run, scratch):
     """First target whose conditions hold by their values; those that the event made zero do.
 
     So slip is entered after a re-contact, whatever the penetration rate.  The guard itself is negative where
     no reset makes it zero, as at a border: what it is a condition of does not go on.
     """
+    z = run.state
     set_zeros_by_construction(system.code, guard, 0, scratch)
     if system.code.resets[guard, 0] < 0:
         scratch.structural_zeros[system.code.function_classes[guard]] = 0
     if queue is not None:
         rounding = Rounding(z, COEFFICIENT_ROUNDING)
-        return select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)
+        scratch.impacts.guards[0] = guard
+        keep_regimes_until_impacts(system, queue, 0.0, 1, run, scratch)
+        selection = select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)
+        queue.kept[:] = NO_REGIME
+        return selection
     for mode in system.code.targets[guard]:
         if try_mode_by_values(system, mode, z, scratch) == ADMITTED:
             return Selection(mode, NO_MODE)
@@ -92,7 +99,7 @@ def change_mode(system, queue, event, run, record, scratch):
     record.event_times[row] = run.times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
     apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
-    mode, missing = select_mode_by_values(system, queue, guard, run.state, scratch)
+    mode, missing = select_mode_by_values(system, queue, guard, run, scratch)
     if missing != NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
         leave_event(event, run)

@@ -335,6 +335,23 @@ def test_energy_never_grows_at_contacts_that_close_together():
     assert together > 20  # of the others the first impact opens what else closes
 
 
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.4, -0.7)])
+@pytest.mark.parametrize(
+    ("impact", "cosine", "rates"),
+    [(fl.PlasticImpact("full"), 0.5, (-0.2, 0.0)), (fl.RestitutionImpact(e=1.0), -0.5, (-0.9, -1.0))],
+)
+def test_each_contact_that_closes_at_one_instant_has_its_impact(impact, cosine, rates, place):
+    """Closing rates 1 and 0.9 become 0 and 0.4, then -0.2 and 0; three reflections exchange them."""
+    normal = np.array([[1.0, 0.0], [cosine, np.sqrt(1.0 - cosine**2)]])
+    law, gap = fl.LinearContact(k2=1e3), -normal @ place
+    tangent = normal[:, ::-1] * [1.0, -1.0]
+    pads = fl.SlidingContacts(tangent, normal, law, v=0.0, impact=impact, penetration=gap)
+    v = np.linalg.solve(normal, [1.0, 0.9])
+    structure, x0 = fl.Structure(np.eye(2), np.zeros((2, 2)), contacts=pads), np.append(place - 0.1 * v, v)
+    run = fl.simulate(structure, 0.2, x0=x0, progress=False)
+    np.testing.assert_allclose(normal @ run.final_state[2:], rates, atol=1e-12)
+
+
 def test_a_contact_slips_at_the_speed_that_others_stuck_give_it():
     """v_r = -v of the third, where the first two hold both freedoms: they let go as 2 N = k v t + N/2."""
     pads = fl.SlidingContacts(
