@@ -168,17 +168,19 @@ def batch_result(group: Batch) -> BatchResult:
     status = tuple(_status(int(s), totals, runs.caps) for s, totals in zip(runs.status, runs.totals))
     modes, now = runs.counts[:, run_state.MODE], runs.times[:, run_state.NOW]
     steps, events = runs.totals.T.copy()
-    states = np.array([_final_state(group, i, how) for i, how in enumerate(status)])
+    states = _final_states(group, status)
     return BatchResult(now.copy(), states, modes.copy(), steps, events, status)
 
 
-def _final_state(group: Batch, i: int, status: Status) -> np.ndarray:
-    """That of a single run, which is on the constraints of its mode."""
-    state, mode = group.runs.states[i], int(group.runs.counts[i, run_state.MODE])
-    if not status.ok:
-        return state
-    problem = _problem_of_run(group, i, 0.0).with_derived_modes()
-    return state_on_constraints(problem.program, problem.numbers, mode, state)
+def _final_states(group: Batch, status: Sequence[Status]) -> np.ndarray:
+    """Those of single runs, which are on the constraints of their modes."""
+    states, modes = group.runs.states.copy(), group.runs.counts[:, run_state.MODE]
+    constrained = np.diff(group.program.code.mode_constraints) > 0
+    for i, how in enumerate(status):
+        if how.ok and (group.alone or constrained[modes[i]]):
+            problem = _problem_of_run(group, i, 0.0).with_derived_modes()
+            states[i] = state_on_constraints(problem.program, problem.numbers, int(modes[i]), states[i])
+    return states
 
 
 def _status(status: int, totals: np.ndarray, caps: np.ndarray) -> Status:
