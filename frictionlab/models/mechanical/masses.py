@@ -67,9 +67,9 @@ def check_frequency(model: MechanicalModel) -> None:
         return
     (frequency,) = formulas.numbers(*(model.parameters[name] for name in names))
     if frequency < 0.0:
-        at = ", ".join(f"{name} = {model.parameters[name]:g}" for name in names)
+        at = " at " * bool(names) + ", ".join(f"{name} = {model.parameters[name]:g}" for name in names)
         raise ValueError(
-            f"frequency of {type(model).__name__} must be at least 0, got {frequency:g} at {at}: give it "
+            f"frequency of {type(model).__name__} must be at least 0, got {frequency:g}{at}: give it "
             "without the sign, and write -q.phase for q.phase where the load runs backwards"
         )
 
@@ -78,21 +78,23 @@ def check_frequency(model: MechanicalModel) -> None:
 def _frequency(key: StructureKey) -> tuple[list[str], Formulas | None]:
     """The parameters of the frequency, and its formula of them; None where it cannot be negative."""
     derivations = derivations_of(key)
-    names = derivations.value("frequency", lambda: _names_in_frequency(key))
-    if not names:
+    about = derivations.value("frequency", lambda: _about_frequency(key))
+    names = about["parameters"]
+    if about["surely not negative"]:
         return names, None
     return names, kept_formulas(derivations, "frequency", lambda: _frequency_formula(key, names))
 
 
-def _names_in_frequency(key: StructureKey) -> list[str]:
-    """The parameters on which the frequency depends; none where it cannot be negative."""
+def _about_frequency(key: StructureKey) -> dict[str, Any]:
+    """The parameters on which the frequency depends, and whether it cannot be negative."""
     from .equations_of_motion import system_of
 
     given = system_of(key).mechanics.frequency
     frequency = sympy.sympify(0 if given is None else given, strict=True)
-    if frequency.xreplace(known_signs(key)).is_nonnegative:
-        return []
-    return [name for name in key.parameters if symbol(name) in frequency.free_symbols]
+    return {
+        "parameters": [name for name in key.parameters if symbol(name) in frequency.free_symbols],
+        "surely not negative": bool(frequency.xreplace(known_signs(key)).is_nonnegative),
+    }
 
 
 def _frequency_formula(key: StructureKey, names: Sequence[str]) -> Formulas:

@@ -2,7 +2,7 @@
 
 import math
 import pickle
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -681,10 +681,19 @@ class SquareWave(fl.MechanicalModel):
         return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, loads={"x": force}, frequency=self.Omega)
 
 
+@fl.model
+class Backwards(SquareWave):
+    """Its frequency is a number."""
+
+    def mechanics(self, q, v):
+        return replace(super().mechanics(q, v), frequency=-3.0)
+
+
 def test_a_law_in_pieces_of_the_phase_repeats_from_any_phase():
     starts = {"phase": -1.0}, {"phase": 2 * math.pi - 1.0}
     below, within = (fl.simulate(SquareWave(), 20.0, x0=x0, progress=False) for x0 in starts)
     assert len(below.events) == len(within.events) == 19
     assert below.final_state == pytest.approx(within.final_state, abs=1e-13)
-    with pytest.raises(ValueError, match="frequency of SquareWave must be at least 0, got -3"):
-        fl.simulate(SquareWave(Omega=-3.0), 20.0)
+    for model in (SquareWave(Omega=-3.0), Backwards()):
+        with pytest.raises(ValueError, match=r"^frequency of \w+ must be at least 0, got -3( at O.*)?: give"):
+            fl.simulate(model, 20.0)
