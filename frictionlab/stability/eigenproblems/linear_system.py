@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import output_formulas
 from frictionlab.lazy_names import sympy
 from frictionlab.models.composition import parameter_unit
@@ -33,7 +35,7 @@ from frictionlab.stability.equilibrium_points.equilibria import Equilibrium, equ
 from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from frictionlab.stability.equilibrium_points.steady_modes import first_mode_equilibria
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
-from frictionlab.tape.formulas import formulas_of
+from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import (
     abbreviate,
     check_sequence,
@@ -250,18 +252,17 @@ def linearize(
     for name in output_names:
         _place("outputs", name, [*states, *automaton.outputs])
     A: Any = jacobian(model, point.state)
-    pushed = None
+    forces = ForceResponse(np.zeros((0, 0)), {})
     if isinstance(model, MechanicalModel) and not {*input_names}.isdisjoint(coordinates):
-        pushed = _pushed(model, mode)
-    B = _input_matrix(problem, pushed, point.state, input_names)
+        forces = _force_response(model, mode, point.state)
+    moved: dict[str, Array] = dict(zip(coordinates, forces.accelerations.T))
+    B = _input_matrix(problem, moved, point.state, input_names)
     C: Any = np.zeros((len(output_names), len(states)))
     D: Any = np.zeros((len(output_names), len(input_names)))
     for row, name in enumerate(output_names):
         slopes = _slopes_of_output(automaton, mode, name, point.state)
         C[row] = [slopes.get(state, 0.0) for state in states]
-        by_force = np.zeros(len(coordinates))
-        if pushed is not None and name in pushed.outputs:
-            by_force = pushed.slopes(point.state, [pushed.outputs[name]])[0]
+        by_force = forces.outputs.get(name, np.zeros(len(coordinates)))
         direct = slopes | dict(zip(coordinates, by_force.tolist(), strict=True))
         D[row] = [direct.get(one, 0.0) for one in input_names]
     for name in automaton.cyclic:  # there measured from others that turn with it; here each by itself
@@ -282,15 +283,11 @@ def linearize(
 
 
 def _input_matrix(
-    problem: EquilibriumProblem, pushed: Pushed | None, state: Array, inputs: Sequence[str]
+    problem: EquilibriumProblem, moved: Mapping[str, Array], state: Array, inputs: Sequence[str]
 ) -> Array:
-    """B (m, inputs): accelerations by forces along coordinates, and rates by parameters."""
+    """B (m, inputs): accelerations by forces along coordinates, `moved`, and rates by parameters."""
     matrix = np.zeros((len(state), len(inputs)))
     by_parameter = problem.flow.by_parameter.at(state, problem.values)
-    moved: dict[str, Array] = {}
-    if pushed is not None:
-        columns = pushed.slopes(state, pushed.accelerations).T
-        moved = dict(zip(pushed.model.coordinates, columns, strict=True))
     for k, name in enumerate(inputs):
         if name in moved:
             matrix[len(moved) : 2 * len(moved), k] = moved[name]
@@ -324,37 +321,43 @@ def _mode_of_equilibrium(model: ModelOrAutomaton) -> tuple[str, list[int]]:
     return mode.name, [place for place in mode.following if place not in cyclic]
 
 
-class Pushed(NamedTuple):
-    """Accelerations and outputs of a mode with forces along the coordinates.
+class ForceResponse(NamedTuple):
+    """Derivatives by forces along the coordinates: of accelerations (n, n); of outputs (n,), by their names,
+    where contacts hold, as what these do follows the forces."""
 
-    What contacts do that hold follows the forces, and friction with it.
-    """
-
-    model: MechanicalModel
-    pushes: list[Any]
-    accelerations: list[Any]
-    outputs: Mapping[str, Any]
-
-    def slopes(self, state: Array, functions: Sequence[Any]) -> Array:
-        """Derivatives (k, n) of functions by the forces at a state."""
-        model, automaton = self.model, automaton_of(self.model).whole
-        inputs = [*automaton.states, *parameter_symbols(model.structure_key), *self.pushes]
-        formulas = formulas_of(inputs, [sympy.diff(one, push) for one in functions for push in self.pushes])
-        values = [model.parameters[name] for name in model.structure_key.parameters]
-        numbers = formulas.numbers(*state, *values, *[0.0] * len(self.pushes))
-        return numbers.reshape(len(functions), len(self.pushes))
+    accelerations: Array
+    outputs: Mapping[str, Array]
 
 
-def _pushed(model: MechanicalModel, mode: str) -> Pushed:
+def _force_response(model: MechanicalModel, mode: str, state: Array) -> ForceResponse:
+    names, formulas = _force_formulas(model.structure_key, mode)
+    values = [model.parameters[name] for name in model.structure_key.parameters]
+    pushes = np.zeros(len(model.coordinates))
+    rows: Any = formulas.numbers(*state, *values, *pushes).reshape(-1, len(pushes))
+    if not names:
+        return ForceResponse(np.linalg.inv(rows), {})
+    split = len(rows) - len(names)
+    return ForceResponse(rows[:split], dict(zip(names, rows[split:], strict=True)))
+
+
+@cache
+def _force_formulas(key: StructureKey, mode: str) -> tuple[list[str], Formulas]:
+    """The outputs of a mode in which contacts hold, and the derivatives by forces of the accelerations and of
+    these; of other modes no outputs, and the masses."""
     from frictionlab.models.mechanical.equations_of_motion import system_of  # which load sympy
     from frictionlab.models.mechanical.modes import contact_outputs, solve_contact_forces
 
-    system = system_of(model.structure_key)
+    system = system_of(key)
+    pushes = [sympy.Dummy(f"push {name}", real=True) for name in system.q]
+    inputs = [*system.states, *parameter_symbols(key), *pushes]
     regimes = system.chosen(system.names.combination_of(mode) or ())
-    pushes = [sympy.Dummy(f"push {name}", real=True) for name in model.coordinates]
+    if not any(one.force is None or one.by_holding is not None for one in regimes):
+        return [], formulas_of(inputs, list(system.mass))
     loads = tuple(load + push for load, push in zip(system.loads, pushes, strict=True))
     forces = solve_contact_forces(replace(system, loads=loads), regimes)
-    return Pushed(model, pushes, forces.accelerations, contact_outputs(system, regimes, forces))
+    outputs = contact_outputs(system, regimes, forces)
+    slopes = [sympy.diff(one, push) for one in (*forces.accelerations, *outputs.values()) for push in pushes]
+    return [*outputs], formulas_of(inputs, slopes)
 
 
 def _names(what: str, names: Any, usual: Sequence[str]) -> tuple[str, ...]:

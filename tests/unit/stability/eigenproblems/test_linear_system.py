@@ -49,6 +49,13 @@ def test_coupled_masses_with_a_motor_respond_as_their_dynamic_stiffness_says():
         assert got == pytest.approx(np.linalg.inv(dynamic), rel=1e-10)
 
 
+def test_responses_of_a_structure_to_forces_are_derived_once(monkeypatch):
+    fl.linearize(Loaded())
+    monkeypatch.setattr("frictionlab.stability.eigenproblems.linear_system.formulas_of", None)
+    mass = [[4.0, 0.5], [0.5, 1.0]]
+    assert fl.linearize(Loaded(m=4.0)).B[2:4] == pytest.approx(np.linalg.inv(mass), rel=1e-14)
+
+
 def test_poles_are_the_eigenvalues_and_damping_ratios_those_of_the_modes():
     system, known = fl.linearize(SLIDER), fl.eigenvalues(SLIDER)
     assert np.sort_complex(system.eigenvalues) == pytest.approx(np.sort_complex(known.values), rel=1e-9)
