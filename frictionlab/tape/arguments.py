@@ -39,6 +39,8 @@ FUNCTIONS = (
 NAME_PATTERN = re.compile(  # x' is the rate of x; a function is no name where it is called
     rf"(?<![\w.])(?!(?:{'|'.join(FUNCTIONS)})\s*\()[A-Za-z_]\w*'?"
 )
+# Columns of tables of runs and their events, beside states and outputs.
+COLUMNS = re.compile(r"mode|source|target|guard|closed|(friction_)?impulse(_\d+)?")
 MAX_LENGTH = 1000  # characters; a text that a person wrote is shorter
 MAX_EXPONENT = 100  # a power becomes at most as many products
 MAX_NUMBER = 1e300  # within the range of double precision, with room for products
@@ -99,11 +101,11 @@ def check_structure(
                 f"every mode must have the same outputs, got {abbreviate([*mode.outputs])} in {mode.name!r} "
                 f"and {abbreviate([*modes[0].outputs])} in {modes[0].name!r}: give each mode all of them"
             )
-    shown = {*modes[0].outputs, "mode"}  # with the states the columns of a table
-    if taken := [name for name in symbols[: len(states)] if name in shown]:
+    shown = modes[0].outputs  # with the states and those of COLUMNS the columns of tables
+    if taken := [name for name in symbols[: len(states)] if name in shown or COLUMNS.fullmatch(name)]:
         raise ValueError(
-            f"a state must not be named mode, nor like an output, got {taken[0]!r} beside "
-            f"{abbreviate([*modes[0].outputs])}: rename it"
+            "a state must not be named like an output or another column of tables (mode, source, target, "
+            f"guard, closed, impulse), got {taken[0]!r} beside {abbreviate([*shown])}: rename it"
         )
     context = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:
