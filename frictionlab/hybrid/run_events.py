@@ -43,7 +43,8 @@ class Events:
     ``run.events[0]`` is an event, ``run.events[run.events.target == "stick"]`` are some of them.
 
     States and outputs of events have names, as those of a run have: ``run.events["x1"]`` after the events.
-    The outputs of a :class:`MechanicalModel` are the impulses of its impacts, N s, M (v+ - v-) = sum of W p:
+    The outputs of a :class:`MechanicalModel` or a :class:`Structure` are the impulses of its impacts, N s,
+    M (v+ - v-) = sum of W p:
     "impulse" of the normal force and, of impact laws with friction, "friction_impulse"; numbered as outputs
     of runs are, "impulse_1", where there are several contacts.  They are 0 at an event at which the contact
     has no impact.  Impacts at one instant have an event each, or one together.
@@ -114,9 +115,10 @@ class Events:
         outputs = self.outputs().values
         if name not in outputs:
             known = [*self.names, *outputs]
+            none = "" if outputs else "; they have impulses where a contact of a model has an impact law"
             raise KeyError(
                 f"the events have no {abbreviate(name)}{did_you_mean(name, known)}; they have "
-                f"{', '.join(known)}; impulses are of impacts of a MechanicalModel, which states its masses"
+                f"{', '.join(known)}{none}"
             )
         return outputs[name]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -323,23 +323,28 @@ class Trajectory(Drawable):
             return values
         return values.reshape(np.shape(t)) if np.ndim(t) else float(values[0])
 
-    @cached_property
+    @property
     def events(self) -> Events:
+        # Made anew: events know the run for their outputs, and a run that knew them would never be free.
+        return Events(**self._columns_of_events, outputs=partial(getattr, self, "_outputs_of_events"))
+
+    @cached_property
+    def _columns_of_events(self) -> dict[str, Any]:
         raw, program = self.raw, self.problem.program
         guards = raw.event_codes[:, 0]
-        return Events(
-            t=raw.event_times,
-            source=self._mode_names(program.guard_modes[guards] if len(guards) else guards),
-            target=self._mode_names(raw.event_codes[:, 1]),
-            guard=np.array([*program.guards, ""])[guards],
-            state=raw.event_states[:, 1],
-            before=raw.event_states[:, 0],
-            closed=raw.event_codes[:, 2].astype(bool),
-            names=self.names,
-            units=tuple(unit_of_state(self.source, name) for name in self.names),
-            outputs=self._outputs_of_events,
-        )
+        return {
+            "t": raw.event_times,
+            "source": self._mode_names(program.guard_modes[guards] if len(guards) else guards),
+            "target": self._mode_names(raw.event_codes[:, 1]),
+            "guard": np.array([*program.guards, ""])[guards],
+            "state": raw.event_states[:, 1],
+            "before": raw.event_states[:, 0],
+            "closed": raw.event_codes[:, 2].astype(bool),
+            "names": self.names,
+            "units": tuple(unit_of_state(self.source, name) for name in self.names),
+        }
 
+    @cached_property
     def _outputs_of_events(self) -> EventOutputs:
         """The impulses, where a model says what they are, and their units."""
         if not hasattr(self.source, "outputs_of_events"):

@@ -30,7 +30,13 @@ from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
-from frictionlab.models.mechanical.modes import HoldingForce, Solution, conditions_of_regime, mode_of
+from frictionlab.models.mechanical.modes import (
+    HoldingForce,
+    Solution,
+    conditions_of_regime,
+    contact_suffix,
+    mode_of,
+)
 from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.sliding_contacts import SlidingContacts
@@ -176,6 +182,20 @@ def structure_system(structure: Structure) -> StructureSystem:
         belts=tuple(symbol(one.parameter("v")) for one in structure.contacts for _ in range(one.count)),
         speeds=_speeds(structure),
     )
+
+
+def impulses_by_name(structure: Structure, events: Any) -> dict[str, Array]:
+    """The impulses (E,) of a run's events, N s: v+ - v- = M^-1 (T^T p_T - G^T p_N) where a gap closes."""
+    system, by_name = structure_system(structure), dict[str, Array]()
+    jumps = (events.state - events.before)[:, structure.size :]
+    for i, contact in enumerate(system.mechanics.contacts):
+        if not isinstance(contact, Friction) or contact.impact is None:
+            continue
+        suffix, columns = contact_suffix(system, i), system.directions_of_impact(i, contact.impact)
+        impulses, struck = np.zeros((len(columns), len(events))), events.guard == "gap" + suffix
+        impulses[:, struck] = np.linalg.lstsq(columns.T, jumps[struck].T)[0]
+        by_name |= dict(zip(("impulse" + suffix, "friction_impulse" + suffix), impulses))
+    return by_name
 
 
 def contacts_with_undetermined_friction(structure: Structure, mode: str) -> tuple[int, ...]:
@@ -429,6 +449,16 @@ class StructureSystem(LagrangeSystem):
     def _impacts(self) -> dict[Any, tuple[Reset, Reset]]:
         return {}
 
+    def directions_of_impact(self, i: int, law: ImpactLaw) -> Array:
+        """v+ - v- (1 or 2, n) by unit impulses of contact `i`: along the normal, and of friction if the law
+        has any and it does not act along the normal."""
+        along_normal, along_tangent = self._pushed_by_normals[:, i], self._pushed_by_tangents[:, i]
+        normal, softness = self.normals[i], self._compliance[i, i]
+        soft = softness + (normal @ along_tangent) ** 2 / (normal @ along_normal)
+        rubs = law.has_own_friction or law.friction_coefficient != 0
+        both = rubs and soft > DEPENDENT * softness
+        return np.array([along_normal, along_tangent] if both else [along_normal])
+
     def _impact(self, contact: Friction, law: ImpactLaw) -> Reset:
         """The reset by an impact law: an impulse along the normal, and one of friction if it has any."""
         i = self.mechanics.contacts.index(contact)
@@ -441,10 +471,9 @@ class StructureSystem(LagrangeSystem):
         order = 2 if opening == 0 else 1
         coupling = float(normal @ along_tangent)
         share = coupling / float(softness)
-        soft = float(self._compliance[i, i]) - coupling * share
         rubbing: Any = sympy.S.Zero
-        rubs = law.has_own_friction or law.friction_coefficient != 0
-        if rubs and soft > DEPENDENT * self._compliance[i, i]:  # else friction acts along the normal force
+        if len(self.directions_of_impact(i, law)) > 1:
+            soft = float(self._compliance[i, i]) - coupling * share
             stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
             if share == 0 or law.has_own_friction:
                 rubbing = law.friction(impulse, stopping)

@@ -362,6 +362,12 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         """Energies and powers along a run with these modes."""
         return StructureBalance(self, automaton, mode_names)
 
+    def outputs_of_events(self, events: Any, states: Any) -> dict[str, Array]:
+        """The impulses of `run.events` (E,), by their names; `states` (N, 2n) are those of the samples."""
+        from frictionlab.structures.motion import impulses_by_name
+
+        return impulses_by_name(self, events)
+
     def to_dict(self) -> dict[str, Any]:
         """Matrices, contacts and parameters as data that JSON can hold."""
         return {"system": "frictionlab:Structure", **structure_to_data(self)}

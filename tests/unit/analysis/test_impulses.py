@@ -1,6 +1,8 @@
 """Impulses of impacts: m (1 + e) v, Coulomb's cone, and what keeps a ball in the air."""
 
+import gc
 import pickle
+import weakref
 
 import numpy as np
 import pytest
@@ -115,13 +117,28 @@ def test_friction_of_a_law_of_ones_own_acts_at_every_contact(model):
     assert run.events["friction_impulse"][0] == pytest.approx(-3.0 * 2.0 / 2, rel=1e-8)
 
 
-def test_what_has_no_masses_has_no_impulses():
+def test_what_has_no_impacts_has_no_impulses():
     for run in (
         fl.solve(fl.BouncingBall().automaton(), 0.1, x0=[1.0, 0.0]),
         fl.simulate(fl.MassOnBelt(), 1.0),
     ):
-        with pytest.raises(KeyError, match=r"the events have no 'impulse'; they have .*states its masses"):
+        with pytest.raises(KeyError, match=r"the events have no 'impulse'; they have .*has an impact law"):
             run.events["impulse"]
+
+
+def test_they_are_computed_once_and_a_run_is_free_when_nobody_has_it():
+    run = fl.simulate(fl.BouncingBall(), 2.0)
+    first, some = run.events["impulse"], run.events[:2]
+    assert run.events["impulse"] is first
+    gone = weakref.ref(run)
+    del run
+    assert some["impulse"].tolist() == first[:2].tolist()
+    gc.disable()
+    try:
+        del some
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 def test_they_are_columns_beside_the_states_of_all_events_or_some():

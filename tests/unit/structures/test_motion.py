@@ -45,7 +45,13 @@ def agree(model: Any, structure: fl.Structure, t_end: float, x0: Any) -> None:
 )
 def test_slider_on_belt_from_matrices_moves_as_the_model(impact):
     model = FLAT.replace(impact=impact, mu_k=2.5)
-    agree(model, slider_on_belt(model), 0.5, "rest")
+    agree(model, structure := slider_on_belt(model), 0.5, "rest")
+    one, other = (fl.simulate(each, 0.5, progress=False).events for each in (model, structure))
+    impulses = one.outputs().values
+    assert any("friction" in name for name in impulses) == isinstance(impact, fl.FrictionalImpact)
+    for name, expected in impulses.items():
+        assert expected.any()
+        assert other[name] == pytest.approx(expected, abs=1e-10)
 
 
 def two_blocks() -> fl.Structure:
