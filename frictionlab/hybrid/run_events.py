@@ -83,6 +83,11 @@ class Events:
     def __len__(self) -> int:
         return len(self.t)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """With the outputs in place of the run, whose model may be of a class that pickle does not find."""
+        values, units = self.outputs()
+        return vars(self) | {"outputs": partial(EventOutputs, {**values}, {**units})}
+
     def __getitem__(self, index: Any) -> Any:
         """One event for an integer; `Events` for a slice, or for an array of integers or truth values; a
         state after the events or an output of them, (E,), for its name."""
