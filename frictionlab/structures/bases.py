@@ -197,7 +197,7 @@ class CraigBampton(_ModesUpToFrequency):
     Raises
     ------
     ValueError
-        For what are no freedoms.
+        For what are no freedoms and, in :func:`reduce`, for a structure that can move as a rigid body.
 
     Examples
     --------
@@ -233,8 +233,9 @@ class CraigBampton(_ModesUpToFrequency):
         held, free = self._freedoms(structure)
         K, M = _without_friction(structure)
         inner, inertia, coupling = K[free][:, free], M[free][:, free], K[free][:, held]
-        solve_all = static_solver(K)
-        solve_inner = static_solver(inner) if len(free) else np.copy
+        cure = "add supports or contacts, or take fl.RealModes()"
+        solve_all = static_solver(K, cure)
+        solve_inner = static_solver(inner, cure) if len(free) else np.copy
 
         def follow(u: Array) -> Array:
             """Displacements of all freedoms by those of the interface."""
@@ -312,6 +313,8 @@ def reduce(
     tol : float
         Share by which eigenvalues may err, of modes that are damped by less than 5 % of critical damping, or
         of all vibrations where none is.
+    basis : ReductionBasis, optional
+        :class:`ComplexModes`, which is the default, :class:`RealModes` or :class:`CraigBampton`.
 
     Returns
     -------
@@ -366,7 +369,7 @@ def reduce(
             f"eigenvalues of the reduced structure may err by {error:.1e}, more than tol = {tol:.1e}: "
             f"{basis.cure}",
             RuntimeWarning,
-            2,
+            3,  # past `explains_keywords`
         )
     return small
 

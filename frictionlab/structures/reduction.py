@@ -180,13 +180,11 @@ def contact_responses(structure: Structure) -> Array:
     return extended(np.zeros((structure.size, 0)), responses, EXACT)
 
 
-def static_solver(stiffness: Matrix) -> Any:
+def static_solver(stiffness: Matrix, cure: str = "add supports or contacts") -> Any:
     """What solves K q = f; ValueError where K is singular."""
     solve = factorised(stiffness.tocsc())
     if solve is None:
-        raise ValueError(
-            "K and the contacts must hold all freedoms, got a singular stiffness: add supports or contacts"
-        )
+        raise ValueError(f"K and the contacts must hold all freedoms, got a singular stiffness: {cure}")
     return solve
 
 

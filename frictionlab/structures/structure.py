@@ -447,7 +447,12 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         return self._copied(window=window)
 
     def projected(self, basis: Any) -> ReducedStructure:
-        """The projection on a real basis (n, r), full or sparse."""
+        """The projection on a real basis (n, r), full or sparse; on a full one of all freedoms the structure.
+
+        Products with another such basis would leave rounding errors where a freedom has no mass.
+        """
+        if isinstance(basis, np.ndarray) and basis.shape[1] == self.size:
+            basis = np.eye(self.size)
         small = object.__new__(ReducedStructure)  # what is right of this one is right of its projection
         for each in fields(Structure):
             part = getattr(self, each.name)

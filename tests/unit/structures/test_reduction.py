@@ -316,10 +316,35 @@ def test_an_interface_may_be_all_freedoms():
     assert np.allclose(fl.eigenvalues(small).values, fl.eigenvalues(large).values)
 
 
+@pytest.mark.parametrize(
+    "basis", [fl.CraigBampton(interface=[5]), fl.RealModes(), fl.ComplexModes()], ids=repr
+)
+def test_a_freedom_without_mass_moves_no_faster_on_a_basis(basis):
+    """With the modes of all others held the basis is full; an interface of a free structure is refused."""
+
+    def frequencies(one):
+        return np.sort(fl.eigenvalues(one).values.imag)
+
+    springs = 2 * np.eye(12) - np.eye(12, k=1) - np.eye(12, k=-1)
+    large = fl.Structure(np.diag(1.0 * (np.arange(12) != 5)), springs, window=(0, 0.3))
+    small = fl.reduce(large, basis=basis)
+    assert small.error < 1e-12
+    assert np.allclose(frequencies(small), frequencies(large), atol=1e-12)
+    assert np.abs(fl.eigenvalues(small).values.real).max() < 1e-12
+    springs[0, 0] = springs[-1, -1] = 1.0
+    free = large.replace(K=springs)
+    if isinstance(basis, fl.CraigBampton):
+        with pytest.raises(ValueError, match=r"got a singular stiffness: .* or take fl.RealModes\(\)"):
+            fl.reduce(free, basis=basis)
+    else:
+        assert np.allclose(frequencies(fl.reduce(free, basis=basis)), frequencies(free), atol=1e-12)
+
+
 def test_a_tolerance_that_a_basis_does_not_reach_is_told(monkeypatch):
     monkeypatch.setattr(bases, "MOST_FREEDOMS", 40)
-    with pytest.warns(RuntimeWarning, match=r"more than tol = 1\.0e-10: take fl.ComplexModes"):
+    with pytest.warns(RuntimeWarning, match=r"more than tol = 1\.0e-10: take fl.ComplexModes") as told:
         small = fl.reduce(chain(), tol=1e-10, basis=fl.RealModes())
+    assert told[0].filename == __file__
     assert small.error > 1e-10
     assert 40 <= small.size < 60
 
