@@ -376,8 +376,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
         turn.  If that does not come to an end, Newton's method starts from all decades
         of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
         So is a phase, or the time, that moves nothing, as where a load's amplitude is 0, or stands still.
-        Of a line of equilibria, as where Jenkins' element sticks with any deflection, one is given, and so
-        where a law underflows to zero, as exp(-x) does beyond 745.
+        Of a straight line of equilibria, as where Jenkins' element sticks with any deflection, one is given,
+        and so where a law underflows to zero, as exp(-x) does beyond 745.
 
     Returns
     -------

@@ -41,7 +41,8 @@ RESTART_ROUNDS = 8  # of new starts from the zeros found
 RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
 CORRECTOR_STEPS = 40  # next to a fold each halves the distance; nearer than 2^-40 it is at the fold
-SAFE_CONTRACTION = 0.25
+SAFE_CHANGE, SAFE_CONTRACTION = 0.5, 0.25  # of the Jacobian within a step, and of the next step
+ROUNDING_OF_OTHERS = 1e-12  # share of the largest state
 STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
 SHORTEST_PART, MOST_PARTS = 2.0**-14, 256  # of the way to other values of the parameters
 CORNER_RTOL = 1e-3  # share of a step over a corner of a law, to which the way back leads to its start
@@ -530,21 +531,29 @@ def _part_way(base: float, values: Any, share: Array) -> Any:
 def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any]:
     """Newton's step (m, N) at other values, and where his method converges from there to the zero at hand.
 
-    By Newton and Kantorovich it does where the next step by the same matrix is at most a quarter of this one.
-    Near another zero that is so by chance.  So what is not linear is bounded within the step too.
+    By Newton and Kantorovich it does where the Jacobian J changes within the step by at most half of itself.
+    The spectral radius of J^-1 dJ tells that share: it depends on no unit, and on no choice of coordinates.
+    Of a rate that jumps J tells nothing.  So the next step by the same J is at most a quarter of this one, in
+    each state, but for what dJ explains.
     """
     matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
     step = _newton_step(matrices, rates)
-    size = np.abs(step).max(axis=0)
     safe: Any = np.isfinite(step).all(axis=0)
     if flow.linear or not safe.any():
         return step, safe
-    rests = [flow.rhs(x + share * step, values) - (1 - share) * rates for share in STEP_SHARES]
-    right = np.stack(rests, axis=-1).swapaxes(0, 1)
-    safe &= np.isfinite(right).all(axis=(1, 2))
-    next_steps = np.abs(solve_matrices(matrices[safe], right[safe])).max(axis=(1, 2))
-    rounding = LAST_STEP_RTOL * np.abs(x[:, safe]).max(axis=0)
-    safe[safe] = next_steps <= np.fmax(SAFE_CONTRACTION * size[safe], rounding)
+    size = np.abs(step)
+    for share in STEP_SHARES:
+        at = x + share * step
+        changes, rest = flow.jacobian(at, values) - matrices, flow.rhs(at, values) - (1 - share) * rates
+        places = np.flatnonzero(changes.any(axis=(0, 1)))  # of states that enter nonlinearly
+        right = np.dstack([changes[..., places], rest.T])
+        safe &= np.isfinite(right).all(axis=(1, 2))
+        solved: Any = np.nan_to_num(solve_matrices(matrices[safe], right[safe]))
+        ratios, next_steps = solved[..., :-1], np.abs(solved[..., -1]).T
+        radii = np.abs(np.linalg.eigvals(ratios[:, places])).max(axis=1, initial=0.0)
+        explained = np.einsum("nij,jn->in", np.abs(ratios), size[places][:, safe])
+        most = SAFE_CONTRACTION * size[:, safe] + explained + _rounding(x[:, safe])
+        safe[safe] = (radii <= SAFE_CHANGE) & (next_steps <= most).all(axis=0)
     return step, safe
 
 
@@ -553,17 +562,23 @@ def _corner_step(
 ) -> tuple[Array, Any]:
     """A step (m, N) over a corner of a law, at which none is safe however short, and where it is right.
 
-    Newton's method leads to the zeros on both sides of x, and from each back to x.  On one side of a fold
-    there is none, and from another branch no way leads back.
+    Newton's method leads to the zeros on both sides of that at hand, and from each back to it.  On one side
+    of a fold there is none, and from another branch no way leads back.
     """
     behind = [h + h - t for h, t in zip(here, there, strict=True)]
-    right, steps = np.ones(x.shape[1], dtype=bool), []
-    for values in (behind, there):
-        zeros = _settled(flow, x, values, start)
+    at_hand, steps = _settled(flow, x, here, start), []
+    for values in (there, behind):
+        zeros = _settled(flow, at_hand, values, start)
         back = _settled(flow, zeros, here, start)
+        same = np.abs(back - at_hand) <= CORNER_RTOL * np.abs(zeros - at_hand) + _rounding(at_hand)
+        at_hand[:, ~same.all(axis=0)] = np.nan  # so that the other side is not looked at
         steps.append(zeros - x)
-        right &= np.abs(back - x).max(axis=0) <= CORNER_RTOL * np.abs(steps[-1]).max(axis=0)
-    return steps[-1], right
+    return steps[0], np.isfinite(at_hand).all(axis=0)
+
+
+def _rounding(x: Array) -> Array:
+    """What may be rounding of states (m, N), each by itself; one that is zero is so to rounding of others."""
+    return LAST_STEP_RTOL * np.abs(x) + ROUNDING_OF_OTHERS * np.abs(x).max(axis=0)
 
 
 def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) -> tuple[Array, Array]:
@@ -612,7 +627,7 @@ def _settled(flow: Flow, x: Array, values: Sequence[Any], start: Array) -> Array
         solved &= np.abs(rates) <= LAST_STEP_RTOL * _times(np.abs(matrices), np.fmax(np.abs(x), scale))
         zeros[:, going] = np.where(solved.all(axis=0), x, np.nan)
         relative = (size / np.fmax(np.abs(x), TINY)).max(axis=0)
-        short = size.max(axis=0) <= LAST_STEP_RTOL * np.abs(x).max(axis=0)
+        short = (size <= _rounding(x)).all(axis=0)
         moves = (size > MACHINE_EPSILON * np.abs(x)).any(axis=0)
         moves &= ~short | (relative < POLISH_CONTRACTION * before)
         if not moves.any():

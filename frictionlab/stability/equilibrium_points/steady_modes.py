@@ -363,7 +363,7 @@ def _is_of_line(flow: Flow, x: Array, values: Sequence[float]) -> bool:
 
 
 def _one_of_each_line(flow: Flow, points: Array, values: Sequence[float]) -> Array:
-    """Equilibria (m, K) without those that a line of equilibria joins with one before them.
+    """Equilibria (m, K) without those that a straight line of equilibria joins with one before them.
 
     Where a law underflows to zero, as exp(-x) does beyond 745, each state that the search tries is one.
     """

@@ -6,6 +6,7 @@ import sympy
 
 from frictionlab.stability.equilibrium_points.newton import (
     find_zeros,
+    follow_zero,
     low_rank_newton,
     merge_candidates,
     newton_step,
@@ -111,6 +112,35 @@ def test_a_gaussian_well():
     rest = 400 * np.exp(-((grid - 3) ** 2)) - grid / compliance
     expected = grid[:-1][np.diff(np.sign(rest)) != 0]
     np.testing.assert_allclose(np.sort(find_zeros(flow, ()).points[MASSES - 1]), expected, atol=2e-4)
+
+
+X, Y, Z, P = sympy.symbols("x y z p")
+
+
+@pytest.mark.parametrize("mixed", [0, 1])
+@pytest.mark.parametrize("unit", [1e-6, 1e-3, 1.0, 1e3, 1e6])
+@pytest.mark.parametrize(
+    ("x", "force", "last"),
+    [
+        (-1.0, X**3 - X, 2 / 27**0.5),
+        (-1.0, sympy.Piecewise((X, X < 0), (10 * X, True)), np.inf),
+        (0.0, X, np.inf),
+    ],
+    ids=["fold", "corner", "line"],
+)
+def test_a_zero_is_followed_alike_in_all_units(x, force, last, unit, mixed):
+    """x with force(x) = p from p = force(x), beside z = p in any unit, or as x + z in one coordinate; and
+    y + y^3 = x^2, moved by x alone."""
+    one, other = X - mixed * Z / unit, Y / unit
+    rates = [P - force.subs(X, one), unit * (one**2 - other - other**3), unit * P - Z]
+    flow = Flow(("p",), formulas_of((X, Y, Z, P), rates), formulas_of((X, Y, Z, P), ()))
+    p, y = float(force.subs(X, x)), max(np.roots([1, 0, 1, -(x**2)]), key=np.real).real
+    at = np.array([0.38, 0.39, 0.7, 0.8, 1.0, 3.0])
+    start = np.array([x + mixed * p, unit * y, unit * p])
+    zeros = follow_zero(flow, start, (p,), lambda *_: np.True_, (at,), len(at))
+    assert np.isfinite(zeros).all(axis=0).tolist() == (at < last).tolist()
+    left = flow.rhs(zeros, (at,))[:, at < last]
+    np.testing.assert_allclose(left / [[1.0], [unit], [unit]], 0.0, atol=1e-9)
 
 
 def test_small_and_very_nonlinear_systems_keep_whole_matrices():
