@@ -31,6 +31,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     material_rate,
     rubbing_direction,
 )
+from frictionlab.models.mechanical.dynamic_laws import energies_in_states
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.impulses import impulse_terms, impulses_of_contacts
@@ -392,7 +393,7 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
     belt: dict[str, Any] = {}
     bristles = None
     if isinstance(contact, Friction):
-        bristles = _bristles(system, contact)
+        bristles = energies_in_states(contact, system.law_states(contact))
         ends = [f"_{one}" for one in DIRECTIONS] if contact.in_plane else [""]
         velocities = zip(ends, contact.velocities, strict=True)
         belt = {end: compiled(system.at_rest(one)) for end, one in velocities}
@@ -412,14 +413,6 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         law=function_along_run([GAP, *parameter_symbols(key)], force),
         borders=tuple(function_along_run(parameter_symbols(key), one) for one in _borders_of_law(force)),
     )
-
-
-def _bristles(system: LagrangeSystem, contact: Friction) -> tuple[Any, Any] | None:
-    """The energy in the states of a friction law, pressed and apart; None where it stores none."""
-    stored = [
-        contact.law.stored_energy(f, *system.law_states(contact)) for f in (contact.pressing, sp.S.Zero)
-    ]
-    return None if stored[0] is None else (stored[0], stored[1])
 
 
 def _borders_of_law(force: Any) -> set[Any]:

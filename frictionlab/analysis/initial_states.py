@@ -36,6 +36,7 @@ def initial_state_of(
         check_masses(model, start)
         check_frequency(model)
         check_law_coefficients(model, start)
+    if isinstance(model, (MechanicalModel, MovingSystem)):
         start = with_law_states(model, start, within_limit)
     kept[REST] = start
     return start.copy()
@@ -43,9 +44,10 @@ def initial_state_of(
 
 def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:
     """The initial state (n,) of a run from where one with other parameter values has ended."""
-    if not isinstance(model, MechanicalModel):
+    if not isinstance(model, (MechanicalModel, MovingSystem)):
         return state
-    check_frequency(model)
+    if isinstance(model, MechanicalModel):
+        check_frequency(model)
     return with_law_states(model, state, carried_to_limit)
 
 
@@ -59,7 +61,7 @@ def _completed(model: ModelOrAutomaton, x0: Any, automaton: HybridAutomaton) -> 
     x0 = by_names(x0)
     if isinstance(x0, Mapping):
         return state_from_mapping(automaton, x0, _state_at_rest(model, automaton))
-    if not isinstance(model, Model):
+    if not isinstance(model, (Model, MovingSystem)):
         return x0
     n, names = len(model.coordinates), automaton.state_names
     state = float_array("x0", x0, f"give a number for each of the states {', '.join(names)}")

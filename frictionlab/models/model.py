@@ -85,8 +85,12 @@ class MovingSystem:
         raise NotImplementedError
 
     def near_equilibrium(self) -> Any:
-        """The state (2n,) for ``x0="near"`` of :func:`frictionlab.simulate`."""
+        """The state for ``x0="near"`` of :func:`frictionlab.simulate`."""
         raise NotImplementedError
+
+    def states_of_laws(self) -> Any:
+        """What is known of states of friction laws where a run begins; None without such."""
+        return None
 
     def eigenvalue_derivatives(self, value: complex) -> Mapping[str, complex]:
         """Derivatives of an eigenvalue at the equilibrium by parameters that the automaton has as numbers."""

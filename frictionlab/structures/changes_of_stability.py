@@ -315,7 +315,7 @@ def effective_growth(
 def _pairs(pencil: QuadraticPencil) -> tuple[Spectrum, Any]:
     """All eigenvalues with their vectors, and left vectors (n, m), y Q'(s) x = 1."""
     right = dense_spectrum(pencil)
-    if len(right.values) == 2 * pencil.size:
+    if not pencil.states and len(right.values) == 2 * pencil.size:
         states = np.vstack([right.vectors, right.values * right.vectors])
         with np.errstate(all="ignore"):
             try:

@@ -60,7 +60,7 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
         return _full_locus(structure, parameter, at)
     samples = [Sample.of(structure, {parameter: float(p)}) for p in progress_bar(at, "root locus")]
     small = reduced(structure, samples)
-    places = [_place(small, one, small.basis) for one in samples]
+    places = [_place(small, one, small.restricted(one.shapes)) for one in samples]
     steps = [_match(small, a, b, HALVINGS) for a, b in pairwise(places)]
     columns = _columns([len(one.values) for one in samples], steps)
     tracked: Any = np.full((len(at), len(columns)), complex(np.nan, np.nan))
@@ -124,9 +124,10 @@ class SmallSpectra:
 
     @cached_property
     def has_matrices(self) -> bool:
-        """Whether state matrices have these eigenvalues: M is regular, and no stiffness complex."""
+        """Whether state matrices have these eigenvalues: M is regular, no stiffness complex, no law has states
+        that lag."""
         pencil = self.structure.pencil
-        return not np.iscomplexobj(pencil.K.data) and has_regular_mass(pencil)
+        return not pencil.states and not np.iscomplexobj(pencil.K.data) and has_regular_mass(pencil)
 
     # What `changes_on_lines` asks where a growth rate jumps: whether the equilibrium goes on there.
 
@@ -152,7 +153,7 @@ class SmallSpectra:
             chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
             return np.concatenate([_eigenvalues(self.matrices(chunk)) for chunk in chunks])
         structures = self._structures(changes)
-        values: Any = np.full((len(structures), 2 * self.structure.size), -np.inf, dtype=complex)
+        values: Any = np.full((len(structures), self.structure.order), -np.inf, dtype=complex)
         for row, one in zip(values, structures, strict=True):
             spectrum = dense_spectrum(one.pencil).values
             if np.iscomplexobj(one.pencil.K.data):  # with the wrong sign of its damping below the real axis
@@ -176,9 +177,9 @@ class SmallSpectra:
     def _count(self) -> int:
         """How many eigenvalues are kept: twice those in the window, and some more."""
         if self.structure.window is None:
-            return 2 * self.structure.size
+            return self.structure.order
         found = len(self.structure.find_eigenvalues().values)
-        return min(2 * self.structure.size, 2 * (found + OTHER_MODES))
+        return min(self.structure.order, 2 * (found + OTHER_MODES))
 
 
 def _eigenvalues(matrices: Array) -> Any:
@@ -230,10 +231,10 @@ class Place:
     left: Spectrum
 
 
-def _place(small: Structure, sample: Sample, basis: Array | None = None) -> Place:
-    """The modes of a sample in the coordinates of a basis."""
+def _place(small: Structure, sample: Sample, shapes: ComplexArray) -> Place:
+    """The modes of a sample, whose shapes are these in the coordinates of a structure."""
     pencil = small.at_values(sample.point).pencil
-    right = Spectrum(sample.values, sample.shapes if basis is None else basis.T @ sample.shapes)
+    right = Spectrum(sample.values, shapes)
     vectors = left_vectors_of(pencil, right, lambda: dense_spectrum(pencil.transposed()))
     return Place(sample.point, pencil, right, Spectrum(sample.values, vectors))
 
@@ -244,7 +245,8 @@ def _match(small: Structure, a: Place, b: Place, halvings: int) -> NDArray[np.in
     if not halvings or not _is_unclear(small, match, a.right.values, b.right.values):
         return match
     (name,) = a.point
-    middle = _place(small, Sample.of(small, {name: 0.5 * (a.point[name] + b.point[name])}))
+    between = Sample.of(small, {name: 0.5 * (a.point[name] + b.point[name])})
+    middle = _place(small, between, between.shapes)
     first = _match(small, a, middle, halvings - 1)
     second = _match(small, middle, b, halvings - 1)
     return np.where(first >= 0, second[first], -1)

@@ -11,7 +11,7 @@ the contacts alone.  A mode differs from another in what its contacts add, F_T o
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,9 @@ from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rate_after, rubbing_impulse
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
-from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes
+from frictionlab.models.mechanical.dynamic_laws import check_elastic, energies_in_states, limits_of_states
+from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes, names_with_states
+from frictionlab.models.mechanical.law_states_at_start import contacts_with_states
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 from frictionlab.models.mechanical.modes import (
     HoldingForce,
@@ -41,6 +43,7 @@ from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.sliding_contacts import SlidingContacts
 from frictionlab.tape.arguments import parse_expression
+from frictionlab.tape.formulas import Formulas, formulas_of
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import Structure
@@ -61,14 +64,42 @@ def automaton_of_structure(structure: Structure) -> HybridAutomaton:
         For a structure that is too large, has freedoms without mass, or complex stiffness.
     """
     _check_motion(structure)
-    of = _Identity(_identity_of(structure), structure)
-    states, modes = _modes_of(of)
-    # those on which M depends are numbers in the modes, as M^-1 is
-    named = {
-        name: value for name, value in structure.parameters.items() if name not in structure.M.parameters
-    }
-    parameters = {symbol(name): value for name, value in named.items()}
+    states, modes = _modes_of(_Identity(_identity_of(structure), structure))
+    parameters = {symbol(name): structure.parameters[name] for name in _named(structure)}
     return HybridAutomaton(states, modes, parameters, structure.size)
+
+
+def _named(structure: Structure) -> tuple[str, ...]:
+    """Parameters of the automaton: those on which M depends are numbers in the modes, as M^-1 is."""
+    return tuple(name for name in structure.parameters if name not in structure.M.parameters)
+
+
+def states_of_laws(structure: Structure) -> tuple[list[dict[str, Any]], Formulas, tuple[str, ...]]:
+    """What is known of the states of friction laws where a run begins, formulas, and their parameters."""
+    return _states_of_laws(_Identity(_identity_of(structure), structure))
+
+
+def bristles_of_structure(structure: Structure) -> dict[int, tuple[Any, Any]]:
+    """The energies in the states of friction laws, pressed and apart, by contact."""
+    system = _system_of(_Identity(_identity_of(structure), structure))
+    energies = {
+        i: energies_in_states(contact, system.of_laws[i])
+        for i, contact in enumerate(system.mechanics.contacts)
+        if isinstance(contact, Friction)
+    }
+    return {i: each for i, each in energies.items() if each is not None}
+
+
+@lru_cache(maxsize=16)
+def _states_of_laws(of: _Identity) -> tuple[list[dict[str, Any]], Formulas, tuple[str, ...]]:
+    system, names = _system_of(of), _named(of.structure)
+    known = contacts_with_states(system)
+    inputs = [*system.states, *map(symbol, names)]
+    return (
+        [about for about, _ in known],
+        formulas_of(inputs, [one for _, some in known for one in some]),
+        names,
+    )
 
 
 def _check_motion(structure: Structure) -> None:
@@ -137,16 +168,20 @@ def _bytes(matrix: Any) -> Hashable:
 
 
 @lru_cache(maxsize=16)
+def _system_of(of: _Identity) -> StructureSystem:
+    return structure_system(of.structure)
+
+
+@lru_cache(maxsize=16)
 def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
-    structure: Structure = of.structure
-    system = structure_system(structure)
+    structure, system = of.structure, _system_of(of)
 
     def derive(combination: Combination) -> Mode:
         return mode_of(system, combination, system.hold)
 
-    if len(system.mechanics.contacts) <= 1:
+    if len(system.parts) <= 1:
         return system.states, tuple(map(derive, system.names.combinations()))
-    parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.regimes)
+    parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts)
     again = modes_of_structure, (structure,)
     modes = ModesOnDemand(parts, derive, system.names, again, products=system.products)
     return system.states, modes
@@ -174,7 +209,7 @@ def structure_system(structure: Structure) -> StructureSystem:
         None,
         (),
         (),
-        of_laws=((),) * len(contacts),
+        of_laws=_checked_states(contacts, structure),
         free=_free_motion(structure, inverse),
         normals=rows["normal"],
         tangents=rows["tangential"],
@@ -187,7 +222,7 @@ def structure_system(structure: Structure) -> StructureSystem:
 def impulses_by_name(structure: Structure, events: Any) -> dict[str, Array]:
     """The impulses (E,) of a run's events, N s: v+ - v- = M^-1 (T^T p_T - G^T p_N) where a gap closes."""
     system, by_name = structure_system(structure), dict[str, Array]()
-    jumps = (events.state - events.before)[:, structure.size :]
+    jumps = (events.state - events.before)[:, structure.size : 2 * structure.size]
     for i, contact in enumerate(system.mechanics.contacts):
         if not isinstance(contact, Friction) or contact.impact is None:
             continue
@@ -198,10 +233,19 @@ def impulses_by_name(structure: Structure, events: Any) -> dict[str, Array]:
     return by_name
 
 
+def _checked_states(contacts: Sequence[AnyContact], structure: Structure) -> tuple[tuple[Any, ...], ...]:
+    """The states of the contacts' friction laws, which are such that events end their regimes."""
+    states = tuple(tuple(map(symbol, names)) for names in structure.law_states)
+    for contact, some in zip(contacts, states, strict=True):
+        if isinstance(contact, Friction) and limits_of_states(contact):
+            check_elastic(contact.law, some)
+    return states
+
+
 def contacts_with_undetermined_friction(structure: Structure, mode: str) -> tuple[int, ...]:
     """Numbers, from 1 on, of the contacts of a mode whose friction forces the equations do not determine.
 
-    Their v_r are zero and depend on each other.
+    Their v_r are zero and depend on each other.  States of a friction law determine its force.
     """
     names = structure.automaton().names
     check_mode_name(mode, names)
@@ -210,7 +254,7 @@ def contacts_with_undetermined_friction(structure: Structure, mode: str) -> tupl
     size = np.linalg.norm(rows, axis=1, keepdims=True)
     unit = rows / np.where(size > 0.0, size, 1.0)
     speeds = np.hstack([unit, _speeds(structure)[:, None] / np.where(size > 0.0, size, np.inf)])
-    regimes = mode.split(JOINT)
+    regimes = ["" if some else name for name, some in zip(mode.split(JOINT), structure.law_states)]
     stuck = [i for i, name in enumerate(regimes) if name == "stick"]
     rubbing = [i for i, name in enumerate(regimes) if name.startswith("slip")]
     stuck += [i for i in rubbing if stuck and _distance(speeds[i], speeds[stuck]) < SAME_SPEED]
@@ -289,7 +333,8 @@ def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyConta
             yield Contact(depth, force, interface=_regimes(("contact", "separation")))
             continue
         shared: Any = friction if area == 1.0 else FrictionOnArea(friction, area)
-        yield Friction(belt - rates[i], force, shared, depth, impact=impact, interface=_regimes(names))
+        rubs = Friction(belt - rates[i], force, shared, depth, impact=impact, interface=_regimes(names))
+        yield replace(rubs, interface=_regimes(names_with_states(rubs, names))) if shared.states else rubs
 
 
 def _split(states: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:
@@ -319,6 +364,32 @@ class FrictionOnArea(FrictionLaw):
     def static_limit(self, normal_force: Any) -> Any:
         """The largest F_T in stick."""
         return self.area * self.law.static_limit(normal_force / self.area)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Those of the law."""
+        return self.law.states
+
+    def force(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Any:
+        """F_T of a law with states."""
+        return self.area * self.law.force(normal_force / self.area, relative_velocity, *states)
+
+    def rates(self, normal_force: Any, relative_velocity: Any, *states: Any) -> Any:
+        """The rates of the states."""
+        return self.law.rates(normal_force / self.area, relative_velocity, *states)
+
+    def rates_in_separation(self, *states: Any) -> Any:
+        """The rates while the bodies are apart."""
+        return self.law.rates_in_separation(*states)
+
+    def stored_energy(self, normal_force: Any, *states: Any) -> Any:
+        """Energy in the states, J."""
+        energy = self.law.stored_energy(normal_force / self.area, *states)
+        return None if energy is None else self.area * energy
+
+    def state_limit(self, normal_force: Any) -> Any:
+        """The largest magnitudes of the states."""
+        return self.law.state_limit(normal_force / self.area)
 
 
 @dataclass(frozen=True, eq=False)
@@ -493,7 +564,7 @@ class StructureSystem(LagrangeSystem):
         """Contacts that rub along one direction, in groups."""
         groups: list[list[tuple[int, Any, Any]]] = []
         for i, row in enumerate(self.tangents):
-            if not row.any():
+            if not row.any() or self.of_laws[i]:
                 continue
             for group in groups:
                 first = self.tangents[group[0][0]]
@@ -509,6 +580,8 @@ class StructureSystem(LagrangeSystem):
 
     def allows(self, combination: Combination) -> bool:
         """Whether contacts of one direction agree, and all velocities held at zero are independent."""
+        if not self._states_agree(combination):
+            return False
         held = [i for i, (stick, one) in enumerate(zip(self._sticks, combination)) if one == stick]
         if self.directions:
             names = self.names_of_regimes(combination)
@@ -520,8 +593,7 @@ class StructureSystem(LagrangeSystem):
     @cached_property
     def _sticks(self) -> tuple[int | None, ...]:
         """The number of the regime in which each contact sticks; None where it has none."""
-        names = [[one.name for one in regimes] for regimes in self.regimes]
-        return tuple(some.index("stick") if "stick" in some else None for some in names)
+        return tuple(next((j for j, one in enumerate(some) if one.held), None) for some in self.regimes)
 
     def _are_independent(self, held: tuple[int, ...]) -> bool:
         if held not in self._independences:
@@ -534,7 +606,7 @@ class StructureSystem(LagrangeSystem):
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
         """The regimes; a contact whose v_r is zero where others stick is at its limit of stick."""
-        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination, strict=True)]
+        chosen = self._regimes_in(combination)
         names = tuple(one.name for one in chosen)
         held = [i for i, one in enumerate(chosen) if one.held and self.leader(i, names) == i]
         for i, one in enumerate(chosen) if held else ():

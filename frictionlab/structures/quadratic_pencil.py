@@ -79,15 +79,18 @@ class QuadraticPencil:
     Parameters
     ----------
     M, C, K : csc_array (n, n)
+    states : int
+        How many of the n unknowns, at the end, are states of friction laws: M has no rows of these.
     """
 
     M: Matrix
     C: Matrix
     K: Matrix
+    states: int = 0
 
     @property
     def size(self) -> int:
-        """The number n of freedoms."""
+        """The number n of unknowns: freedoms, and states of friction laws."""
         return int(self.M.shape[0])
 
     @property
@@ -97,7 +100,13 @@ class QuadraticPencil:
 
     def transposed(self) -> QuadraticPencil:
         """The pencil whose right vectors are the left vectors of this one."""
-        return QuadraticPencil(self.M.T.tocsc(), self.C.T.tocsc(), self.K.T.tocsc())
+        return QuadraticPencil(self.M.T.tocsc(), self.C.T.tocsc(), self.K.T.tocsc(), self.states)
+
+    @cached_property
+    def of_highest_rates(self) -> Array:
+        """The full matrix (n, n) of accelerations, and of the rates of states."""
+        n = self.size - self.states
+        return np.hstack([self.M[:, :n].toarray(), self.C[:, n:].toarray()])
 
     def at(self, s: complex) -> Matrix:
         """Q(s) (n, n)."""

@@ -19,7 +19,7 @@ from scipy import linalg, sparse
 from frictionlab.structures.eigenvalue_bounds import eigenvalue_bounds
 from frictionlab.structures.parametric_matrix import Matrix
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
-from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum
+from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum, unknowns
 from frictionlab.validation import abbreviate
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Sample:
     point : mapping of str to float
     values : complex array (k,)
     shapes : complex array (n, k)
-        Of length 1.
+        Of length 1; below them what there is of states of friction laws.
     displacements : array (n,)
         The static ones.
     """
@@ -65,8 +65,9 @@ class Sample:
         there = structure.at_values(point)
         modes: WindowEigenvalues = there.find_eigenvalues()
         chosen = (modes.values.imag > 0.0) | ((modes.values.imag == 0.0) & _is_slow(structure, modes.values))
-        shapes = modes.vectors[: structure.size, chosen]
-        shapes /= np.linalg.norm(shapes, axis=0)
+        shapes = unknowns(modes.vectors[:, chosen], structure.size)
+        sizes = np.linalg.norm(shapes[: structure.size], axis=0)
+        shapes /= np.where(sizes > 0.0, sizes, np.linalg.norm(shapes, axis=0))
         return cls(point, modes.values[chosen], shapes, modes.equilibrium.q)
 
     def weakly_damped(self, structure: Structure) -> Sample:
@@ -100,22 +101,24 @@ def estimated_errors(small: ReducedStructure) -> Array:
         return np.zeros(0)
     pencil = full.with_contacts(full.structural_pencil, small.contact_forces)
     upper = known.values.imag >= 0.0
-    left_over = pencil.products(known.values[upper], small.basis @ known.vectors[: small.size, upper])
+    left_over = pencil.products(known.values[upper], small.expanded(unknowns(known.vectors[:, upper], small.size)))
     solve = factorised(pencil.at(RESPONSE_SHARE * np.abs(known.values).max()).real.tocsc())
     if solve is None:
         return np.full(len(known.values), np.nan)
-    responses = solve(np.hstack([left_over.real, left_over.imag]))
+    responses = solve(np.hstack([left_over.real, left_over.imag]))[: small.full.size]
     responses /= np.maximum(np.linalg.norm(responses, axis=0), np.finfo(float).tiny)
-    wider = extended(small.basis, responses, EXACT)
+    wider: Any = extended(small.basis, responses, EXACT)
+    if pencil.states:
+        wider = sparse.block_diag([wider, sparse.eye_array(pencil.states)], format="csc")
     parts = (sparse.csc_array(wider.T @ (part @ wider)) for part in pencil.parts)
-    moved = dense_spectrum(QuadraticPencil(*parts)).values
+    moved = dense_spectrum(QuadraticPencil(*parts, states=pencil.states)).values
     return np.abs(known.values[:, None] - moved).min(axis=1)
 
 
 def bounded_errors(small: ReducedStructure, modes: Any = None) -> Array:
     """Bounds of the distances of eigenvalues, or some of them, from those of the large structure, 1/s."""
     known, pencil = small.find_eigenvalues(), small.full.at_values(small.parameters).pencil
-    values, vectors = known.values, small.basis @ known.vectors[: small.size]
+    values, vectors = known.values, small.expanded(unknowns(known.vectors, small.size))
     mirrored = np.abs(values[:, None].conj() - values).argmin(axis=1) if len(values) else 0
     upper = np.where(values.imag < 0.0, mirrored, np.arange(len(values)))
     try:
@@ -139,7 +142,8 @@ def proper_orthogonal(structure: Structure, samples: Sequence[Sample]) -> tuple[
     columns = []
     for sample in samples:
         # In this phase modes are as real as they can be, and of their small imaginary parts few matter.
-        shapes = np.exp(-0.5j * np.angle((sample.shapes**2).sum(axis=0))) * sample.shapes
+        shapes = sample.shapes[: structure.size]
+        shapes = np.exp(-0.5j * np.angle((shapes**2).sum(axis=0))) * shapes
         columns += [shapes.real, shapes.imag]
         if structure.contacts:
             size = np.linalg.norm(sample.displacements) or 1.0
@@ -169,7 +173,7 @@ def contact_responses(structure: Structure) -> Array:
     if not rows:
         return np.zeros((structure.size, 0))
     forces: Any = sparse.vstack(rows, format="csr")
-    solve = static_solver(structure.pencil.K.real)
+    solve = static_solver(structure.static_stiffness)
     compliance = np.hstack([forces @ solve(some.T.toarray()) for some in _in_parts(forces)])
     values, mixes = np.linalg.eigh(0.5 * (compliance + compliance.T))
     soft = np.flatnonzero(values > STIFF_SHARE * values[-1])[-MOST_RESPONSES:]

@@ -21,6 +21,7 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
+from frictionlab.structures.steady_friction import SteadyFriction, lagging_states, steady_friction
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, check_text, explains_fields, float_array
 
@@ -28,6 +29,9 @@ Array = NDArray[np.float64]
 ENERGY_RULE = np.polynomial.legendre.leggauss(16)  # exact for powers of the penetration up to 15
 NAME_CURE = 'name the contacts, such as "inner"'
 COMPLEX_STEP = 1e-30  # of a derivative by an imaginary step, which cancels nothing
+
+
+NO_STATES = np.zeros((0, 0))
 
 
 class ContactForces(NamedTuple):
@@ -43,6 +47,14 @@ class ContactForces(NamedTuple):
         Their derivatives by the penetration, N/m.
     damping : array (k,)
         Derivative of the friction force by the sliding speed, N s/m.
+    states : array (all states of the law, k)
+        Of the friction law in steady sliding; 0 where the contact is open.
+    by_states : array (s, k)
+        Derivatives of the friction force by the states that lag; those above do without these.
+    lag, rates_by_penetration, rates_by_speed : array (s, k)
+        Factors and derivatives of the rates of these states, all times a factor that makes forces of them.
+    rates_by_states : array (s, s, k)
+        The same of their derivatives by the states.
     """
 
     penetration: Any
@@ -51,6 +63,41 @@ class ContactForces(NamedTuple):
     normal_slope: Any
     friction_slope: Any
     damping: Any
+    states: Any = NO_STATES
+    by_states: Any = NO_STATES
+    lag: Any = NO_STATES
+    rates_by_penetration: Any = NO_STATES
+    rates_by_speed: Any = NO_STATES
+    rates_by_states: Any = NO_STATES[None]
+
+    @property
+    def steady_slope(self) -> Any:
+        """Derivative of the friction force by the penetration (k,), which the states of the law follow."""
+        if not len(self.lag):
+            return self.friction_slope
+        matrices, right = np.moveaxis(self.rates_by_states, -1, 0), self.rates_by_penetration.T[..., None]
+        moved = np.linalg.solve(-matrices, right)[..., 0].T
+        return self.friction_slope + (self.by_states * moved).sum(axis=0)
+
+
+class StateRows(NamedTuple):
+    """What m states of friction laws add to a pencil: C_z z' + C_q q' + K_z z + K_q q = 0, and -F z in N.
+
+    Parameters
+    ----------
+    forces : csr_array (n, m)
+        What the states add to the equations of the freedoms.
+    stiffness, damping : csr_array (m, n)
+        K_q and C_q.
+    own_stiffness, own_damping : csr_array (m, m)
+        K_z and C_z.
+    """
+
+    forces: Any
+    stiffness: Any
+    damping: Any
+    own_stiffness: Any
+    own_damping: Any
 
 
 @explains_fields
@@ -75,7 +122,9 @@ class SlidingContacts:
     contact : ContactLaw
         Of the normal force; per area, if there are areas.
     friction : FrictionLaw, optional
-        A law without states.  None: contacts without friction.
+        Of a law with states, such as LuGre's, each contact has its own.  They are states of motions, named as
+        those of models: z of one contact, z_1 and z_2 of two, numbered through all groups.  None: contacts
+        without friction.
     v : float
         Velocity (m/s) with which the counterpart moves along the tangent.  At 0 friction damps motions, but
         there is no steady sliding, thus no equilibrium nor eigenvalues but those in stick, see
@@ -94,7 +143,7 @@ class SlidingContacts:
     Raises
     ------
     ValueError
-        For rows that are not of the same number, not finite, zero, or there twice; for a law with states.
+        For rows that are not of the same number, not finite, zero, or there twice.
 
     Examples
     --------
@@ -249,14 +298,60 @@ class SlidingContacts:
                 f"{self.parameter('v')} must not be 0 for steady sliding, got 0.0: give the counterpart a "
                 "speed, let the contact stick by structure.in_stick(), or take friction=None"
             )
-        law, by_force, by_speed = self._friction_formulas
         # the pressure of an open contact is put to any number, as laws may have no slope at 0
-        given = [np.where(closed, pressure, 1.0), sign * v * one, *self._values(self.friction, values)]
+        pressed = np.where(closed, pressure, 1.0)
+        if self.friction.states:
+            steady = steady_friction(self.friction, pressed, v, self._values(self.friction, values))
+            known = ContactForces(penetration, normal, None, normal_slope, None, None)
+            return self._with_states(known, steady, stiffness, closed)
+        law, by_force, by_speed = self._friction_formulas
+        given = [pressed, sign * v * one, *self._values(self.friction, values)]
         parts = [
             np.where(closed, self.area * _evaluated(each, given), 0.0) for each in (law, by_force, by_speed)
         ]
         friction, friction_slope = sign * parts[0], sign * parts[1] * stiffness
         return ContactForces(penetration, normal, friction, normal_slope, friction_slope, parts[2])
+
+    def _with_states(
+        self, known: ContactForces, steady: SteadyFriction, stiffness: Any, closed: Any
+    ) -> ContactForces:
+        """The forces with those of a friction law with states; states of open contacts are at rest."""
+        by_states = np.where(closed, self.area * steady.by_states, 0.0)
+        own = np.where(closed, steady.rates_by_states, -np.eye(len(by_states))[..., None])
+        sizes = np.abs(np.real(own)).max(axis=1, initial=0.0)
+        lag = np.abs(np.real(by_states)) / np.where(sizes > 0.0, sizes, 1.0)
+        lag = np.where(closed, np.where(lag > 0.0, lag, 1.0), 0.0)
+        scale = np.where(closed, lag, 1.0)
+        return known._replace(
+            friction=np.where(closed, self.area * steady.force, 0.0),
+            friction_slope=np.where(closed, self.area * steady.by_force * stiffness, 0.0),
+            damping=np.where(closed, self.area * steady.by_speed, 0.0),
+            states=np.where(closed, steady.states, 0.0),
+            by_states=by_states,
+            lag=lag,
+            rates_by_penetration=lag * steady.rates_by_force * stiffness,
+            rates_by_speed=lag * steady.rates_by_speed,
+            rates_by_states=scale[:, None] * own,
+        )
+
+    def state_rows(self, forces: ContactForces) -> StateRows:
+        """What the states of the friction law that lag add to a pencil, those of one contact together."""
+        damping = _one_row_each(forces.rates_by_speed).T @ self.tangential
+        stiffness = 0.0 * damping
+        if self.normal is not None:
+            stiffness = -(_one_row_each(forces.rates_by_penetration).T @ self.normal)
+        return StateRows(
+            -(self.tangential.T @ _one_row_each(forces.by_states)),
+            stiffness,
+            damping,
+            sparse.block_diag([*-np.moveaxis(forces.rates_by_states, -1, 0)], format="csr"),
+            sparse.diags_array(forces.lag.T.ravel(), format="csr"),
+        )
+
+    @cached_property
+    def lagging(self) -> tuple[str, ...]:
+        """Names of the states of the friction law that lag behind motions about steady sliding."""
+        return lagging_states(self.friction)
 
     def stored_energy(self, q: Array, values: Mapping[str, float]) -> Array:
         """The energy (N,) of the contacts at displacements (N, n), J: the integral of F_N, by Gauss' rule."""
@@ -296,13 +391,20 @@ class SlidingContacts:
         return (self.tangential.T * forces.damping[..., None, :]) @ self.tangential
 
     def stiffness(self, forces: ContactForces) -> Any:
-        """What contacts add to K (n, n), or to each of many; 0 where their normal forces are given."""
+        """What contacts add to K (n, n), or to each of many; 0 where their normal forces are given.
+
+        It is that with the states of friction laws held.
+        """
         if self.normal is None:
             return 0
         pressing = self.normal.T * forces.normal_slope[..., None, :]
         if self.tangential is not None:
             pressing = pressing - self.tangential.T * forces.friction_slope[..., None, :]
         return pressing @ self.normal
+
+    def steady_stiffness(self, forces: ContactForces) -> Any:
+        """The same of steady sliding, with states that follow."""
+        return self.stiffness(forces._replace(friction_slope=forces.steady_slope))
 
     def secant_stiffness(self, force: float, values: Mapping[str, float]) -> Array:
         """Stiffnesses (k,), N/m, of contacts that carry a normal force together, for a start."""
@@ -354,11 +456,6 @@ class SlidingContacts:
             law = getattr(self, name)
             if not isinstance(law, kind) and not (law is None and name != "contact"):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {abbreviate(law)}: give one")
-        if self.friction is not None and self.friction.states:
-            raise ValueError(
-                f"friction must be a law without states, got {self.friction!r}: take one of sliding, such as "
-                "Stribeck"
-            )
         object.__setattr__(self, "v", float(check_number("v", self.v)))
         if self.N is not None:
             object.__setattr__(self, "N", float(check_number("N", self.N, above=0.0)))
@@ -391,6 +488,14 @@ def _evaluated(formulas: Formulas, given: list[Any]) -> Any:
     with np.errstate(all="ignore"):
         values = formulas.arrays(*given)
     return values[0] if values else 0.0
+
+
+def _one_row_each(values: Array) -> Any:
+    """Values (s, k) as a matrix (k, s k) with a row for each contact."""
+    s, k = values.shape
+    return sparse.csr_array(
+        (values.T.ravel(), np.arange(s * k), np.arange(0, s * k + 1, s)), shape=(k, s * k)
+    )
 
 
 def _rows(name: str, given: Any) -> Any:

@@ -72,7 +72,7 @@ def equilibrium_of(structure: Structure) -> Equilibrium:
     """The static displacements of a structure, with the forces of its contacts."""
     q, problem = structure.displacements, structure.statics
     forces = problem.contact_forces(q)
-    state = np.concatenate([q, np.zeros(structure.size)])
+    state = np.concatenate([q, np.zeros(structure.size), structure.steady_states(forces)])
     largest = max([np.abs(problem.load).max(), *(np.abs(one.normal).max() for one in forces)])
     residual = float(np.abs(problem.residual(q, 1.0)).max() / (largest or 1.0))
     if not forces:
@@ -215,7 +215,7 @@ class Statics:
         return bool((np.abs(left_over) <= bound).all())
 
     def _tangent(self, forces: list[ContactForces]) -> Matrix:
-        added = [one.stiffness(f) for one, f in zip(self.contacts, forces, strict=True)]
+        added = [one.steady_stiffness(f) for one, f in zip(self.contacts, forces, strict=True)]
         return self.K + sum(added)
 
     def _step(self, tangent: Matrix, left_over: Array, solve: Solve | None) -> tuple[Array, Solve]:

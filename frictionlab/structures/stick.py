@@ -27,6 +27,13 @@ def structure_in_stick(structure: Structure) -> ReducedStructure:
     """The structure whose closed contacts with counterparts at rest stick."""
     contacts = [one.with_values(structure.parameters) for one in structure.contacts]
     groups = [i for i, one in enumerate(contacts) if one.friction is not None and one.v == 0.0]
+    for one in (contacts[i].friction for i in groups):
+        if one is not None and one.states:
+            raise ValueError(
+                f"contacts with counterparts at rest must have friction laws without states to stick, got "
+                f"{one!r}, whose force depends on how they came to rest: take a law such as Coulomb, or give "
+                "the counterpart a speed"
+            )
     smooth = {i: contacts[i].without_friction() for i in groups if contacts[i].normal is not None}
     kept = [smooth.get(i, one) for i, one in enumerate(contacts) if i in smooth or i not in groups]
     loose = structure.replace(contacts=kept)

@@ -16,6 +16,7 @@ from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.models.mechanical.mechanics import names_of_law_states
 from frictionlab.models.model import check_parameter_name
 from frictionlab.presentation import SI, OwnUnits, count, shorten
 from frictionlab.stability.boundaries.stability_changes import StabilityChange
@@ -35,7 +36,7 @@ from frictionlab.structures.parametric_matrix import (
     paths_in,
 )
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
-from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts
+from frictionlab.structures.sliding_contacts import COMPLEX_STEP, ContactForces, SlidingContacts, StateRows
 from frictionlab.structures.sliding_equilibrium import Statics, equilibrium_of, newton_of_many
 from frictionlab.structures.structure_data import fields_from_data, structure_to_data
 from frictionlab.structures.window_eigenvalues import MOST_DENSE, WindowEigenvalues, window_eigenvalues
@@ -159,6 +160,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         if self.load is not None and not isinstance(self.load, ParametricMatrix):
             object.__setattr__(self, "load", parametric_vector(self.load, self.parameters, self.size))
         self._check_sizes()
+        self._check_names_of_law_states()
         self._check_use_of_parameters()
         self._check_symmetries(new)
         self._check_mass("M" in new)
@@ -222,6 +224,29 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         """Of each group of contacts, at the static displacements."""
         return [one.forces(self.displacements, self.parameters) for one in self.contacts]
 
+    @property
+    def static_stiffness(self) -> Matrix:
+        """The real part of K + N (n, n) with what contacts add in steady sliding."""
+        K = self.structural_pencil.K.real
+        for one, each in zip(self.contacts, self.contact_forces, strict=True):
+            K = K + one.steady_stiffness(each)
+        return K.tocsc()
+
+    @cached_property
+    def law_states(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states of each contact's friction law, as in motions; () of laws without states."""
+        return names_of_law_states([one.friction for one in self.contacts for _ in range(one.count)])
+
+    @staticmethod
+    def steady_states(forces: list[ContactForces]) -> Array:
+        """All states of friction laws at forces of steady sliding, those of one contact together."""
+        return np.concatenate([np.zeros(0), *(each.states.T.ravel() for each in forces)])
+
+    @property
+    def order(self) -> int:
+        """The number of eigenvalues: 2n, and one for each state of a friction law that lags."""
+        return 2 * self.size + sum(one.count * len(one.lagging) for one in self.contacts)
+
     def pencil_derivative(self, parameter: str) -> QuadraticPencil:
         """The derivatives of M, C + G and K + N by a parameter, with those of the equilibrium."""
         check_parameter_name(self, parameter)
@@ -234,7 +259,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         forces = given.K.real @ self.displacements - np.imag(pushed) / COMPLEX_STEP
         if self.load is not None:
             forces = forces - self.load.derivative(parameter, self.parameters).toarray().ravel()
-        solve = factorised(self.pencil.K.real.tocsc())
+        solve = factorised(self.static_stiffness)
         if solve is None:
             raise ValueError(
                 f"the equilibrium must depend smoothly on {parameter} to have derivatives, got a singular "
@@ -284,6 +309,12 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         from frictionlab.structures.motion import automaton_of_structure
 
         return automaton_of_structure(self)
+
+    def states_of_laws(self) -> Any:
+        """What is known of states of friction laws where a run begins; None without such."""
+        from frictionlab.structures.motion import states_of_laws
+
+        return states_of_laws(self) if any(self.law_states) else None
 
     def undetermined_friction(self, mode: str) -> tuple[int, ...]:
         """Contacts whose friction forces in a mode of its motion are not unique, numbered from 1.
@@ -401,7 +432,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         return float(2 * np.pi / turning[turning.real.argmax()].imag) if len(turning) else USUAL_PERIOD
 
     def near_equilibrium(self) -> Array:
-        """The equilibrium (2n,), displaced along the mode that grows fastest or decays most slowly.
+        """The equilibrium, displaced along the mode that grows fastest or decays most slowly.
 
         It is one percent of the displacement with which a contact would meet an event, or of one with that
         many times the static displacements.
@@ -415,8 +446,14 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         size = min(reach)
         if not np.isfinite(size):
             size = np.abs(self.displacements).max() or 1.0
-        way = NEAR * size * np.concatenate([shape, value * shape]).real
-        return np.concatenate([self.displacements, np.zeros(self.size)]) + way
+        way = NEAR * size * modes.vectors[:, first].real
+        start = np.concatenate([self.displacements, np.zeros(self.size)]) + way[: 2 * self.size]
+        states, lagging = [np.zeros(0)], way[2 * self.size :]
+        for one in self.contacts:
+            there = one.forces(start[: self.size] if not one.lagging else self.displacements, self.parameters)
+            moved, lagging = np.split(lagging, [one.count * len(one.lagging)])
+            states.append(there.states.T.ravel() + (moved if one.lagging else 0.0))
+        return np.concatenate([start, *states])
 
     def find_eigenvalues(self) -> WindowEigenvalues:
         return window_eigenvalues(self, self.find_equilibrium())
@@ -535,9 +572,19 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     def with_contacts(self, pencil: QuadraticPencil, forces: list[ContactForces]) -> QuadraticPencil:
         """The pencil with what forces of contacts add to C and K."""
         C, K = pencil.C, pencil.K
+        rows: list[StateRows] = []
         for one, each in zip(self.contacts, forces, strict=True):
             C, K = C + one.damping(each), K + one.stiffness(each)
-        return QuadraticPencil(pencil.M, C.tocsc(), K.tocsc())
+            rows += [one.state_rows(each)] if one.lagging else []
+        if not rows:
+            return QuadraticPencil(pencil.M, C.tocsc(), K.tocsc())
+        of_states, stiffness, damping, *own = zip(*rows, strict=True)
+        K_z, C_z = (sparse.block_diag(parts) for parts in own)
+        none = sparse.csc_array(K_z.shape)
+        M = sparse.block_diag([pencil.M, none], format="csc")
+        C = sparse.block_array([[C, None], [sparse.vstack(damping), C_z]], format="csc")
+        K = sparse.block_array([[K, sparse.hstack(of_states)], [sparse.vstack(stiffness), K_z]], format="csc")
+        return QuadraticPencil(M, C, K, none.shape[0])
 
     def _checked_contacts(self) -> tuple[SlidingContacts, ...]:
         given = self.contacts
@@ -569,6 +616,18 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
                     f"{name!r}: rename it"
                 )
         return MappingProxyType(values)
+
+    def _check_names_of_law_states(self) -> None:
+        names = [name for some in self.law_states for name in some]
+        taken = {*self.parameters, *self.coordinates} if names else set[str]()
+        for name in names:
+            if name in taken:
+                raise ValueError(
+                    f"the state {name!r} of a friction law must differ from freedoms, parameters and other "
+                    "states: rename the parameter, or derive a class from the law with another name in its "
+                    "states"
+                )
+            taken.add(name)
 
     def _check_units(self) -> None:
         cure = 'write those of length and force, units=("mm", "N")'
@@ -733,6 +792,14 @@ class ReducedStructure(Structure):
     full: Structure = field(kw_only=True)
     basis: Array = field(kw_only=True)
     error: float = field(kw_only=True, default=np.nan)
+
+    def expanded(self, vectors: Any) -> Any:
+        """Vectors of the pencil of the large structure by those of this one's: states of laws are the same."""
+        return np.vstack([self.basis @ vectors[: self.size], vectors[self.size :]])
+
+    def restricted(self, vectors: Any) -> Any:
+        """Vectors of this structure's pencil by those of the large one's in the span of the basis."""
+        return np.vstack([self.basis.T @ vectors[: self.full.size], vectors[self.full.size :]])
 
     def replace(self, /, **changes: Any) -> Self:
         """The structure with other values of parameters, or another window."""

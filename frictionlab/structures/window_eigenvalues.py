@@ -65,24 +65,28 @@ class WindowEigenvalues(Eigenvalues):
 
     @cached_property
     def left_vectors(self) -> ComplexArray:
-        """Left vectors y (n, m) as columns, without conjugation: y Q(s) = 0 and y Q'(s) x = 1."""
-        return _left_vectors(self.structure, Spectrum(self.values, self._displacements))
+        """Left vectors y as columns, without conjugation: y Q(s) = 0 and y Q'(s) x = 1.
+
+        Q has n rows, and one for each state of a friction law.
+        """
+        return _left_vectors(self.structure, Spectrum(self.values, self._unknowns))
 
     @property
     def error_estimates(self) -> Array:
         """Distances (m,) of the eigenvalues from exact ones, to first order |y Q(s) x|, 1/s."""
-        products = self.structure.pencil.products(self.values, self._displacements)
+        products = self.structure.pencil.products(self.values, self._unknowns)
         return np.abs((self.left_vectors * products).sum(axis=0))
 
     @property
     def participation(self) -> Array:
         """Share of each freedom in each mode, (n, m); columns sum to 1."""
-        pencil, x, y = self.structure.pencil, self._displacements, self.left_vectors
+        pencil, x, y, n = self.structure.pencil, self._unknowns, self.left_vectors, self.structure.size
         velocities = pencil.M.T @ y
         rates = self.values * velocities + pencil.C.T @ y
         rigid = ~y.any(axis=0)  # at rest: a double eigenvalue, whose left vectors are those of momentum
         rates[:, rigid] = pencil.M.T @ x[:, rigid].conj()
-        return participation_factors(np.vstack([rates, velocities]).T, self.vectors, len(y))
+        left = np.vstack([rates[:n], velocities[:n], rates[n:]])
+        return participation_factors(left.T, self.vectors, n)
 
     def sensitivities(self, parameter: str) -> ComplexArray:
         """Derivatives (m,) of the eigenvalues by a parameter, 1/s over its unit: -y (dQ/dp) x.
@@ -93,7 +97,7 @@ class WindowEigenvalues(Eigenvalues):
             For an unknown parameter.
         """
         slope = self.structure.pencil_derivative(parameter)
-        return -(self.left_vectors * slope.products(self.values, self._displacements)).sum(axis=0)
+        return -(self.left_vectors * slope.products(self.values, self._unknowns)).sum(axis=0)
 
     def mac(self, other: Eigenvalues) -> Array:
         """Modal assurance criterion (m, k) of these modes with those of others: 1 for the same shape."""
@@ -108,8 +112,8 @@ class WindowEigenvalues(Eigenvalues):
         return places[np.argsort(-self.growth_rates[places])]
 
     @property
-    def _displacements(self) -> ComplexArray:
-        return self.vectors[: self.structure.size]
+    def _unknowns(self) -> ComplexArray:
+        return unknowns(self.vectors, self.structure.size)
 
     def to_dataframe(self) -> Any:
         """One row for each eigenvalue, as a pandas DataFrame (needs the extra ``data``).
@@ -143,7 +147,9 @@ def window_eigenvalues(structure: Structure, equilibrium: Equilibrium) -> Window
     values[pencil.at_rest(values, x)] = 0.0
     residuals, backward = pencil.residuals(values, x), pencil.backward_errors(values, x)
     values.real[_neutral(structure, Spectrum(values, x))] = 0.0
-    return WindowEigenvalues(values, np.vstack([x, values * x]), equilibrium, residuals, backward)
+    n = structure.size
+    vectors = np.vstack([x[:n], values * x[:n], x[n:]])
+    return WindowEigenvalues(values, vectors, equilibrium, residuals, backward)
 
 
 def _spectrum(pencil: QuadraticPencil, window: tuple[float, float] | None) -> Spectrum:
@@ -167,12 +173,17 @@ def dense_spectrum(pencil: QuadraticPencil) -> Spectrum:
     if not has_regular_mass(pencil):
         return _spectrum_with_massless_motions(pencil)
     values, vectors = (part[0] for part in eigenpairs_of_matrices(state_matrix(pencil)[None]))
-    return Spectrum(values.astype(complex), vectors[: pencil.size].astype(complex))
+    return Spectrum(values.astype(complex), unknowns(vectors, pencil.size - pencil.states).astype(complex))
 
 
 def has_regular_mass(pencil: QuadraticPencil) -> bool:
-    """Whether every motion has kinetic energy, by more than rounding."""
-    return inverse_of(pencil.M.toarray()) is not None
+    """Whether every motion has kinetic energy, and every state of a law a rate, by more than rounding."""
+    return inverse_of(pencil.of_highest_rates) is not None
+
+
+def unknowns(vectors: Any, freedoms: int) -> Any:
+    """Of vectors of displacements, velocities and further states, all but the velocities."""
+    return np.vstack([vectors[:freedoms], vectors[2 * freedoms :]])
 
 
 def _spectrum_with_massless_motions(pencil: QuadraticPencil) -> Spectrum:
@@ -213,11 +224,11 @@ def _spectrum_with_massless_motions(pencil: QuadraticPencil) -> Spectrum:
 
 
 def state_matrix(pencil: QuadraticPencil) -> Array:
-    """The matrix (2n, 2n) of (q, v)' = A (q, v), of a regular M."""
-    n = pencil.size
-    M, C, K = (part.toarray() for part in (pencil.M, pencil.C, pencil.K))
-    accelerations = np.linalg.solve(M, np.hstack([-K, -C]))
-    return np.vstack([np.eye(n, 2 * n, n), accelerations])
+    """The matrix of (q, v, z)' = A (q, v, z), of a regular M; z are the states of friction laws."""
+    n = pencil.size - pencil.states
+    C, K = pencil.C.toarray(), pencil.K.toarray()
+    rates = np.linalg.solve(pencil.of_highest_rates, np.hstack([-K[:, :n], -C[:, :n], -K[:, n:]]))
+    return np.vstack([np.eye(n, 2 * n + pencil.states, n), rates])
 
 
 def _in_window(spectrum: Spectrum, structure: Structure) -> Spectrum:

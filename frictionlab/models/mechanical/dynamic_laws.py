@@ -65,8 +65,12 @@ def rates_in_separation(contact: Friction, states: Sequence[Any]) -> tuple[Any, 
 @lru_cache(maxsize=1024)  # each event of a state asks for them
 def limits_of_states(contact: Friction) -> tuple[Any, ...]:
     """The largest magnitude of each state of a contact with an elastic-plastic law; () for other laws."""
-    law = contact.law
-    limit = law.state_limit(contact.pressing) if law.states else None
+    return limits_of_law(contact.law, contact.pressing)
+
+
+def limits_of_law(law: FrictionLaw, normal_force: Any) -> tuple[Any, ...]:
+    """The largest magnitude of each state of an elastic-plastic law at a normal force; () for other laws."""
+    limit = law.state_limit(normal_force) if law.states else None
     if limit is None:
         return ()
     if len(law.states) == 1 and not isinstance(limit, Mapping):
@@ -94,6 +98,16 @@ def check_elastic(law: FrictionLaw, states: Sequence[Any]) -> None:
 def returns_to_zero(contact: Friction, states: Sequence[Any]) -> bool:
     """Whether a law's states, if it has any, are zero as soon as the contact is lost."""
     return bool(states) and contact.law.rates_in_separation(*states) is None
+
+
+def energies_in_states(contact: Friction, states: Sequence[Any]) -> tuple[Any, Any] | None:
+    """The energy (J) in the states of a contact's law, pressed and apart; None where it stores none."""
+    if not states:
+        return None
+    pressed, apart = (
+        contact.law.stored_energy(force, *states) for force in (contact.pressing, sympy.S.Zero)
+    )
+    return None if pressed is None else (pressed, apart)
 
 
 def _in_order(law: FrictionLaw, method: str, given: Any) -> tuple[Any, ...]:

@@ -175,17 +175,22 @@ class LagrangeSystem:
         return {}
 
     def _choose(self, combination: Combination) -> tuple[ContactRegime, ...]:
-        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination)]
-        for i, parts in self.parts_of_states.items():
-            if chosen[i].name not in APART:
-                contact: Any = self.mechanics.contacts[i]
-                chosen[i] = in_contact(contact, self, [self.parts[k][combination[k]] for k in parts])
+        chosen = self._regimes_in(combination)
         held = [i for i in self._contacts_in_conflict if chosen[i].held]
         for i in self._contacts_in_conflict if held else ():
             resting = chosen[i].resting
             if resting is not None and self._depends(i, combination, held):
                 chosen[i] = resting
         return tuple(chosen)
+
+    def _regimes_in(self, combination: Combination) -> list[ContactRegime]:
+        """The regimes of the contacts, each by itself."""
+        chosen = [regimes[i] for regimes, i in zip(self.regimes, combination)]
+        for i, parts in self.parts_of_states.items():
+            if chosen[i].name not in APART:
+                contact: Any = self.mechanics.contacts[i]
+                chosen[i] = in_contact(contact, self, [self.parts[k][combination[k]] for k in parts])
+        return chosen
 
     def _depends(self, i: int, combination: Combination, held: Sequence[int]) -> bool:
         """Whether v_r of contact `i` is zero where the velocities are that these contacts hold at zero."""
@@ -208,10 +213,8 @@ class LagrangeSystem:
         """Whether contacts of one direction agree, all else that is held at zero is independent, and states
         of laws are apart where their contacts are."""
         names: Sequence[str] = ()
-        for i, parts in self.parts_of_states.items():
-            known = [self.parts[k][combination[k]].name for k in (i, *parts) if k < len(combination)]
-            if len({one in APART for one in known}) > 1 or (i in self._one_way and {*SLIP} <= {*known}):
-                return False
+        if not self._states_agree(combination):
+            return False
         if self.directions:
             names = self.names_of_regimes(combination)
             if not all(direction.allows(names) for direction in self.directions):
@@ -223,6 +226,14 @@ class LagrangeSystem:
             for row in self._held_rows[i][combination[i]]
         ]
         return len(rows) < 2 or all(_rank(tuple(some)) == len(some) for some in _coupled(rows))
+
+    def _states_agree(self, combination: Combination) -> bool:
+        """Whether states of laws are apart where their contacts are, and do not slip both ways at once."""
+        for i, parts in self.parts_of_states.items():
+            known = [self.parts[k][combination[k]].name for k in (i, *parts) if k < len(combination)]
+            if len({one in APART for one in known}) > 1 or (i in self._one_way and {*SLIP} <= {*known}):
+                return False
+        return True
 
     def names_of_regimes(self, combination: Combination) -> tuple[str, ...]:
         """The name of each contact's regime, empty where the combination does not go so far."""
@@ -516,7 +527,7 @@ def _names(contact: AnyContact, allowed: Interface, states: Sequence[Any]) -> tu
     if not allowed.sticks and own.sticks:
         names = dict.fromkeys("slip" if name in RUBBING else name for name in names)
     if isinstance(contact, Friction) and contact.law.states:
-        names = _names_with_states(contact, names)
+        names = names_with_states(contact, names)
     if contact.in_plane:
         names = names_in_plane(tuple(names))
     if isinstance(contact, Contact):
@@ -530,7 +541,7 @@ def _names(contact: AnyContact, allowed: Interface, states: Sequence[Any]) -> tu
     return names if is_law(contact, states) else (*names, "relaxation")
 
 
-def _names_with_states(contact: Friction, names: Iterable[str]) -> tuple[str, ...]:
+def names_with_states(contact: Friction, names: Iterable[str]) -> tuple[str, ...]:
     """The regimes with a dynamic law, in which v_r has either sign also where slip keeps its direction.
 
     Such a law holds for both signs and turns its force by itself, so that it slips both ways; v_r passes

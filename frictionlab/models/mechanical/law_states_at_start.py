@@ -17,30 +17,40 @@ from numpy.typing import NDArray
 from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
+from frictionlab.models.model import MovingSystem
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .mechanics import Friction
 
 if TYPE_CHECKING:
+    from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+
+    LawsInMotion = MechanicalModel | MovingSystem
 
 Array = NDArray[np.float64]
 LIMIT_RTOL = 1e-6  # share of its limit by which a state that follows it may differ from it by rounding
 
 
 def with_law_states(
-    model: MechanicalModel, start: Array, limited: Callable[[MechanicalModel, str, float, float], float]
+    model: LawsInMotion, start: Array, limited: Callable[[LawsInMotion, str, float, float], float]
 ) -> Array:
     """An initial state with zeros for the states of contacts that are lost, where these return to zero.
 
     The state of an elastic-plastic law is `limited`: `within_limit` refuses one beyond the limit,
     `carried_to_limit` takes the limit.
     """
-    known, formulas = _of_structure(model.structure_key)
+    if isinstance(model, MovingSystem):
+        about_laws = model.states_of_laws()
+        if about_laws is None:
+            return start
+        known, formulas, names = about_laws
+    else:
+        known, formulas = _of_structure(model.structure_key)
+        names = model.structure_key.parameters
     if not known or not any(start[place] for about in known for place in about["places"]):
         return start
     values = model.parameters
-    names = model.structure_key.parameters
     numbers = formulas.numbers(*map(float, start), *(values[name] for name in names)).tolist()
     start = start.copy()
     for about in known:
@@ -53,12 +63,12 @@ def with_law_states(
     return start
 
 
-def carried_to_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
+def carried_to_limit(model: LawsInMotion, name: str, value: float, limit: float) -> float:
     """The state in which a run with other values of parameters has ended, yielded to the limit."""
     return min(max(value, -limit), limit)
 
 
-def within_limit(model: MechanicalModel, name: str, value: float, limit: float) -> float:
+def within_limit(model: LawsInMotion, name: str, value: float, limit: float) -> float:
     """The state itself; raises ValueError where it is beyond the limit."""
     if abs(value) > (1 + LIMIT_RTOL) * max(limit, 0.0):
         raise ValueError(
@@ -73,7 +83,12 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
     """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
     that is negative where it is lost, and the limits of its states if they have any, for each."""
     derivations = derivations_of(key)
-    known = derivations.value("states of laws", lambda: [about for about, _ in _contacts(key)])
+    known = derivations.value("states of laws", lambda: [about for about, _ in of_contacts()])
+
+    def of_contacts() -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
+        from .equations_of_motion import system_of
+
+        return contacts_with_states(system_of(key))
 
     def derive() -> Formulas:
         from frictionlab.models.symbols import parameter_symbols
@@ -81,16 +96,16 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
         from .equations_of_motion import system_of
 
         inputs = [*system_of(key).states, *parameter_symbols(key)]
-        return formulas_of(inputs, [one for _, some in _contacts(key) for one in some])
+        return formulas_of(inputs, [one for _, some in of_contacts() for one in some])
 
     return known, kept_formulas(derivations, "states of laws", derive)
 
 
-def _contacts(key: StructureKey) -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
+def contacts_with_states(system: LagrangeSystem) -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
+    """What is known of each contact with a dynamic law, and expressions of the numbers that are asked for."""
     from .dynamic_laws import limits_of_states, returns_to_zero
-    from .equations_of_motion import system_of
 
-    system, contacts = system_of(key), []
+    contacts = []
     order = [str(one) for one in system.states]
     for contact in system.mechanics.contacts:
         states = system.law_states(contact)

@@ -295,11 +295,7 @@ class Mechanics:
     def law_states(self) -> tuple[tuple[str, ...], ...]:
         """Names of the states of each contact's friction law; numbered, as z_2, where there are several
         contacts."""
-        numbers = [f"_{i}" for i in range(1, len(self.contacts) + 1)] if len(self.contacts) > 1 else [""]
-        return tuple(
-            tuple(name + number for name in contact.law.states) if isinstance(contact, Friction) else ()
-            for contact, number in zip(self.contacts, numbers)
-        )
+        return names_of_law_states([getattr(contact, "law", None) for contact in self.contacts])
 
     def depends_on(self, symbol: Any) -> bool:
         """Whether any of it depends on a symbol."""
@@ -321,6 +317,15 @@ class Mechanics:
     def stored(self) -> Any:
         """The potential energy V (J), the sum of all its parts."""
         return sum(self.potential.values()) if isinstance(self.potential, Mapping) else self.potential
+
+
+def names_of_law_states(laws: Sequence[Any]) -> tuple[tuple[str, ...], ...]:
+    """Names of the states of contacts' friction laws, () where there is none; see `Mechanics.law_states`."""
+    numbers = [f"_{i}" for i in range(1, len(laws) + 1)] if len(laws) > 1 else [""]
+    return tuple(
+        tuple(name + number for name in law.states) if isinstance(law, FrictionLaw) else ()
+        for law, number in zip(laws, numbers)
+    )
 
 
 class _Named(tuple[Any, ...]):
