@@ -114,20 +114,28 @@ class SmallSpectra:
         return np.take_along_axis(values, order, axis=1)[:, : self._count]
 
     def matrices(self, changes: Mapping[str, Array]) -> Array:
-        """State matrices (N, 2n, 2n)."""
+        """State matrices (N, m, m): of displacements, velocities and states of friction laws.
+
+        Those of open contacts, which are gone at once, are damped as much as anything else.
+        """
         n = self.structure.size
         M, C, K = self.structure.stacks(changes)
-        A = np.zeros((len(M), 2 * n, 2 * n))
-        A[:, :n, n:] = np.eye(n)
-        A[:, n:, :n], A[:, n:, n:] = -np.linalg.solve(M, K), -np.linalg.solve(M, C)
+        gone = np.zeros((len(M), M.shape[1]), dtype=bool)
+        gone[:, n:] = np.diagonal(C, axis1=1, axis2=2)[:, n:] == 0.0
+        leading = np.concatenate([M[:, :, :n], C[:, :, n:] + gone[:, None, n:] * np.eye(M.shape[1])[:, n:]], axis=2)
+        rest = np.concatenate([-K[:, :, :n], -C[:, :, :n], -K[:, :, n:]], axis=2)
+        A = np.zeros((len(M), rest.shape[2], rest.shape[2]))
+        A[:, :n, n : 2 * n], A[:, n:] = np.eye(n), np.linalg.solve(leading, rest)
+        if gone.any():
+            point, place = np.nonzero(gone)
+            A[point, n + place, n + place] *= np.abs(A[point]).sum(axis=2).max(axis=1)
         return A
 
     @cached_property
     def has_matrices(self) -> bool:
-        """Whether state matrices have these eigenvalues: M is regular, no stiffness complex, no law has states
-        that lag."""
-        pencil = self.structure.pencil
-        return not pencil.states and not np.iscomplexobj(pencil.K.data) and has_regular_mass(pencil)
+        """Whether state matrices have these eigenvalues: M is regular, and no stiffness complex."""
+        pencil = self.structure.structural_pencil
+        return not np.iscomplexobj(pencil.K.data) and has_regular_mass(pencil)
 
     # What `changes_on_lines` asks where a growth rate jumps: whether the equilibrium goes on there.
 
@@ -149,7 +157,7 @@ class SmallSpectra:
     def _values(self, changes: Mapping[str, Array]) -> Any:
         if self.has_matrices:
             columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
-            parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // (2 * self.structure.size) ** 2))
+            parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // self.structure.order**2))
             chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
             return np.concatenate([_eigenvalues(self.matrices(chunk)) for chunk in chunks])
         structures = self._structures(changes)

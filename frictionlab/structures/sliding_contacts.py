@@ -75,8 +75,9 @@ class ContactForces(NamedTuple):
         """Derivative of the friction force by the penetration (k,), which the states of the law follow."""
         if not len(self.lag):
             return self.friction_slope
-        matrices, right = np.moveaxis(self.rates_by_states, -1, 0), self.rates_by_penetration.T[..., None]
-        moved = np.linalg.solve(-matrices, right)[..., 0].T
+        matrices = np.moveaxis(self.rates_by_states, (0, 1), (-2, -1))
+        moved = np.linalg.solve(-matrices, np.moveaxis(self.rates_by_penetration, 0, -1)[..., None])
+        moved = np.moveaxis(moved[..., 0], -1, 0)
         return self.friction_slope + (self.by_states * moved).sum(axis=0)
 
 
@@ -302,6 +303,11 @@ class SlidingContacts:
         pressed = np.where(closed, pressure, 1.0)
         if self.friction.states:
             steady = steady_friction(self.friction, pressed, v, self._values(self.friction, values))
+            if q.ndim == 1 and np.isnan(steady.force[closed]).any():
+                raise ValueError(
+                    f"friction must have states that settle in steady sliding, got {self.friction!r}, of which "
+                    "none were found where the rates are zero: change its parameters, or the speed v"
+                )
             known = ContactForces(penetration, normal, None, normal_slope, None, None)
             return self._with_states(known, steady, stiffness, closed)
         law, by_force, by_speed = self._friction_formulas
@@ -317,7 +323,8 @@ class SlidingContacts:
     ) -> ContactForces:
         """The forces with those of a friction law with states; states of open contacts are at rest."""
         by_states = np.where(closed, self.area * steady.by_states, 0.0)
-        own = np.where(closed, steady.rates_by_states, -np.eye(len(by_states))[..., None])
+        at_rest = -np.eye(len(by_states)).reshape(*(len(by_states),) * 2, *(1,) * closed.ndim)
+        own = np.where(closed, steady.rates_by_states, at_rest)
         sizes = np.abs(np.real(own)).max(axis=1, initial=0.0)
         lag = np.abs(np.real(by_states)) / np.where(sizes > 0.0, sizes, 1.0)
         lag = np.where(closed, np.where(lag > 0.0, lag, 1.0), 0.0)
@@ -346,6 +353,28 @@ class SlidingContacts:
             damping,
             sparse.block_diag([*-np.moveaxis(forces.rates_by_states, -1, 0)], format="csr"),
             sparse.diags_array(forces.lag.T.ravel(), format="csr"),
+        )
+
+    def stacked_state_rows(self, forces: ContactForces) -> StateRows:
+        """The same of forces at N points, as full matrices with N in front; rows of contacts are full."""
+        s, each = len(self.lagging), forces.lag.shape[1]
+
+        def of_states(values: Array) -> Array:
+            return np.moveaxis(values, 0, -1).reshape(each, self.count * s)
+
+        tangential = np.repeat(self.tangential, s, axis=0)
+        damping = of_states(forces.rates_by_speed)[..., None] * tangential
+        stiffness = 0.0 * damping
+        if self.normal is not None:
+            pressing = np.repeat(self.normal, s, axis=0)
+            stiffness = -of_states(forces.rates_by_penetration)[..., None] * pressing
+        blocks, unit = -np.moveaxis(forces.rates_by_states, (0, 1), (-2, -1)), np.eye(self.count)
+        return StateRows(
+            -(tangential.T * of_states(forces.by_states)[:, None, :]),
+            stiffness,
+            damping,
+            np.einsum("nijl,ik->nijkl", blocks, unit).reshape(each, self.count * s, self.count * s),
+            of_states(forces.lag)[..., None] * np.eye(self.count * s),
         )
 
     @cached_property

@@ -265,7 +265,7 @@ def newton_of_many(
             going &= ~found & (new <= (1.0 - DECREASE) * size)
             if not going.any():
                 break
-            tangents = K + sum(one.stiffness(f) for one, f in zip(contacts, forces, strict=True))
+            tangents = K + sum(one.steady_stiffness(f) for one, f in zip(contacts, forces, strict=True))
             try:
                 steps = np.linalg.solve(tangents[going], left_over[going][..., None])
             except np.linalg.LinAlgError:  # one of them is singular, and the others are not

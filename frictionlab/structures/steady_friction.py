@@ -32,14 +32,14 @@ class SteadyFriction(NamedTuple):
 
     Parameters
     ----------
-    force : array (k,)
+    force : array (..., k)
         N; with its derivatives by the normal force and by v_r, which the states do not follow.
-    by_force, by_speed : array (k,)
-    by_states : array (s, k)
-    rates_by_force, rates_by_speed : array (s, k)
+    by_force, by_speed : array (..., k)
+    by_states : array (s, ..., k)
+    rates_by_force, rates_by_speed : array (s, ..., k)
         Derivatives of the rates of the states.
-    rates_by_states : array (s, s, k)
-    states : array (all states, k)
+    rates_by_states : array (s, s, ..., k)
+    states : array (all states, ..., k)
     """
 
     force: Array
@@ -64,29 +64,43 @@ def lagging_states(law: FrictionLaw | None) -> tuple[str, ...]:
 def steady_friction(
     law: FrictionLaw, normal_force: Array, velocity: Any, parameters: Sequence[Any]
 ) -> SteadyFriction:
-    """The friction of contacts with these normal forces (k,); all may be complex.
+    """The friction of contacts with these normal forces, of one shape (..., k); all may be complex.
 
     Parameters
     ----------
     law : FrictionLaw
         With states.
-    normal_force : array (k,)
+    normal_force : array (..., k)
         N, above 0.
-    velocity : float or complex
-        v_r, not 0.
+    velocity : number or array
+        v_r, not 0, broadcast to the shape of the normal forces, as are the parameters.
     parameters : sequence
         Values of the law's parameters.
 
-    Raises
-    ------
-    ValueError
-        Where the states do not settle.
+    Returns
+    -------
+    SteadyFriction
+        NaN where the states do not settle.
     """
-    key, sign = law.structure_key, 1 if np.real(velocity) > 0.0 else -1
-    lagging, given = len(lagging_states(law)), [normal_force, velocity, *parameters]
-    states = _settled(law, sign, given) if lagging else np.zeros((0, len(normal_force)))
-    formulas = _formulas(key, sign)
-    values, slopes = _evaluated(formulas, states, given)
+    given = [np.broadcast_to(one, normal_force.shape).ravel() for one in (normal_force, velocity, *parameters)]
+    forwards, parts = np.real(given[1]) > 0.0, []
+    for sign, chosen in ((1, forwards), (-1, ~forwards)):
+        if chosen.any():
+            parts.append((chosen, _on_one_side(law, sign, [one[chosen] for one in given])))
+    whole = []
+    for each in zip(*(found for _, found in parts), strict=True):
+        joined = np.zeros((*each[0].shape[:-1], forwards.size), dtype=each[0].dtype)
+        for (chosen, _), part in zip(parts, each, strict=True):
+            joined[..., chosen] = part
+        whole.append(joined.reshape(*joined.shape[:-1], *normal_force.shape))
+    return SteadyFriction(*whole)
+
+
+def _on_one_side(law: FrictionLaw, sign: int, given: Sequence[Any]) -> SteadyFriction:
+    """The friction of contacts where v_r has this sign, at normal forces, v_r and parameters, each (k,)."""
+    lagging = len(lagging_states(law))
+    states = _settled(law, sign, given) if lagging else np.zeros((0, len(given[0])))
+    values, slopes = _evaluated(_formulas(law.structure_key, sign), states, given)
     return SteadyFriction(
         values[0],
         slopes[0, 0],
@@ -137,11 +151,14 @@ def _evaluated(formulas: Formulas, states: Array, given: Sequence[Any]) -> tuple
 
 
 def _settled(law: FrictionLaw, sign: int, given: Sequence[Any]) -> Array:
-    """States (s, k) whose rates are zero: Newton's method from zeros, in steps that lower the rates."""
+    """States (s, k) whose rates are zero, NaN where none are found.
+
+    Newton's method from zeros, in steps that lower the rates.
+    """
     formulas = _formulas(law.structure_key, sign)
     real = [np.real(one) for one in given]
     states = np.zeros((len(law.states), len(real[0])))
-    rates, step = _newton_step(law, formulas, states, real)
+    rates, step = _newton_step(formulas, states, real)
     for _ in range(NEWTON_STEPS):
         size, scale = np.abs(rates).max(axis=0), np.ones(len(real[0]))
         for _ in range(HALVINGS):
@@ -155,31 +172,20 @@ def _settled(law: FrictionLaw, sign: int, given: Sequence[Any]) -> Array:
         states = np.where(better, ahead, states)
         if not better.any():
             break
-        rates, step = _newton_step(law, formulas, states, real)
-    if not (np.abs(step) <= SETTLED_RTOL * np.abs(states)).all():
-        raise _unsettled(law)
+        rates, step = _newton_step(formulas, states, real)
+    settled = (np.abs(step) <= SETTLED_RTOL * np.abs(states)).all(axis=0)
+    states = np.where(settled, states, np.nan)
     if not any(map(np.iscomplexobj, given)):
         return states
-    return states - _newton_step(law, formulas, states, given)[1]  # with derivatives as imaginary parts
+    return states - _newton_step(formulas, states, given)[1]  # with derivatives as imaginary parts
 
 
-def _newton_step(
-    law: FrictionLaw, formulas: Formulas, states: Array, given: Sequence[Any]
-) -> tuple[Array, Array]:
-    """The rates (s, k), and the step of Newton's method."""
+def _newton_step(formulas: Formulas, states: Array, given: Sequence[Any]) -> tuple[Array, Array]:
+    """The rates (s, k), and the step of Newton's method, NaN where there is none."""
     values, slopes = _evaluated(formulas, states, given)
     matrices = np.moveaxis(slopes[1:, 2:], -1, 0)
-    try:
+    with np.errstate(all="ignore"):
+        regular = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) != 0.0)
+        matrices = np.where(regular[:, None, None], matrices, np.nan)
         steps = np.linalg.solve(matrices, values[1:].T[..., None])[..., 0].T
-    except np.linalg.LinAlgError as error:
-        raise _unsettled(law) from error
-    if not np.isfinite(steps).all():
-        raise _unsettled(law)
     return values[1:], steps
-
-
-def _unsettled(law: FrictionLaw) -> ValueError:
-    return ValueError(
-        f"friction must have states that settle in steady sliding, got {law!r}, of which none were found "
-        "where the rates are zero: change its parameters, or the speed v"
-    )

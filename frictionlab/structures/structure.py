@@ -503,12 +503,18 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         return small
 
     def stacks(self, changes: Mapping[str, Any]) -> tuple[Array, Array, Array]:
-        """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters."""
+        """M, C + G and K + N as full matrices (N, n, n) at arrays (N,) of parameters.
+
+        They have a row for each freedom, then for each state of a friction law that lags.
+        """
         count = max(np.size(values) for values in changes.values())
         values = {name: np.full(count, value) for name, value in self.parameters.items()}
         values |= {name: np.broadcast_to(np.ravel(column), (count,)) for name, column in changes.items()}
-        zero = np.zeros((count, self.size, self.size))
-        M, C, K = (sum((one.stack(values, count) for one in terms), zero) for terms in self.terms)
+        size = self.order - self.size
+        M, C, K = np.zeros((3, count, size, size))
+        for matrix, terms in zip((M, C, K), self.terms, strict=True):
+            for one in terms:
+                matrix[:, : self.size, : self.size] += one.stack(values, count)
         if self.contacts:
             self._add_contacts(C, K, values)
         return M, C, K
@@ -519,12 +525,14 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         return spectra_over(self, box)
 
     def _add_contacts(self, C: Array, K: Array, values: Mapping[str, Array]) -> None:
-        """Add what contacts add to stacked C and K (N, n, n); NaN where there is no equilibrium."""
+        """Add what contacts add to stacked C and K; NaN where there is no equilibrium."""
         contacts = tuple(one.full() for one in self.contacts)
         forces = np.zeros((len(C), self.size))
         if self.load is not None:
             forces = self.load.stack(values, len(C))[..., 0]
         start, q, found = None, np.zeros_like(forces), np.zeros(len(C), dtype=bool)
+        n = self.size
+        held = K[:, :n, :n].copy()
         with suppress(ValueError):  # its own values may have no equilibrium where others have one
             start = self.displacements
         if start is not None:
@@ -532,20 +540,27 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             for one in contacts:
                 slides &= one.friction is None or values[one.parameter("v")] != 0.0
             columns = {name: column[slides] for name, column in values.items()}
-            q[slides], found[slides] = newton_of_many(K[slides], forces[slides], contacts, columns, start)
+            q[slides], found[slides] = newton_of_many(held[slides], forces[slides], contacts, columns, start)
         for i in np.flatnonzero(~found):
             point = {name: float(column[i]) for name, column in values.items()}
             try:
-                q[i] = Statics(K[i], forces[i], contacts, point).solve(start)
+                q[i] = Statics(held[i], forces[i], contacts, point).solve(start)
             except ValueError:
                 q[i] = np.nan
         known = np.isfinite(q).all(axis=1)
         C[~known], K[~known] = np.nan, np.nan
         columns = {name: column[known, None] for name, column in values.items()}
+        first = n
         for one in contacts:
             acting = one.forces(q[known], columns)
-            C[known] += one.damping(acting)
-            K[known] += one.stiffness(acting)
+            C[known, :n, :n] += one.damping(acting)
+            K[known, :n, :n] += one.stiffness(acting)
+            if one.lagging:
+                rows = one.stacked_state_rows(acting)
+                own = slice(first, first + one.count * len(one.lagging))
+                K[known, :n, own], K[known, own, :n], C[known, own, :n] = rows[:3]
+                K[known, own, own], C[known, own, own] = rows[3:]
+                first = own.stop
 
     def _copied(self, **changes: Any) -> Self:
         """A copy with other values of fields, which are right."""
