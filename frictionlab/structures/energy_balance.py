@@ -82,8 +82,9 @@ class StructureBalance:
         if self._bristles:  # lost with the contact
             modes = [run.mode_names.index(name) if name else 0 for name in run.events.source]
             targets = [run.mode_names.index(name) if name else i for i, name in zip(modes, run.events.target)]
-            jumps["friction"] = self.energies(run.events.state, np.array(targets))["bristles"]
-            jumps["friction"] = jumps["friction"] - self.energies(run.events.before, np.array(modes))["bristles"]
+            ends = (run.events.state, targets), (run.events.before, modes)
+            kept, held = (self.energies(states, np.array(at))["bristles"] for states, at in ends)
+            jumps["friction"] = kept - held
         return jumps
 
     def _split(self, states: Array) -> tuple[Array, Array, Array]:

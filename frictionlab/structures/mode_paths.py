@@ -120,9 +120,8 @@ class SmallSpectra:
         """
         n = self.structure.size
         M, C, K = self.structure.stacks(changes)
-        gone = np.zeros((len(M), M.shape[1]), dtype=bool)
-        gone[:, n:] = np.diagonal(C, axis1=1, axis2=2)[:, n:] == 0.0
-        leading = np.concatenate([M[:, :, :n], C[:, :, n:] + gone[:, None, n:] * np.eye(M.shape[1])[:, n:]], axis=2)
+        gone = (np.diagonal(C, axis1=1, axis2=2) == 0.0) & (np.arange(M.shape[1]) >= n)
+        leading = np.concatenate([M[:, :, :n], C[:, :, n:]], axis=2) + gone[:, None] * np.eye(M.shape[1])
         rest = np.concatenate([-K[:, :, :n], -C[:, :, :n], -K[:, :, n:]], axis=2)
         A = np.zeros((len(M), rest.shape[2], rest.shape[2]))
         A[:, :n, n : 2 * n], A[:, n:] = np.eye(n), np.linalg.solve(leading, rest)

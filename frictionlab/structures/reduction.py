@@ -101,7 +101,8 @@ def estimated_errors(small: ReducedStructure) -> Array:
         return np.zeros(0)
     pencil = full.with_contacts(full.structural_pencil, small.contact_forces)
     upper = known.values.imag >= 0.0
-    left_over = pencil.products(known.values[upper], small.expanded(unknowns(known.vectors[:, upper], small.size)))
+    vectors = small.expanded(unknowns(known.vectors[:, upper], small.size))
+    left_over = pencil.products(known.values[upper], vectors)
     solve = factorised(pencil.at(RESPONSE_SHARE * np.abs(known.values).max()).real.tocsc())
     if solve is None:
         return np.full(len(known.values), np.nan)

@@ -305,8 +305,8 @@ class SlidingContacts:
             steady = steady_friction(self.friction, pressed, v, self._values(self.friction, values))
             if q.ndim == 1 and np.isnan(steady.force[closed]).any():
                 raise ValueError(
-                    f"friction must have states that settle in steady sliding, got {self.friction!r}, of which "
-                    "none were found where the rates are zero: change its parameters, or the speed v"
+                    f"friction must have states that settle in steady sliding, got {self.friction!r}, where "
+                    "none were found whose rates are zero: change its parameters, or the speed v"
                 )
             known = ContactForces(penetration, normal, None, normal_slope, None, None)
             return self._with_states(known, steady, stiffness, closed)

@@ -82,7 +82,8 @@ def steady_friction(
     SteadyFriction
         NaN where the states do not settle.
     """
-    given = [np.broadcast_to(one, normal_force.shape).ravel() for one in (normal_force, velocity, *parameters)]
+    arguments = normal_force, velocity, *parameters
+    given = [np.broadcast_to(one, normal_force.shape).ravel() for one in arguments]
     forwards, parts = np.real(given[1]) > 0.0, []
     for sign, chosen in ((1, forwards), (-1, ~forwards)):
         if chosen.any():

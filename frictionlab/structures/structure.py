@@ -809,7 +809,7 @@ class ReducedStructure(Structure):
     error: float = field(kw_only=True, default=np.nan)
 
     def expanded(self, vectors: Any) -> Any:
-        """Vectors of the pencil of the large structure by those of this one's: states of laws are the same."""
+        """Vectors of the large structure's pencil by those of this one's: states of laws are the same."""
         return np.vstack([self.basis @ vectors[: self.size], vectors[self.size :]])
 
     def restricted(self, vectors: Any) -> Any:

@@ -104,9 +104,7 @@ def energies_in_states(contact: Friction, states: Sequence[Any]) -> tuple[Any, A
     """The energy (J) in the states of a contact's law, pressed and apart; None where it stores none."""
     if not states:
         return None
-    pressed, apart = (
-        contact.law.stored_energy(force, *states) for force in (contact.pressing, sympy.S.Zero)
-    )
+    pressed, apart = (contact.law.stored_energy(force, *states) for force in (contact.pressing, sympy.S.Zero))
     return None if pressed is None else (pressed, apart)
 
 

@@ -83,7 +83,6 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
     """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
     that is negative where it is lost, and the limits of its states if they have any, for each."""
     derivations = derivations_of(key)
-    known = derivations.value("states of laws", lambda: [about for about, _ in of_contacts()])
 
     def of_contacts() -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
         from .equations_of_motion import system_of
@@ -98,6 +97,7 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
         inputs = [*system_of(key).states, *parameter_symbols(key)]
         return formulas_of(inputs, [one for _, some in of_contacts() for one in some])
 
+    known = derivations.value("states of laws", lambda: [about for about, _ in of_contacts()])
     return known, kept_formulas(derivations, "states of laws", derive)
 
 

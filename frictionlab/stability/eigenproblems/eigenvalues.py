@@ -232,13 +232,14 @@ def mode_shapes(vectors: ComplexArray, n: int) -> ComplexArray:
 def participation_factors(left: ComplexArray, right: ComplexArray, n: int) -> Array:
     """Participation factors |w v| of left (..., k, m) and right vectors (..., m, k), as (..., n, k).
 
-    A coordinate's is summed with that of its rate.  They do not depend on the units of the coordinates;
-    without damping and friction they are the shares of the mode's kinetic energy.  I. J. Perez-Arriaga,
-    G. C. Verghese, F. C. Schweppe, "Selective modal analysis", IEEE Trans. Power Apparatus and Systems 101
-    (1982) 3117-3125.
+    A coordinate's is summed with that of its rate; all are 0 of a mode of further states alone.  They do not
+    depend on the units of the coordinates; without damping and friction they are the shares of the mode's
+    kinetic energy.  I. J. Perez-Arriaga, G. C. Verghese, F. C. Schweppe, "Selective modal analysis", IEEE
+    Trans. Power Apparatus and Systems 101 (1982) 3117-3125.
     """
     factors = np.abs(np.swapaxes(left, -1, -2) * right)
     coordinates = factors[..., :n, :]
     if factors.shape[-2] >= 2 * n:
         coordinates = coordinates + factors[..., n : 2 * n, :]
-    return coordinates / coordinates.sum(axis=-2, keepdims=True)
+    whole = coordinates.sum(axis=-2, keepdims=True)
+    return np.divide(coordinates, whole, out=np.zeros_like(coordinates), where=whole != 0.0)

@@ -223,7 +223,6 @@ def test_pairs_of_freedoms():
         ({"normal": [[0.0, np.nan]]}, "finite numbers, got nan"),
         ({"normal": [[0.0, 1.0]] * 2, "tangential": [[1.0, 0.0]] * 2}, "the same rows for 0 and 1"),
         ({"N": 3.0}, "N must be None where there are rows of normal"),
-        ({"friction": fl.LuGre()}, "a law without states"),
         ({"area": -1.0}, "area must be above 0"),
         ({"area": [1.0, 2.0]}, "area must be of 1 contacts"),
         ({"normal": [0.0, 1.0]}, "normal must be a matrix"),

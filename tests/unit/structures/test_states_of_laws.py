@@ -1,0 +1,193 @@
+"""Contacts of structures whose friction laws have states of their own."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frictionlab as fl
+
+LAWS = [fl.LuGre(), fl.Dahl(), fl.Jenkins(), fl.Iwan(), fl.RateAndState(a=0.05, b=0.03, D_c=0.05, v_0=0.1)]
+
+
+@pytest.mark.parametrize("v", [0.2, -0.2])
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+def test_a_mass_on_a_belt_is_the_model(law, v):
+    model = fl.MassOnBelt(friction=law, v=v, N=2.0)
+    # a pressure on an area of 2
+    belt = fl.SlidingContacts([[1.0]], N=model.N / 2, friction=law, v=v, area=2.0)
+    if isinstance(law, (fl.Jenkins, fl.Iwan)):  # whose stiffness is no pressure's
+        belt = fl.SlidingContacts([[1.0]], N=model.N, friction=law, v=v)
+    structure = fl.Structure([[model.m]], [[model.k]], contacts=belt)
+    one, other = fl.eigenvalues(model), fl.eigenvalues(structure)
+    np.testing.assert_allclose(other.values, one.values, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(other.equilibrium.state, one.equilibrium.state, rtol=1e-12)
+    x0 = [-0.05, 0.3]
+    first, second = (fl.simulate(each, 5.0, x0=x0, progress=False) for each in (model, structure))
+    assert first.names[2:] == second.names[2:]
+    assert len(first.events) == len(second.events)
+    np.testing.assert_allclose(second.final_state, first.final_state, rtol=1e-12, atol=1e-12)
+
+
+M, K, LOAD = np.diag([1.0, 1.0, 2.0, 2.0]), np.diag([30.0, 40.0, 25.0, 35.0]), np.array([0.0, 1.0, 0.0, 1.0])
+K[0, 2] = K[2, 0] = -8.0
+K[1, 3] = K[3, 1] = -9.0
+
+
+def pair(**changes) -> fl.Structure:
+    """Two masses in the plane, each on a belt of its own with another law."""
+    bristles = fl.LuGre(mu_k=0.3, mu_s=0.5, v_s=0.2, sigma_0=50.0, sigma_1=2.0, sigma_2=0.1)
+    left = fl.SlidingContacts(
+        [[1, 0, 0, 0]],
+        [[0, 1, 0, 0]],
+        fl.CubicContact(50.0, 20.0),
+        bristles,
+        0.4,
+        penetration=0.4,
+        name="left",
+    )
+    ageing = fl.RateAndState(mu_0=0.4, a=0.05, b=0.03, D_c=0.05, v_0=0.1)
+    right = fl.SlidingContacts(
+        [[0, 0, 1, 0.2]], [[0, 0, 0, 1]], fl.LinearContact(40.0), ageing, -0.3, penetration=0.5, area=2.0,
+        name="right",
+    )  # fmt: skip
+    return fl.Structure(M, K, 0.05 * np.eye(4), contacts=[left, right], load=LOAD, **changes)
+
+
+def rates(y, signs):
+    """The pair's equations, written again; |v_r| is v_r times its sign."""
+    q, v, z, psi = y[:4], y[4:8], y[8], y[9]
+    depth, speed = q[1] + 0.4, 0.4 - v[0]
+    mu = 0.3 + 0.2 * np.exp(-((speed / 0.2) ** 2))
+    dz = speed - 50.0 * signs[0] * speed / mu * z
+    pressed = 50.0 * depth + 20.0 * depth**3
+    rubbed = (50.0 * z + 2.0 * dz + 0.1 * speed) * pressed
+    other, speed = 2.0 * 40.0 * (q[3] + 0.5), -0.3 - v[2] - 0.2 * v[3]
+    ageing = 0.05 * np.arcsinh(speed / 0.2 * np.exp((0.4 + 0.03 * psi) / 0.05)) * other
+    forces = LOAD - K @ q - 0.05 * v + np.array([rubbed, -pressed, ageing, 0.2 * ageing - other])
+    return np.array([*v, *forces / np.diag(M), dz, (0.1 * np.exp(-psi) - signs[1] * speed) / 0.05])
+
+
+def test_eigenvalues_and_derivatives_of_two_contacts_with_different_laws():
+    structure = pair()
+    found = fl.eigenvalues(structure)
+    at = found.equilibrium.state
+    assert np.abs(rates(at, (1, -1))).max() < 1e-13
+    columns = [np.imag(rates(at + 1e-30j * one, (1, -1))) / 1e-30 for one in np.eye(10)]
+    expected = np.linalg.eigvals(np.array(columns).T)
+    assert np.abs(found.values[:, None] - expected).min(axis=1).max() < 1e-12 * np.abs(expected).max()
+    assert (fl.eigenvalues(pickle.loads(pickle.dumps(structure))).values == found.values).all()
+    assert (fl.eigenvalues(fl.Structure.from_dict(structure.to_dict())).values == found.values).all()
+    for name in ("sigma_1_left", "k2_left", "D_c_right", "v_right"):
+        p = structure.parameters[name]
+        ends = (fl.eigenvalues(structure.replace(**{name: p * (1 + h)})).values for h in (1e-5, -1e-5))
+        slopes = np.subtract(*ends) / (2e-5 * p)
+        assert np.abs(slopes - found.sensitivities(name)).max() < 1e-6 * np.abs(slopes).max()
+
+
+def test_two_contacts_with_different_laws_move_as_their_equations():
+    """v_r changes its sign at both; each sign is a smooth piece for the other integrator."""
+    structure, y = pair(), np.array([0.5, -0.25, -0.23, -0.37, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0])
+    run = fl.simulate(structure, 4.0, x0=y, progress=False)
+    assert run.names[8:] == ("z_1", "psi_2")
+    assert {"slip+ | slip-", "slip- | slip+"} <= {*run.mode}
+    for low, high in zip([0.0, *run.events.t], [*run.events.t, 4.0], strict=True):
+        (middle,), _ = run.states_and_modes(np.array([0.5 * (low + high)]))
+        signs = np.sign([0.4 - middle[4], -0.3 - middle[6] - 0.2 * middle[7]])
+        solved = solve_ivp(
+            lambda _, y, by: rates(y, by), (low, high), y, "DOP853", args=(signs,), rtol=1e-12, atol=1e-13
+        )
+        y = solved.y[:, -1]
+    np.testing.assert_allclose(run.final_state, y, atol=1e-9)
+    assert fl.energy_audit(run).error < 1e-12
+
+
+def test_spectra_at_many_points_are_those_of_each():
+    """Beside an open contact, whose states are gone."""
+    structure = pair()
+    left, right = structure.contacts
+    gap = fl.SlidingContacts(
+        [[1, 1, 0, 0]], [[0, 0.1, 0, 0]], friction=fl.Dahl(), penetration=-5.0, name="gap"
+    )
+    structure = structure.replace(contacts=[left, gap, right])
+    values = np.array([-0.3, -0.2, 0.3])
+    locus = fl.root_locus(structure, "v_right", values)
+    for v, row in zip(values, locus.values, strict=True):
+        expected = fl.eigenvalues(structure.replace(v_right=float(v))).values
+        upper = row[row.imag > 0.0]
+        assert len(upper) == 4
+        assert np.abs(upper[:, None] - expected).min(axis=1).max() < 1e-10
+
+
+def test_a_reduced_structure_keeps_the_states_of_its_contacts():
+    structure = pair(window=(0.0, 3.0))
+    basis = np.linalg.qr(np.random.default_rng(0).standard_normal((4, 3)))[0]
+    small = structure.projected(basis)
+    exact, found = fl.eigenvalues(structure).values, fl.eigenvalues(small)
+    distances = np.abs(found.values[:, None] - exact).min(axis=1)
+    assert (distances <= small.error_bounds() * (1 + 1e-9)).all()
+    whole = structure.projected(np.linalg.qr(basis @ basis.T + np.eye(4))[0])
+    found = fl.eigenvalues(whole).values
+    assert np.abs(found[:, None] - exact).min(axis=1).max() < 1e-10
+    assert whole.error_bounds().max() < 1e-9
+
+
+def test_large_structures_have_their_states_in_the_window():
+    n = 420
+    chain = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    pads = fl.SlidingContacts(np.eye(n)[:3], N=1.0, friction=fl.LuGre(sigma_0=5.0, sigma_1=0.1, v_s=0.5))
+    structure = fl.Structure(np.eye(n), 1e4 * chain, contacts=pads, window=(0.0, 4.0))
+    found = fl.eigenvalues(structure)
+    A, B = (np.block(one) for one in companion(structure))
+    expected = np.linalg.eigvals(np.linalg.solve(B, A))
+    upper = expected[(expected.imag > 0.0) & (expected.imag < 8 * np.pi)]
+    assert len(upper) == (found.values.imag > 0.0).sum()
+    assert np.abs(upper[:, None] - found.values).min(axis=1).max() < 1e-9 * 8 * np.pi
+
+
+def companion(structure):
+    """(q, v, z) of z' = v_r - a z, of bristles at v_r = 1 and F_N = 1, in matrices written again."""
+    n, law = structure.size, structure.contacts[0].friction
+    bump = (law.mu_s - law.mu_k) * np.exp(-((1.0 / law.v_s) ** 2))
+    mu, slope = law.mu_k + bump, -2.0 / law.v_s**2 * bump
+    a, by_speed = law.sigma_0 / mu, slope / mu  # 1 - (v/mu)' sigma_0 z, with sigma_0 z = mu
+    rows, zero = np.eye(n)[:3], np.zeros((n, 3))
+    K, unit = structure.K.at({}).toarray(), np.eye(n)
+    C = law.sigma_1 * by_speed * rows.T @ rows
+    top = [[np.zeros((n, n)), unit, zero], [-K, -C, (law.sigma_0 - law.sigma_1 * a) * rows.T]]
+    return [*top, [np.zeros((3, n)), -by_speed * rows, -a * np.eye(3)]], [
+        [unit, np.zeros((n, n)), zero],
+        [np.zeros((n, n)), unit, zero],
+        [zero.T, zero.T, np.eye(3)],
+    ]
+
+
+@pytest.mark.parametrize("law", [fl.Jenkins(mu_k=0.4, k_t=30.0), fl.LuGre(sigma_0=30.0, sigma_1=1.0)])
+def test_states_are_lost_with_their_contact(law):
+    """Two contacts that hop, beside one of Coulomb's that rubs along the first one's direction."""
+    rows = [[[1, 0, 0, 0], [0, 0, 1, 0]], [[0, 1, 0, 0], [0, 0, 0, 1]]]
+    hops = fl.SlidingContacts(
+        *rows, fl.LinearContact(50.0), law, 0.4, impact=fl.PlasticImpact(), area=[1.0, 2.0]
+    )
+    rubs = fl.SlidingContacts([[1, 0, 0, 0]], N=1.0, friction=fl.Coulomb(0.2, 0.4), v=0.4, name="c")
+    structure = fl.Structure(M, K, 0.05 * np.eye(4), contacts=[hops, rubs], load=LOAD)
+    run = fl.simulate(structure, 4.0, x0=[0.3, -0.1, 0.2, 0.5, 0.0, 2.0, 0.3, -1.0], progress=False)
+    apart = np.char.startswith(run.mode.astype(str), "separation")
+    assert 0 < apart.sum() < len(apart)
+    assert not run["z_1"][apart].any()
+    assert fl.energy_audit(run).error < 1e-12
+    assert {*fl.simulate(structure, 0.1, x0="near", progress=False).mode} == {"slip+ | slip+ | slip+"}
+
+
+def test_what_has_no_meaning_is_refused():
+    rows, law = [[1.0]], fl.Jenkins()
+    structure = fl.Structure([[1.0]], [[1.0]], contacts=fl.SlidingContacts(rows, N=1.0, friction=law))
+    with pytest.raises(ValueError, match="within the limit of its friction law"):
+        fl.simulate(structure, 1.0, x0={"z": 1.0})
+    with pytest.raises(ValueError, match="laws without states to stick"):
+        structure.replace(v=0.0).in_stick()
+    with pytest.raises(ValueError, match="the state 'z' of a friction law must differ"):
+        fl.Structure([[1.0]], [("z", [[1.0]])], parameters={"z": 1.0}, contacts=structure.contacts)
