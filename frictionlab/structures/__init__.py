@@ -13,6 +13,8 @@ whose coefficients depend on named parameters.  No full matrix of all freedoms i
     `Structure`: the matrices, checked, the values of the parameters, the window of frequencies.
 ``sliding_contacts``, ``sliding_equilibrium``
     `SlidingContacts`: rows of the freedoms with laws; the static displacements with them.
+``steady_friction``
+    Friction laws with states of their own in steady sliding.
 ``beam_on_belt``, ``disc_brake``
     `BeamOnBelt` and `DiscBrake`: structures from their dimensions.
 ``structure_data``

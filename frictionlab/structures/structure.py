@@ -595,11 +595,12 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             return QuadraticPencil(pencil.M, C.tocsc(), K.tocsc())
         of_states, stiffness, damping, *own = zip(*rows, strict=True)
         K_z, C_z = (sparse.block_diag(parts) for parts in own)
-        none = sparse.csc_array(K_z.shape)
+        states = self.order - 2 * self.size
+        none: Any = sparse.csc_array((states, states))
         M = sparse.block_diag([pencil.M, none], format="csc")
         C = sparse.block_array([[C, None], [sparse.vstack(damping), C_z]], format="csc")
         K = sparse.block_array([[K, sparse.hstack(of_states)], [sparse.vstack(stiffness), K_z]], format="csc")
-        return QuadraticPencil(M, C, K, none.shape[0])
+        return QuadraticPencil(M, C, K, states)
 
     def _checked_contacts(self) -> tuple[SlidingContacts, ...]:
         given = self.contacts

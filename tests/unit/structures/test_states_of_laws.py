@@ -168,7 +168,7 @@ def companion(structure):
 @pytest.mark.parametrize("law", [fl.Jenkins(mu_k=0.4, k_t=30.0), fl.LuGre(sigma_0=30.0, sigma_1=1.0)])
 def test_states_are_lost_with_their_contact(law):
     """Two contacts that hop, beside one of Coulomb's that rubs along the first one's direction."""
-    rows = [[[1, 0, 0, 0], [0, 0, 1, 0]], [[0, 1, 0, 0], [0, 0, 0, 1]]]
+    rows = [[1, 0, 0, 0], [0, 0, 1, 0]], [[0, 1, 0, 0], [0, 0, 0, 1]]
     hops = fl.SlidingContacts(
         *rows, fl.LinearContact(50.0), law, 0.4, impact=fl.PlasticImpact(), area=[1.0, 2.0]
     )
