@@ -57,10 +57,10 @@ def varied(model):
 
 def test_the_table_of_models_prints():
     table = fl.list_models("classics")
-    assert len(table) == 11
+    assert len(table) == 10
     assert all(row.about and row.reference for row in table)
     assert "fl.DenHartog()" in repr(table)
-    assert table._repr_html_().count("<tr>") == 12
+    assert table._repr_html_().count("<tr>") == 11
     for row in table:
         assert isinstance(eval(row.call, {"fl": fl, **NAMES}), fl.Model)
 
