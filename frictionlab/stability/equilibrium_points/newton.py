@@ -41,6 +41,8 @@ RESTART_ROUNDS = 8  # of new starts from the zeros found
 RESTART_DECADES = (-9.0, 2.0)  # of the distances of these starts from the zeros
 BOX_RTOL, BOX_ATOL = 1e-3, 1e-9  # shares of a state, and of its usual size: a zero so near is that of a box
 CORRECTOR_STEPS = 40  # next to a fold each halves the distance; nearer than 2^-40 it is at the fold
+# Over a corner a step on each side is enough, and a few more where the sides are not straight.
+CORNER_STEPS = 6
 SAFE_CHANGE, SAFE_CONTRACTION = 0.5, 0.25  # of the Jacobian within a step, and of the next step
 ROUNDING_OF_OTHERS = 1e-12  # share of the largest state
 STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
@@ -566,10 +568,10 @@ def _corner_step(
     of a fold there is none, and from another branch no way leads back.
     """
     behind = [h + h - t for h, t in zip(here, there, strict=True)]
-    at_hand, steps = _settled(flow, x, here, start), []
+    at_hand, steps = _settled(flow, x, here, start, CORNER_STEPS), []
     for values in (there, behind):
-        zeros = _settled(flow, at_hand, values, start)
-        back = _settled(flow, zeros, here, start)
+        zeros = _settled(flow, at_hand, values, start, CORNER_STEPS)
+        back = _settled(flow, zeros, here, start, CORNER_STEPS)
         same = np.abs(back - at_hand) <= CORNER_RTOL * np.abs(zeros - at_hand) + _rounding(at_hand)
         at_hand[:, ~same.all(axis=0)] = np.nan  # so that the other side is not looked at
         steps.append(zeros - x)
@@ -607,7 +609,9 @@ def _replace_unknown(sizes: Array) -> Array:
     return np.where(finite > 0, finite, np.where(largest > 0, largest, 1.0))
 
 
-def _settled(flow: Flow, x: Array, values: Sequence[Any], start: Array) -> Array:
+def _settled(
+    flow: Flow, x: Array, values: Sequence[Any], start: Array, most_steps: int = CORRECTOR_STEPS
+) -> Array:
     """Zeros (m, N) that Newton's method converges to, followed from `start` (m, 1); NaN where it does not, or
     is stuck at a singular matrix.
 
@@ -616,7 +620,7 @@ def _settled(flow: Flow, x: Array, values: Sequence[Any], start: Array) -> Array
     """
     count = x.shape[1]
     zeros, before, going = np.full_like(x, np.nan), np.full(count, np.inf), np.arange(count)
-    for _ in range(CORRECTOR_STEPS):
+    for _ in range(most_steps):
         some = [_chosen(v, going) for v in values]
         matrices, rates = flow.jacobian(x, some), flow.rhs(x, some)
         step = _newton_step(matrices, rates)
