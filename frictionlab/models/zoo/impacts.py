@@ -291,6 +291,7 @@ class NewtonsCradle(ZooModel):
     not_applicable = MappingProxyType(
         {
             "eigenvalues": "At rest the balls touch, at the border of all modes.",
+            "periodic_orbit": "In the end all balls swing as one: gaps and impacts have shrunk to nothing.",
             "continue_orbit": "In the end all balls swing as one, with any amplitude: there is no branch.",
         }
     )
