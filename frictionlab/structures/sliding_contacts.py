@@ -485,6 +485,11 @@ class SlidingContacts:
             law = getattr(self, name)
             if not isinstance(law, kind) and not (law is None and name != "contact"):
                 raise TypeError(f"{name} must be a {kind.__name__}, got {abbreviate(law)}: give one")
+        if self.impact is not None and self.friction is None:
+            raise ValueError(
+                f"impact must be None where contacts have no friction law, got {abbreviate(self.impact)}: "
+                "give friction, such as Coulomb(mu_k=0.0, mu_s=0.0) for impacts without friction"
+            )
         object.__setattr__(self, "v", float(check_number("v", self.v)))
         if self.N is not None:
             object.__setattr__(self, "N", float(check_number("N", self.N, above=0.0)))

@@ -86,7 +86,7 @@ def steady_friction(
     given = [np.broadcast_to(one, normal_force.shape).ravel() for one in arguments]
     forwards, parts = np.real(given[1]) > 0.0, []
     for sign, chosen in ((1, forwards), (-1, ~forwards)):
-        if chosen.any():
+        if chosen.any() or (sign == 1 and not chosen.size):  # none at all: parts of no contacts
             parts.append((chosen, _on_one_side(law, sign, [one[chosen] for one in given])))
     whole = []
     for each in zip(*(found for _, found in parts), strict=True):

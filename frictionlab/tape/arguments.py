@@ -104,8 +104,8 @@ def check_structure(
     shown = modes[0].outputs  # with the states and those of COLUMNS the columns of tables
     if taken := [name for name in symbols[: len(states)] if name in shown or COLUMNS.fullmatch(name)]:
         raise ValueError(
-            "a state must not be named like an output or another column of tables (mode, source, target, "
-            f"guard, closed, impulse), got {taken[0]!r} beside {abbreviate([*shown])}: rename it"
+            f"a state must not be named like an output ({', '.join(shown) or 'there is none'}) or another "
+            f"column of tables (mode, source, target, guard, closed, impulse), got {taken[0]!r}: rename it"
         )
     context = tuple(names), tuple(states), frozenset((*states, *parameters)), dict[int, Any]()
     for mode in modes:

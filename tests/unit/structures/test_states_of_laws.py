@@ -191,3 +191,27 @@ def test_what_has_no_meaning_is_refused():
         structure.replace(v=0.0).in_stick()
     with pytest.raises(ValueError, match="the state 'z' of a friction law must differ"):
         fl.Structure([[1.0]], [("z", [[1.0]])], parameters={"z": 1.0}, contacts=structure.contacts)
+
+
+def test_a_range_in_which_nothing_slides_has_no_eigenvalues():
+    """v = 0 alone, or a contact that is open."""
+    rows = np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]])
+    pads = fl.SlidingContacts(*rows, fl.LinearContact(k2=50.0), fl.LuGre())
+    one = fl.Structure(
+        np.eye(2), np.eye(2), 0.1 * np.eye(2), contacts=pads, load=[("F", [0.0, 1.0])], parameters={"F": 1.0}
+    )
+    assert np.isnan(fl.root_locus(one, "v", [0.0]).values).all()
+    assert np.isnan(fl.root_locus(one, "F", [-2.0, -1.0]).values).all()
+
+
+def test_an_impact_without_friction_law_is_refused():
+    """It was left out without a word; a law whose coefficients are zero has impacts without friction."""
+    rows = np.array([[1.0, 0.0]]), np.array([[0.0, 1.0]])
+    with pytest.raises(ValueError, match="impact must be None where contacts have no friction law"):
+        fl.SlidingContacts(*rows, friction=None, impact=fl.RestitutionImpact(e=0.5))
+    smooth = fl.Coulomb(mu_k=0.0, mu_s=0.0)
+    pads = fl.SlidingContacts(*rows, fl.LinearContact(k2=50.0), smooth, impact=fl.RestitutionImpact(e=0.5))
+    ball = fl.Structure(np.eye(2), np.eye(2), contacts=pads)
+    run = fl.simulate(ball, 2.0, x0=[0.0, -1.0, 1.0, 2.0], progress=False)
+    (event,) = run.events
+    assert event.state == pytest.approx(event.before * [1.0, 1.0, 1.0, -0.5])
