@@ -24,11 +24,13 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any, Literal, NamedTuple, TypeVar
 
+import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.font_manager import FontProperties
 from matplotlib.image import imsave
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -49,6 +51,8 @@ from frictionlab.validation import (
 
 Array = NDArray[np.float64]
 A = TypeVar("A", bound=Artist)
+POINTS_PER_INCH = 72.0
+LETTER_WIDTH, HANDLE_WIDTH = 0.5, 4.8  # of an entry of a legend, in sizes of its letters
 
 
 class Curve(NamedTuple):
@@ -196,6 +200,16 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
         place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
         once = list({str(each.get_label()): each for each in handles}.values())
         ax.legend(handles=once, frameon=False, fontsize=font_size(9.0), **place)
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], size: float | None = None) -> None:
+    """A legend below the panels, with letters of a size in points: in one row, or in as many as it needs."""
+    points = FontProperties(size=size or matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
+    widths = [LETTER_WIDTH * len(str(each.get_label())) + HANDLE_WIDTH for each in handles] or [1.0]
+    room = POINTS_PER_INCH * figure.get_size_inches()[0] / points
+    columns = len(widths) if sum(widths) <= room else max(1, int(room / max(widths)))
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
+    figure.legend(handles=[*handles], frameon=False, fontsize=size, **place)
 
 
 def restyle(artists: list[A], properties: Mapping[str, Any]) -> list[A]:

@@ -58,6 +58,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import (
     axes_or_new,
     check_figure,
+    legend_below,
     legend_beside,
     new_figure,
     restyle,
@@ -507,7 +508,7 @@ def _title(figure: Figure, run: Trajectory) -> None:
     size = font_size(FONT_SIZE + 3) / crowding()
     if not in_print():
         figure.suptitle(f"{what}, {run.raw.t:.4g} s, {method}{state}", fontsize=size, wrap=True)
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
+    legend_below(figure, handles)
 
 
 def _modes_in_legend(run: Trajectory, modes: list[str]) -> dict[str, str]:

@@ -33,7 +33,7 @@ from frictionlab.plotting.appearance import (
     mode_colours,
     rcParams,
 )
-from frictionlab.plotting.figure import AnimatedFigure, check_figure
+from frictionlab.plotting.figure import AnimatedFigure, check_figure, legend_below
 from frictionlab.plotting.overview import plot_phase_plane
 from frictionlab.plotting.time_histories import (
     SAMPLING_RTOL,
@@ -249,14 +249,7 @@ def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> Animation
 
 def _draw_legend(figure: Figure, picture: Picture, colours: dict[str, str]) -> None:
     modes = [Patch(facecolor=colour, edgecolor=ink(), label=name) for name, colour in colours.items()]
-    handles = [*modes, *picture.handles()]
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        frameon=False,
-        fontsize=font_size(FONT_SIZE),
-    )
+    legend_below(figure, [*modes, *picture.handles()], font_size(FONT_SIZE))
 
 
 def frame_updater(scene: AnimationScene, speed: float) -> Callable[[int], list[Artist]]:
