@@ -248,8 +248,8 @@ class SlidingContacts:
         return self._with(changes)
 
     def without_friction(self) -> Self:
-        """The same contacts, whose forces are normal."""
-        return self._with({"friction": None, "tangential": None})
+        """The same contacts, whose forces are normal, without impacts."""
+        return self._with({"friction": None, "impact": None, "tangential": None})
 
     def _with(self, changes: dict[str, Any]) -> Self:
         copy = object.__new__(type(self))

@@ -276,7 +276,8 @@ def test_each_basis_has_the_modes_of_a_random_structure(basis, contacts):
     parts = {"window": (0.0, edge), "C": sparse.coo_array(np.diag(m))}
     if contacts:
         laws = fl.LinearContact(k2=300.0), fl.Coulomb(mu_k=0.3, mu_s=0.5)
-        pads = fl.SlidingContacts(sparse.csc_array(tangential), normal, *laws, penetration=1.0)
+        bounce = fl.RestitutionImpact(e=0.5)  # has no part in it
+        pads = fl.SlidingContacts(sparse.csc_array(tangential), normal, *laws, impact=bounce, penetration=1.0)
         parts |= {"contacts": pads}
     else:
         N[5, 9] = added[5, 9] = 2e3

@@ -299,7 +299,8 @@ def test_contacts_at_rest_stick_in_the_linear_structure():
     g, t = np.eye(n)[[0, 4, 5]], rng.standard_normal((3, n))
     disc = fl.SlidingContacts(t[:1], g[:1], fl.LinearContact(3.0), fl.Coulomb(0.4, 0.5), name="disc")
     law = fl.Coulomb(0.1, 9.0)
-    guides = fl.SlidingContacts(t[1:], g[1:], fl.LinearContact(5.0), law, v=0.0, name="guide")
+    bounce = fl.RestitutionImpact(e=0.5)  # has no part in it
+    guides = fl.SlidingContacts(t[1:], g[1:], fl.LinearContact(5.0), law, v=0.0, impact=bounce, name="guide")
     given = {"contacts": [disc, guides], "load": [("F", F)], "parameters": {"F": 1.0}}
     structure = fl.Structure(np.eye(n), (K + K.T) / 2, **given)
     held = structure.in_stick()
