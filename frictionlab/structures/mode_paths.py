@@ -120,7 +120,7 @@ class SmallSpectra:
         """
         n = self.structure.size
         M, C, K = self.structure.stacks(changes)
-        gone = (np.diagonal(C, axis1=1, axis2=2) == 0.0) & (np.arange(M.shape[1]) >= n)
+        gone = self._are_gone(C)
         leading = np.concatenate([M[:, :, :n], C[:, :, n:]], axis=2) + gone[:, None] * np.eye(M.shape[1])
         rest = np.concatenate([-K[:, :, :n], -C[:, :, :n], -K[:, :, n:]], axis=2)
         A = np.zeros((len(M), rest.shape[2], rest.shape[2]))
@@ -129,6 +129,16 @@ class SmallSpectra:
             point, place = np.nonzero(gone)
             A[point, n + place, n + place] *= np.abs(A[point]).sum(axis=2).max(axis=1)
         return A
+
+    def of_open_contacts(self, changes: Mapping[str, Array], right: ComplexArray) -> NDArray[np.bool_]:
+        """Which modes (N, k) with these right vectors (N, m, k) are states of open contacts, thus none."""
+        gone = self._are_gone(self.structure.stacks(changes)[1])
+        shares = np.abs(right[:, self.structure.size :]) ** 2 * gone[:, :, None]
+        return shares.sum(axis=1) > 0.5
+
+    def _are_gone(self, C: Array) -> NDArray[np.bool_]:
+        """Which rows (N, freedoms and states) of stacked C are states of open contacts."""
+        return (np.diagonal(C, axis1=1, axis2=2) == 0.0) & (np.arange(C.shape[1]) >= self.structure.size)
 
     @cached_property
     def has_matrices(self) -> bool:
@@ -207,6 +217,8 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     path: Any = track_modes(modes(at), modes)
     n = structure.size
     values, unstable = path.values, path.unstable
+    if structure.order > 2 * n:
+        values[spectra.of_open_contacts({parameter: at}, path.right)] = complex(np.nan, np.nan)
     shapes, shares = mode_shapes(path.right, n), participation_factors(path.left, path.right, n)
     if structure.window is not None:
         low, high = structure.window

@@ -251,8 +251,8 @@ class RootLocus(Drawable):
     at : array (N,)
         Its values.
     values : complex array (N, n)
-        1/s, with Im >= 0; NaN where there is no equilibrium, or outside the window of a structure.  Of an
-        overdamped mode's two real eigenvalues it is the less stable one.
+        1/s, with Im >= 0; NaN where there is no equilibrium, outside the window of a structure, and for
+        states of its open contacts.  Of an overdamped mode's two real eigenvalues it is the less stable one.
     coordinates : tuple of str
     shapes : complex array (N, n, n)
         Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
