@@ -22,7 +22,11 @@ from frictionlab.tape.arguments import FUNCTIONS
 from frictionlab.validation import abbreviate, did_you_mean_or_known
 
 Expression: TypeAlias = Any  # of sympy
+SYMMETRY_RTOL = 1e-12  # of the largest entry: files have numbers of some 16 digits
 NAMES_IN_NUMPY = {"atan": "arctan", "asinh": "arcsinh"}  # of those that sympy calls otherwise
+NO_FORMULA = (
+    f"is neither arithmetic nor one of {', '.join(NAMES_IN_NUMPY.get(name, name) for name in FUNCTIONS)}"
+)
 OF_FORMULAS: Mapping[Any, Callable[..., Any]] = {
     np.add: operator.add,
     np.subtract: operator.sub,
@@ -48,7 +52,17 @@ def terms_of_function(function: Callable[..., Any], names: Iterable[str]) -> lis
     total = _recorded(called_with_formulas(function, names))
     if isinstance(total, Formula):
         raise TypeError(f"it gives the number {total}")
+    if all(any(differs(array, sign) for array in total.terms.values()) for sign in (1, -1)):
+        total = _expanded(total)
     return [(text_of(each), array) for each, array in total.terms.items()]
+
+
+def differs(array: Any, sign: int) -> bool:
+    """Whether a square matrix is not `sign` times its transpose, but for rounding."""
+    if array.shape != array.T.shape or not array.size:
+        return False
+    # as a complex stiffness is symmetric, not Hermitian, nothing is conjugated
+    return bool(abs(array - sign * array.T).max() > SYMMETRY_RTOL * abs(array).max())
 
 
 def called_with_formulas(function: Callable[..., Any], names: Iterable[str]) -> Any:
@@ -77,7 +91,19 @@ def hint_of(name: str, parameters: Mapping[str, float]) -> str:
 
 
 def text_of(expression: Expression) -> str:
-    """The text of an expression, with all digits of its numbers."""
+    """The text of an expression, with all digits of its numbers.
+
+    Raises
+    ------
+    TypeError
+        For what is not real, not finite, or neither arithmetic nor one of the functions.
+    """
+    arithmetic = sp.Symbol, sp.Number, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow
+    for part in sp.preorder_traversal(expression):
+        if part in (sp.I, sp.zoo, sp.nan, sp.oo, -sp.oo):
+            raise TypeError(f"the coefficient {expression} is no finite real number")
+        if not isinstance(part, arithmetic) and type(part).__name__ not in FUNCTIONS:
+            raise TypeError(f"{part} {NO_FORMULA}")
     numbers = {each: float(each) for each in expression.atoms(sp.Float, sp.NumberSymbol)}
     texts = {each: repr(value) if value >= 0.0 else f"({value!r})" for each, value in numbers.items()}
     return str(expression.xreplace({each: sp.Symbol(text) for each, text in texts.items()}))
@@ -91,11 +117,14 @@ class _Recorder(NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         in_place = [one for one in options.pop("out", ()) if not isinstance(one, _Recorder)]
         plain = method == "__call__" and not options and not in_place
-        result = _result(ufunc, *map(_recorded, inputs)) if plain else None
+        recorded = [_recorded(one) for one in inputs]
+        result = _result(ufunc, *recorded) if plain else None
         if result is None:
             how = " in place" if in_place else ""
             shown = ", ".join(map(abbreviate, inputs))
-            raise TypeError(f"{ufunc.__name__}({shown}){how} is no sum of expressions times matrices")
+            numbers = all(isinstance(one, Formula) for one in recorded)
+            rule = NO_FORMULA if numbers else "is no sum of expressions times matrices"
+            raise TypeError(f"{ufunc.__name__}({shown}){how} {rule}")
         return result
 
     def __bool__(self) -> bool:
@@ -134,7 +163,7 @@ def _recorded(given: Any) -> Formula | Sum:
     if isinstance(given, (Formula, Sum)):
         return given
     if sparse.issparse(given) and given.dtype.kind != "O":
-        return Sum({sp.S.One: sparse.csc_array(given)})
+        return Sum({sp.S.One: _in_double_precision(sparse.csc_array(given))})
     if isinstance(given, (Number, sp.Expr)):
         return Formula(sp.sympify(given, strict=True))
     array = given.toarray() if sparse.issparse(given) else np.asanyarray(given)
@@ -142,7 +171,12 @@ def _recorded(given: Any) -> Formula | Sum:
         return Formula(sp.sympify(array.item(), strict=True))
     if array.ndim == 0 or array.dtype.kind not in "biufcO":
         raise TypeError(f"{abbreviate(given)} is neither a number nor a matrix")
-    return _sum_of_entries(array) if array.dtype.kind == "O" else Sum({sp.S.One: array})
+    return _sum_of_entries(array) if array.dtype.kind == "O" else Sum({sp.S.One: _in_double_precision(array)})
+
+
+def _in_double_precision(array: Any) -> Any:
+    """Sums and products of integers would wrap round, as a parameter no longer makes them floating-point."""
+    return array.astype(complex if array.dtype.kind == "c" else float)
 
 
 def _sum_of_entries(array: Any) -> Sum:
@@ -217,6 +251,15 @@ def _with_product(one: Sum, factor: Expression, array: Any) -> Sum:
     array = array if number == 1 else array * float(number)
     terms[rest] = terms[rest] + array if rest in terms else array
     return Sum(terms)
+
+
+def _expanded(one: Sum) -> Sum:
+    """The same sum, in which equal expressions that were written differently are one."""
+    total = Sum({})
+    for each, array in one.terms.items():
+        for part in sp.Add.make_args(sp.expand(each)):
+            total = _with_product(total, part, array)
+    return total
 
 
 def _sum(one: Sum, other: Sum) -> Sum:

@@ -41,8 +41,8 @@ from frictionlab.models.mechanical.modes import (
 )
 from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
+from frictionlab.structures.parametric_matrix import parse_coefficient
 from frictionlab.structures.sliding_contacts import SlidingContacts
-from frictionlab.tape.arguments import parse_expression
 from frictionlab.tape.formulas import Formulas, formulas_of
 
 if TYPE_CHECKING:
@@ -221,7 +221,7 @@ def structure_system(structure: Structure) -> StructureSystem:
 
 def impulses_by_name(structure: Structure, events: Any) -> dict[str, Array]:
     """The impulses (E,) of a run's events, N s: v+ - v- = M^-1 (T^T p_T - G^T p_N) where a gap closes."""
-    system, by_name = structure_system(structure), dict[str, Array]()
+    system, by_name = _system_of(_Identity(_identity_of(structure), structure)), dict[str, Array]()
     jumps = (events.state - events.before)[:, structure.size : 2 * structure.size]
     for i, contact in enumerate(system.mechanics.contacts):
         if not isinstance(contact, Friction) or contact.impact is None:
@@ -308,7 +308,7 @@ def _coefficients(one: Any, structure: Structure) -> Iterator[tuple[Any, Any]]:
     symbols = {name: symbol(name) for name in one.parameters}
     fixed = {symbol(name): structure.parameters[name] for name in structure.M.parameters}
     for text, matrix in zip(one.coefficients, one.matrices, strict=True):
-        yield parse_expression(text, symbols).subs(fixed), matrix
+        yield parse_coefficient(text, symbols).subs(fixed), matrix
 
 
 def _contacts(group: SlidingContacts, structure: Structure) -> Iterator[AnyContact]:

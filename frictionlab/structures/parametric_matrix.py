@@ -22,6 +22,7 @@ from frictionlab.models.symbols import symbol
 from frictionlab.structures.matrix_function import (
     arguments_of,
     called_with_formulas,
+    differs,
     hint_of,
     terms_of_function,
     text_of,
@@ -36,8 +37,8 @@ from frictionlab.validation import (
 )
 
 Matrix: TypeAlias = Any  # csc_array (n, n), of which type checkers know neither shape nor sums
-SYMMETRY_RTOL = 1e-12  # of the largest entry: files have numbers of some 16 digits
-ROUNDED_RTOL = 1e-5  # the same: files have numbers of few digits
+ROUNDED_RTOL = 1e-5  # of the largest entry: files have numbers of few digits
+MAX_COEFFICIENT = 20_000  # characters; a recorded formula is longer than what a person writes
 SHOWN = 3  # entries or freedoms that a message names
 
 
@@ -130,7 +131,7 @@ class ParametricMatrix:
     def _formulas(self) -> Formulas:
         symbols = {name: symbol(name) for name in self.parameters}
         return formulas_of(
-            list(symbols.values()), [parse_expression(text, symbols) for text in self.coefficients]
+            list(symbols.values()), [parse_coefficient(text, symbols) for text in self.coefficients]
         )
 
     def __getstate__(self) -> dict[str, Any]:  # formulas are made again where they are needed
@@ -174,7 +175,7 @@ def parametric_matrix(
         return ParametricMatrix(("1",), (_sparse(name, given, files),))
     texts, matrices = [], []
     for i, term in enumerate(terms):
-        where = f"term {i} of {name}"
+        where = name if callable(given) else f"term {i} of {name}"
         if not is_sequence(term) or len(term) != 2:
             raise ValueError(
                 f"{where} must be a coefficient and a matrix, got {abbreviate(term)}: "
@@ -199,8 +200,8 @@ def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) ->
     ValueError
         As :func:`parametric_matrix`.
     """
-    cure = "give one force for each freedom"
-    if callable(given):
+    cure, recorded = "give one force for each freedom", callable(given)
+    if recorded:
         given = _terms_of_function("load", given, parameters)
     terms = [(1, given)]
     if is_sequence(given) and len(given) and all(is_sequence(one) and len(one) == 2 for one in given):
@@ -209,7 +210,7 @@ def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) ->
             terms = list(pairs)
     texts, columns = [], []
     for i, (coefficient, force) in enumerate(terms):
-        where = "load" if len(terms) == 1 else f"term {i} of load"
+        where = "load" if recorded or len(terms) == 1 else f"term {i} of load"
         texts.append(_coefficient(where, coefficient, parameters))
         column = float_array(where, force, cure, finite=True).ravel()
         if len(column) != size:
@@ -252,12 +253,17 @@ def _coefficient(where: str, given: Any, parameters: Mapping[str, float]) -> str
     )
 
 
+def parse_coefficient(text: str, symbols: Mapping[str, Any]) -> Any:
+    """A coefficient as an expression of sympy."""
+    return parse_expression(text, symbols, MAX_COEFFICIENT)
+
+
 def _parse(what: str, text: str, parameters: Mapping[str, float]) -> Any:
     for each in names_in(text):
         if each not in parameters:
             raise ValueError(f"{what} names {each!r}, which is no parameter{hint_of(each, parameters)}")
     try:
-        return parse_expression(text, {each: symbol(each) for each in names_in(text)})
+        return parse_coefficient(text, {each: symbol(each) for each in names_in(text)})
     except ValueError as error:
         raise ValueError(
             f"{what} must be an expression of parameters, got {abbreviate(text)}: {error}"
@@ -280,7 +286,7 @@ def _terms_of_function(
     """The list of (text, matrix) that a function of parameters computes."""
     names = arguments_of(name, function, parameters)
     cure = (
-        "use + - * / @ and functions of numpy such as np.sqrt(r), as in lambda r: D + r*G + (1/r - 1)*R, "
+        "use + - * / ** @ and functions of numpy such as np.sqrt(r), as in lambda r: D + r*G + (1/r - 1)*R, "
         f'or give the list {name}=[(1, D), ("r", G), ("1/r - 1", R)]'
     )
     with _refusal(f"{name} must be a sum of expressions of its arguments times matrices", cure):
@@ -337,16 +343,13 @@ def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
 def check_symmetry(name: str, matrix: ParametricMatrix, sign: int, cure: str) -> None:
     """Raise ValueError unless every term equals `sign` times its transpose, but for rounding."""
     what = "symmetric" if sign == 1 else "skew"
-    for i, term in enumerate(matrix.matrices):
-        # as a complex stiffness is symmetric, not Hermitian, nothing is conjugated
+    for coefficient, term in zip(matrix.coefficients, matrix.matrices, strict=True):
+        if not differs(term, sign):
+            continue
         difference = abs(term - sign * term.T).tocoo()
-        if not difference.nnz:
-            continue
         worst = int(difference.data.argmax())
-        if difference.data[worst] <= SYMMETRY_RTOL * abs(term).max():
-            continue
         row, column = int(difference.row[worst]), int(difference.col[worst])
-        where = name if len(matrix.matrices) == 1 else f"term {i} of {name}"
+        where = name if len(matrix.matrices) == 1 else f"the matrix of {abbreviate(coefficient)} in {name}"
         rounded = difference.data[worst] <= ROUNDED_RTOL * abs(term).max()
         nearly = f"if rounding made it so, give (A {'+' if sign == 1 else '-'} A.T)/2" if rounded else ""
         raise ValueError(

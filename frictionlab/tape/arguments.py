@@ -275,7 +275,7 @@ def names_in(text: str) -> list[str]:
     return NAME_PATTERN.findall(text)
 
 
-def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
+def parse_expression(text: str, symbols: Mapping[str, Any], longest: int = MAX_LENGTH) -> Any:
     """The text as a sympy expression of these symbols.
 
     Parameters
@@ -284,6 +284,8 @@ def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
         Such as ``"(y2 - y1)/3 - mu_k*x1'**2"``.
     symbols : mapping of str to Symbol
         Those that it may mention, by their names.
+    longest : int, optional
+        The most characters that are read.
 
     Raises
     ------
@@ -291,8 +293,8 @@ def parse_expression(text: str, symbols: Mapping[str, Any]) -> Any:
         For anything but arithmetic and functions, for unknown names, and where numbers, exponents or the text
         are too large; it says which.
     """
-    if len(text) > MAX_LENGTH:
-        raise ValueError(f"it has {len(text)} characters, of which at most {MAX_LENGTH} are read")
+    if len(text) > longest:
+        raise ValueError(f"it has {len(text)} characters, of which at most {longest} are read")
     # Each name gets a stand-in: x' is no name in Python, and a symbol may be called `lambda`.
     places = {name: f"_{i}" for i, name in enumerate(dict.fromkeys(names_in(text)))}
     source = NAME_PATTERN.sub(lambda name: places[name[0]], " ".join(text.split()))

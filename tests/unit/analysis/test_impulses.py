@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import frictionlab as fl
+from frictionlab.structures import motion
 
 
 def test_a_ball_gives_the_ground_m_1_plus_e_v():
@@ -124,6 +125,16 @@ def test_what_has_no_impacts_has_no_impulses():
     ):
         with pytest.raises(KeyError, match=r"the events have no 'impulse'; they have .*has an impact law"):
             run.events["impulse"]
+
+
+def test_impulses_of_a_structure_derive_no_equations(monkeypatch):
+    pads = fl.SlidingContacts(
+        [[1.0, 0.0]], [[0.0, 1.0]], fl.LinearContact(k2=10.0), v=0.3, impact=fl.RestitutionImpact(e=0.5)
+    )
+    structure = fl.Structure(np.eye(2), np.zeros((2, 2)), contacts=pads)
+    run = fl.simulate(structure, 0.1, x0=[0.0, -0.05, 0.0, 1.0], progress=False)
+    monkeypatch.setattr(motion, "structure_system", None)
+    assert run.events["impulse"] == pytest.approx([1.5], rel=1e-12)
 
 
 def test_they_are_computed_once_and_a_run_is_free_when_nobody_has_it():

@@ -13,6 +13,7 @@ from tests.helpers.finite_elements import beam
 
 UNIT = np.eye(2)
 STIFF = np.array([[2.0, -1.0], [-1.0, 2.0]])
+SKEW = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 def test_coefficients_are_texts_numbers_or_functions():
@@ -48,6 +49,35 @@ def test_a_function_gives_a_matrix(function, form):
     for r in np.random.default_rng(1).uniform(0.2, 3.0, 3):
         there = copy.deepcopy(pickle.loads(pickle.dumps(structure))).replace(r=r)
         assert np.allclose(there.pencil.K.toarray(), function(r, D, G, R), rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("form", [np.array, sparse.csr_array])
+@pytest.mark.parametrize("kind", [bool, np.int8, np.uint8, np.int32, np.int64])
+def test_integers_of_a_function_do_not_wrap_round(kind, form):
+    largest = 1 if kind is bool else np.iinfo(kind).max
+    A = form(np.full((2, 2), largest, kind))
+    structure = fl.Structure(UNIT, lambda r: r * A + r * A + A @ (r * A), parameters={"r": 1.0})
+    expected = 2.0 * largest + 2.0 * float(largest) ** 2
+    assert np.allclose(structure.K.at({"r": 1.0}).toarray(), expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda a, b: [[2 * a * (1 + a), -a * (1 + a)], [-a - a**2, 3 + b]],
+        lambda a, b: [[3 * (a + b) ** 2, -((a + b) ** 2)], [-(a * a + 2 * a * b + b * b), 3]],
+        lambda a, b: STIFF + b * UNIT + a * (1 + a) * SKEW - (a + a**2) * SKEW,
+        lambda a, b: (1 / a - 1) * np.triu(STIFF) + np.tril(STIFF, -1) / a - b * np.tril(STIFF, -1) / b,
+        lambda a, b: sum(np.sin(i * a) / (i + 1 / 3) for i in range(90)) * STIFF + b * UNIT,  # is long
+    ],
+)
+def test_coefficients_that_are_equal_may_be_written_differently(function):
+    values = {"a": 0.7, "b": 1.3}
+    own = {name: values[name] for name in ("a", "b")}
+    structure = fl.Structure(UNIT, [(1, STIFF), ("b", UNIT)], C=function, parameters=own)
+    again = fl.Structure.from_dict(json.loads(json.dumps(structure.to_dict())))
+    for each in (structure, again):
+        assert np.allclose(each.pencil.C.toarray(), np.array(function(**values)), rtol=1e-13)
 
 
 def test_functions_are_lists_of_terms():
@@ -161,6 +191,18 @@ def test_what_a_notebook_shows():
         ({"K": [("k", STIFF)], "parameters": {"k": "big"}}, "k must be a finite number"),
         ({"K": [("k +", STIFF)], "parameters": {"k": 1.0}}, "must be an expression"),
         ({"K": [(lambda k: float(k), STIFF)], "parameters": {"k": 1.0}}, "must be a formula"),
+        (
+            {"K": lambda k: UNIT + k * np.array([[0, 1], [2, 0]]), "parameters": {"k": 1.0}},
+            "of 'k' in K must",
+        ),
+        ({"K": lambda k: np.exp(1j * k) * UNIT, "parameters": {"k": 1.0}}, "no finite real number"),
+        ({"K": lambda k: np.sqrt(k**2) * UNIT, "parameters": {"k": 1.0}}, r"Abs\(k\) is neither arithmetic"),
+        ({"K": lambda k: abs(k) * UNIT, "parameters": {"k": 1.0}}, r"absolute\(k\) is neither arithmetic"),
+        ({"load": lambda k: UNIT[0] + k * np.ones(3), "parameters": {"k": 1.0}}, "load must be a sum"),
+        (
+            {"load": lambda k: np.ones(3) + k * np.ones(3), "parameters": {"k": 1.0}},
+            "^load must have one force",
+        ),
         ({"K": [(1, STIFF), (2, np.eye(3))]}, "all terms of K must have the same shape"),
         ({"K": [(1, STIFF), ([1], UNIT)]}, "must be a number, a text or a function"),
         ({"parameters": {"r": 1.0}}, "parameters must be named by a coefficient, got 'r'"),
