@@ -100,7 +100,8 @@ class ComplexModes(ReductionBasis):
         samples, error = over_box(structure, box, tol)
         between = list(islice(points_in(box), len(samples), 2 * len(samples))) if box else []
         samples = _with_samples_between(structure, samples, between, tol)
-        return _smallest(structure, samples, between, max(tol, error)), error
+        small, left_out = _smallest(structure, samples, between, max(tol, error))
+        return small, max(error, left_out)
 
 
 class _ModesUpToFrequency(ReductionBasis):
@@ -133,7 +134,6 @@ class _ModesUpToFrequency(ReductionBasis):
             error = _largest_error(small, samples, tol)
             if error <= tol or small.size >= min(MOST_FREEDOMS, structure.size):
                 break
-        object.__setattr__(small, "error", error)  # of this structure, which nothing else knows yet
         return small, error
 
     def _ever_more(self, structure: Structure) -> Iterator[Array]:
@@ -364,6 +364,7 @@ def reduce(
             f"basis must be one of displacements, got {abbreviate(basis)}: give fl.ComplexModes()"
         )
     small, error = basis.reduced(structure, box, tol)
+    object.__setattr__(small, "error", error)  # of this structure, which nothing else knows yet
     if error > tol:
         warnings.warn(
             f"eigenvalues of the reduced structure may err by {error:.1e}, more than tol = {tol:.1e}: "
@@ -396,8 +397,8 @@ def _estimate_at(small: ReducedStructure, point: Point) -> float:
 
 def _smallest(
     structure: Structure, samples: Sequence[Sample], between: Sequence[Point], tol: float
-) -> ReducedStructure:
-    """The reduced structure with the fewest freedoms whose eigenvalues err by less than `tol`.
+) -> tuple[ReducedStructure, float]:
+    """The reduced structure with the fewest freedoms whose eigenvalues err by less than `tol`, and by what.
 
     Those between the samples are compared with what all directions of the samples give.
     """
@@ -413,8 +414,7 @@ def _smallest(
         error = _largest_error(small, known, tol)
         if error <= tol:
             break
-    object.__setattr__(small, "error", error)  # of this structure, which nothing else knows yet
-    return small
+    return small, error
 
 
 def _largest_error(small: ReducedStructure, samples: Sequence[Sample], tol: float) -> float:
