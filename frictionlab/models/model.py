@@ -406,7 +406,8 @@ class Model(Component):
         return [*super().__dir__(), *self.parameters]
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(_differences(self))})"
+        given = ", ".join(f"{name}={value_repr(value)}" for name, value in differences(self).items())
+        return f"{type(self).__name__}({given})"
 
 
 ModelOrAutomaton: TypeAlias = Model | MovingSystem | HybridAutomaton  # the subject of a study
@@ -636,8 +637,8 @@ def model_from_data(data: Mapping[str, Any]) -> ModelOrAutomaton:
     return automaton_from_stored(data["automaton"], data["parameters"], Model)
 
 
-def _differences(model: Model) -> list[str]:
-    """Differences from the defaults, as keywords that recreate the model."""
+def differences(model: Model) -> dict[str, Any]:
+    """Differences from the defaults: the keywords that recreate the model."""
     structure = {name: getattr(model, name) for name in structural_fields(type(model))}
     defaults = structural_defaults(type(model))
     usual = type(model)(**{name: value for name, value in structure.items() if name not in defaults})
@@ -649,10 +650,9 @@ def _differences(model: Model) -> list[str]:
     values = [
         n for n, role in names.items() if not role or (role in same and not _restructured(model, usual, role))
     ]
-    texts = [f"{n}={model.parameters[n]!r}" for n in values if model.parameters[n] != usual.parameters[n]]
+    moved = {n: model.parameters[n] for n in values if model.parameters[n] != usual.parameters[n]}
     whole = [role for role in model.roles if role not in same or _restructured(model, usual, role)]
-    texts += [f"{name}={value_repr(value)}" for name, value in other.items()]
-    return texts + [f"{role}={getattr(model, role)!r}" for role in whole]
+    return moved | other | {role: getattr(model, role) for role in whole}
 
 
 def _restructured(model: Model, usual: Model, role: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
 from functools import cache
@@ -12,6 +11,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.components.component import Component, value_repr
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
+from frictionlab.models.model import Model, differences
 from frictionlab.models.serialisation import is_public
 from frictionlab.pages.scene import MARK, Shown
 
@@ -38,14 +38,13 @@ def python_text(
     model = fl.MassOnBelt(mu_k=0.4)
     run = fl.simulate(model, 20.0, x0='rest')
     """
-    classes = [type(method)]
+    classes: list[type] = [type(method)]
     if isinstance(model, HybridAutomaton):  # any text may be the name of its parameter
         what = "automaton" if model.source is None else "structure"
         given = ", ".join(f"{n!r}: {value_repr(value)}" for n, value in (values or model.values).items())
         call = f"{what}.replace(**{{{given}}})  # the {what} that is shown"
     else:
-        call = _expression(model)
-        classes += _classes_in(model, repr(model))
+        call = _expression(model, classes)
         if values:
             given = ", ".join(f"{name}={value_repr(value)}" for name, value in values.items())
             call += f".replace({given})"
@@ -59,18 +58,20 @@ def _name_of(cls: type) -> str:
     return f"fl.{cls.__name__}" if is_public(cls) else cls.__name__
 
 
-def _expression(value: Any) -> str:
-    """Python that makes a model, a law, or a field of theirs."""
+def _expression(value: Any, classes: list[type]) -> str:
+    """Python that makes a model, a law, or a field of theirs, whose classes are added to `classes`."""
     if isinstance(value, tuple):
-        return f"({', '.join(map(_expression, value))}{',' * (len(value) == 1)})"
-    text = value_repr(value)
+        parts = (_expression(each, classes) for each in value)
+        return f"({', '.join(parts)}{',' * (len(value) == 1)})"
     if not isinstance(value, Component):
-        return text
-    for name, part in _fields_of(value):
-        if (its := _expression(part)) != (usual := value_repr(part)):
-            argument = f"{name}={its}"
-            text = re.sub(rf"\b{name}={re.escape(usual)}", lambda _, new=argument: new, text, count=1)
-    return _name_of(type(value)) + text.removeprefix(type(value).__name__)
+        return value_repr(value)
+    classes.append(type(value))
+    if isinstance(value, Model):
+        fields_shown = differences(value)
+    else:
+        fields_shown = {field.name: getattr(value, field.name) for field in fields(value)}
+    given = ", ".join(f"{name}={_expression(each, classes)}" for name, each in fields_shown.items())
+    return f"{_name_of(type(value))}({given})"
 
 
 @cache
@@ -88,19 +89,3 @@ def _import_lines(classes: Iterable[type]) -> Iterator[str]:
             yield f"# run the cell that defines {cls.__name__} first"
         elif not is_public(cls):
             yield f"from {cls.__module__} import {cls.__name__}"
-
-
-def _classes_in(value: Any, text: str) -> Iterator[type]:
-    """Classes of a model and of the laws that are in its text."""
-    if isinstance(value, tuple):
-        for each in value:
-            yield from _classes_in(each, text)
-    elif isinstance(value, Component):
-        if f"{type(value).__name__}(" in text:
-            yield type(value)
-        for _, part in _fields_of(value):
-            yield from _classes_in(part, text)
-
-
-def _fields_of(component: Component) -> list[tuple[str, Any]]:
-    return [(f.name, getattr(component, f.name)) for f in fields(component)]
