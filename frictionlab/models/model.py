@@ -89,8 +89,8 @@ class MovingSystem:
         raise NotImplementedError
 
     def states_of_laws(self) -> Any:
-        """What is known of states of friction laws where a run begins; None without such."""
-        return None
+        """What is known of states of friction laws where a run begins, as `StatesOfLaws`."""
+        raise NotImplementedError
 
     def eigenvalue_derivatives(self, value: complex) -> Mapping[str, complex]:
         """Derivatives of an eigenvalue at the equilibrium by parameters that the automaton has as numbers."""

@@ -30,7 +30,8 @@ from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, energies_in_states, limits_of_states
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes, names_with_states
-from frictionlab.models.mechanical.law_states_at_start import contacts_with_states
+from frictionlab.models.mechanical.impulses import impulses_along
+from frictionlab.models.mechanical.law_states_at_start import StatesOfLaws, contacts_with_states
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Mechanics, Stop
 from frictionlab.models.mechanical.modes import (
     HoldingForce,
@@ -43,7 +44,7 @@ from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.parametric_matrix import parse_coefficient
 from frictionlab.structures.sliding_contacts import SlidingContacts
-from frictionlab.tape.formulas import Formulas, formulas_of
+from frictionlab.tape.formulas import formulas_of
 
 if TYPE_CHECKING:
     from frictionlab.structures.structure import Structure
@@ -74,8 +75,8 @@ def _named(structure: Structure) -> tuple[str, ...]:
     return tuple(name for name in structure.parameters if name not in structure.M.parameters)
 
 
-def states_of_laws(structure: Structure) -> tuple[list[dict[str, Any]], Formulas, tuple[str, ...]]:
-    """What is known of the states of friction laws where a run begins, formulas, and their parameters."""
+def states_of_laws(structure: Structure) -> StatesOfLaws:
+    """What is known of the states of friction laws where a run begins."""
     return _states_of_laws(_Identity(_identity_of(structure), structure))
 
 
@@ -91,15 +92,12 @@ def bristles_of_structure(structure: Structure) -> dict[int, tuple[Any, Any]]:
 
 
 @lru_cache(maxsize=16)
-def _states_of_laws(of: _Identity) -> tuple[list[dict[str, Any]], Formulas, tuple[str, ...]]:
+def _states_of_laws(of: _Identity) -> StatesOfLaws:
     system, names = _system_of(of), _named(of.structure)
-    known = contacts_with_states(system)
+    contacts = contacts_with_states(system)
     inputs = [*system.states, *map(symbol, names)]
-    return (
-        [about for about, _ in known],
-        formulas_of(inputs, [one for _, some in known for one in some]),
-        names,
-    )
+    formulas = formulas_of(inputs, [one for _, some in contacts for one in some])
+    return StatesOfLaws([about for about, _ in contacts], formulas, names)
 
 
 def _check_motion(structure: Structure) -> None:
@@ -228,7 +226,7 @@ def impulses_by_name(structure: Structure, events: Any) -> dict[str, Array]:
             continue
         suffix, columns = contact_suffix(system, i), system.directions_of_impact(i, contact.impact)
         impulses, struck = np.zeros((len(columns), len(events))), events.guard == "gap" + suffix
-        impulses[:, struck] = np.linalg.lstsq(columns.T, jumps[struck].T)[0]
+        impulses[:, struck] = impulses_along(columns.T, jumps[struck].T)
         by_name |= dict(zip(("impulse" + suffix, "friction_impulse" + suffix), impulses))
     return by_name
 

@@ -16,6 +16,7 @@ from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.automaton import HybridAutomaton
+from frictionlab.models.mechanical.law_states_at_start import StatesOfLaws
 from frictionlab.models.mechanical.mechanics import names_of_law_states
 from frictionlab.models.model import check_parameter_name
 from frictionlab.presentation import SI, OwnUnits, count, shorten
@@ -310,11 +311,11 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
 
         return automaton_of_structure(self)
 
-    def states_of_laws(self) -> Any:
-        """What is known of states of friction laws where a run begins; None without such."""
+    def states_of_laws(self) -> StatesOfLaws:
+        """What is known of states of friction laws where a run begins."""
         from frictionlab.structures.motion import states_of_laws
 
-        return states_of_laws(self) if any(self.law_states) else None
+        return states_of_laws(self) if any(self.law_states) else StatesOfLaws()
 
     def undetermined_friction(self, mode: str) -> tuple[int, ...]:
         """Contacts whose friction forces in a mode of its motion are not unique, numbered from 1.

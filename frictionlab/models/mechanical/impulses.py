@@ -92,14 +92,20 @@ def impulses_of_contacts(model: MechanicalModel, events: Any, states: Array) -> 
         hit = [i for i, gap in enumerate(gaps) if fired[i] or gap[k] <= TOUCHING * sizes[i][k]]
         momentum = masses[k] @ (after[e, n : 2 * n] - before[e, n : 2 * n])
         columns = np.concatenate([np.zeros((0, n)), *(sides[i][k] for i in hit)]).T
-        shares, first = np.linalg.lstsq(columns, momentum)[0], 0
-        shares[np.abs(shares) <= ROUNDING * np.abs(shares).max(initial=0.0)] = 0.0
+        shares, first = impulses_along(columns, momentum), 0
         for i in hit:
             normal, rubbed = values[i]
             normal[e] = shares[first]
             rubbed[e] = shares[first + 1] if terms.contacts[i].rubbing else 0.0
             first += len(sides[i][k])
     return values
+
+
+def impulses_along(directions: Array, jumps: Array) -> Array:
+    """Impulses (k,) or (k, E) along directions (n, k) that make jumps (n,) or (n, E), 0 where rounding."""
+    impulses = np.linalg.lstsq(directions, jumps)[0]
+    largest = np.abs(impulses).max(axis=0, initial=0.0)
+    return np.where(np.abs(impulses) > ROUNDING * largest, impulses, 0.0)
 
 
 @lru_cache(maxsize=64)

@@ -7,9 +7,9 @@ yields, so it begins at the limit.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from frictionlab.components.component import StructureKey
 from frictionlab.lazy_names import sympy
 from frictionlab.models.kept_structures import derivations_of
-from frictionlab.models.model import MovingSystem
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .mechanics import Friction
@@ -25,11 +24,24 @@ from .mechanics import Friction
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
+    from frictionlab.models.model import MovingSystem
 
     LawsInMotion = MechanicalModel | MovingSystem
 
 Array = NDArray[np.float64]
 LIMIT_RTOL = 1e-6  # share of its limit by which a state that follows it may differ from it by rounding
+
+
+class StatesOfLaws(NamedTuple):
+    """What is known of each contact with a dynamic law where a run begins.
+
+    Formulas of states and parameters give for each contact a number that is negative where it is lost, and
+    the limits of its states if they have any.
+    """
+
+    known: Sequence[dict[str, Any]] = ()
+    formulas: Formulas | Any = None
+    parameters: tuple[str, ...] = ()
 
 
 def with_law_states(
@@ -40,15 +52,8 @@ def with_law_states(
     The state of an elastic-plastic law is `limited`: `within_limit` refuses one beyond the limit,
     `carried_to_limit` takes the limit.
     """
-    if isinstance(model, MovingSystem):
-        about_laws = model.states_of_laws()
-        if about_laws is None:
-            return start
-        known, formulas, names = about_laws
-    else:
-        known, formulas = _of_structure(model.structure_key)
-        names = model.structure_key.parameters
-    if not known or not any(start[place] for about in known for place in about["places"]):
+    known, formulas, names = model.states_of_laws()
+    if not any(start[place] for about in known for place in about["places"]):
         return start
     values = model.parameters
     numbers = formulas.numbers(*map(float, start), *(values[name] for name in names)).tolist()
@@ -79,9 +84,8 @@ def within_limit(model: LawsInMotion, name: str, value: float, limit: float) -> 
 
 
 @cache
-def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
-    """What is known of each contact with a dynamic law; and as formulas of states and parameters a number
-    that is negative where it is lost, and the limits of its states if they have any, for each."""
+def states_of_laws(key: StructureKey) -> StatesOfLaws:
+    """What a run of a model of this structure begins with."""
     derivations = derivations_of(key)
 
     def of_contacts() -> list[tuple[dict[str, Any], tuple[Any, ...]]]:
@@ -98,7 +102,7 @@ def _of_structure(key: StructureKey) -> tuple[list[dict[str, Any]], Formulas]:
         return formulas_of(inputs, [one for _, some in of_contacts() for one in some])
 
     known = derivations.value("states of laws", lambda: [about for about, _ in of_contacts()])
-    return known, kept_formulas(derivations, "states of laws", derive)
+    return StatesOfLaws(known, kept_formulas(derivations, "states of laws", derive), key.parameters)
 
 
 def contacts_with_states(system: LagrangeSystem) -> list[tuple[dict[str, Any], tuple[Any, ...]]]:

@@ -28,6 +28,7 @@ from .mechanics import Friction, Mechanics
 
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
+    from .law_states_at_start import StatesOfLaws
 
 
 @model
@@ -101,6 +102,12 @@ class MechanicalModel(Model):
         from .impulses import impulses_by_name
 
         return impulses_by_name(self, events, states)
+
+    def states_of_laws(self) -> StatesOfLaws:
+        """What is known of states of friction laws where a run begins."""
+        from .law_states_at_start import states_of_laws
+
+        return states_of_laws(self.structure_key)
 
     def system(self) -> LagrangeSystem:
         """Lagrange's equations of its structure, in symbols."""
