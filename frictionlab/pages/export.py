@@ -58,7 +58,7 @@ BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
 LAWS_HINT = "the law of friction; fl.explore in Python has further ones, and those of contact and impact"
 # In the order of loading: while it loads, each needs only those before it.
-EQUILIBRIUM = "linear_algebra", "displaced_equilibrium"
+EQUILIBRIUM = "vendor/ml-matrix", "linear_algebra", "displaced_equilibrium"
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", *EQUILIBRIUM)
 PICTURES = ("text", "svg", "plot", "turns", "layout", "friction", "panels")
 FRONT_END = (*PICTURES, "words", "controls", "state", "challenge", "lesson", "touch", "explorer")

@@ -15,7 +15,8 @@ function displacedEquilibrium(known, values, n) { // n: how many states are disp
   const size = linearSize(known, values, mode), shift = near.map((v, i) => v - z[i]);
   if (isExcited(mode, shift, size)) return near;
   const sizes = sizesOf(mode.right), shown = largest([sizes.slice(0, n)]) ? sizes.slice(0, n) : sizes;
-  const first = shown.indexOf(largest([shown])), turn = Math.atan2(mode.right[1][first], mode.right[0][first]);
+  const least = (1 - SEEN_SHARE) * largest([shown]), place = shown.findLastIndex((v) => v >= least);
+  const turn = Math.atan2(mode.right[1][place], mode.right[0][place]);
   const step = along(mode, DISPLACEMENT * (size === Infinity ? 1 : size), -turn);
   return completed(sliding, near.map((v, i) => v + step[i]), values);
 }

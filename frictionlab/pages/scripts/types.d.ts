@@ -1,5 +1,5 @@
 // What `nox -s javascript` checks the scripts with: the data of a page, and fields that constructors set together.
-declare const SCENE: any, SOLVER: any, STRUCTURES: any, CARDS: any[];
+declare const SCENE: any, SOLVER: any, STRUCTURES: any, CARDS: any[], mlMatrix: any;
 interface Assembler { [instruction: string]: any }
 interface Axis { low: number; high: number; start: number; stop: number; log: boolean; turns: boolean }
 interface BodyDrag { explorer: Explorer; over: HTMLCanvasElement; body: any; mode: number; shown: any }

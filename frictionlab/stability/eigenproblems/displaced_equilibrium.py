@@ -60,7 +60,9 @@ def displaced_equilibrium(model: ModelOrAutomaton) -> Array:
     if _is_excited(mode, state - point.state, size):
         return state
     right = mode.right
-    largest = right[np.argmax(np.abs(right[:n]) if right[:n].any() else np.abs(right))]
+    sizes = np.abs(right[:n]) if right[:n].any() else np.abs(right)
+    # the last of those that rounding alone makes differ, as in a mode against a symmetry
+    largest = right[np.flatnonzero(sizes >= (1.0 - SEEN_SHARE) * sizes.max())[-1]]
     length = DISPLACEMENT * (1.0 if np.isinf(size) else size)
     return problem.completed(state + length * (right * abs(largest) / largest).real)
 
