@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import gc
 import sys
 from collections.abc import Sequence
 
 from frictionlab._version import __version__
 
-from .app import add_app
-from .course import add_course
-from .film_and_sound import add_animate, add_sound
-from .models import add_models
-from .page import add_page
-from .paper import add_figure, add_reproduce
+from .app import add_app, app_command
+from .course import add_course, course_command
+from .film_and_sound import add_animate, add_sound, animate_command, sound_command
+from .models import add_models, models_command
+from .page import add_page, page_command
+from .paper import add_figure, add_reproduce, figure_command, reproduce_command
 from .parsing import (
     EXIT_FAILED,
     OneLineParser,
@@ -25,12 +24,27 @@ from .parsing import (
     normalise_arguments,
     unknown_option_text,
 )
-from .run import add_run
-from .stability import add_critical, add_eig
-from .warmup import add_warmup
+from .run import add_run, run_command
+from .stability import add_critical, add_eig, critical_command, eig_command
+from .warmup import add_warmup, warmup_command
 
 PROGRAM = "frictionlab"
 EXIT_INTERRUPTED = 130  # 128 + SIGINT, as in shells
+# What adds a command's parser, and what runs it, by the command's name.
+COMMANDS = {
+    "models": (add_models, models_command),
+    "run": (add_run, run_command),
+    "eig": (add_eig, eig_command),
+    "critical": (add_critical, critical_command),
+    "animate": (add_animate, animate_command),
+    "sound": (add_sound, sound_command),
+    "app": (add_app, app_command),
+    "page": (add_page, page_command),
+    "course": (add_course, course_command),
+    "warmup": (add_warmup, warmup_command),
+    "figure": (add_figure, figure_command),
+    "reproduce": (add_reproduce, reproduce_command),
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -85,7 +99,7 @@ def _parse_and_run(argv: Sequence[str]) -> int:
     if args.command is None:
         parser.print_help()
         return 0
-    return _run_command(args, command)
+    return COMMANDS[args.command][1](args, command)
 
 
 def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
@@ -99,31 +113,9 @@ def build_parsers() -> tuple[OneLineParser, dict[str, OneLineParser]]:
     )
     parser.add_argument("--version", action="version", version=f"frictionlab {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    added = {"models": add_models, "run": add_run, "eig": add_eig, "critical": add_critical}
-    added |= {"animate": add_animate, "sound": add_sound, "app": add_app, "page": add_page}
-    added |= {"course": add_course, "warmup": add_warmup}
-    added |= {"figure": add_figure, "reproduce": add_reproduce}
-    return parser, {name: add(commands) for name, add in added.items()}
+    return parser, {name: add(commands) for name, (add, _) in COMMANDS.items()}
 
 
 def program_parser() -> OneLineParser:
     """The parser of the program alone, from which shtab makes completions of shells."""
     return build_parsers()[0]
-
-
-def _run_command(args: argparse.Namespace, parser: OneLineParser) -> int:
-    from .app import app_command
-    from .course import course_command
-    from .film_and_sound import animate_command, sound_command
-    from .models import models_command
-    from .page import page_command
-    from .paper import figure_command, reproduce_command
-    from .run import run_command
-    from .stability import critical_command, eig_command
-    from .warmup import warmup_command
-
-    does = {"models": models_command, "run": run_command, "eig": eig_command, "critical": critical_command}
-    does |= {"animate": animate_command, "sound": sound_command, "app": app_command, "page": page_command}
-    does |= {"course": course_command, "warmup": warmup_command}
-    does |= {"figure": figure_command, "reproduce": reproduce_command}
-    return does[args.command](args, parser)
