@@ -15,7 +15,7 @@ import signal
 import sys
 import threading
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from contextvars import ContextVar
 from functools import cache
 from types import TracebackType
@@ -131,20 +131,7 @@ class HeededInterrupts:
             SIGNALS.signal(signal.SIGINT, self._previous)
 
 
-class ProgressSetting:
-    """A setting of `progress`; the end of a ``with`` block restores the setting before it."""
-
-    def __init__(self, before: bool) -> None:
-        self._before = before
-
-    def __enter__(self) -> ProgressSetting:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        _switch["shown"] = self._before
-
-
-def progress(shown: bool) -> ProgressSetting:
+def progress(shown: bool) -> ExitStack:
     """Show progress bars or none, from now on or within a ``with`` block.
 
     Without bars no message says that the solver is being compiled either.  A single function shows no bar
@@ -157,8 +144,8 @@ def progress(shown: bool) -> ProgressSetting:
 
     Returns
     -------
-    ProgressSetting
-        A context manager for ``with``.
+    contextlib.ExitStack
+        For ``with``, at whose end the setting is again what it was before.
 
     Examples
     --------
@@ -167,7 +154,8 @@ def progress(shown: bool) -> ProgressSetting:
     ...     run = fl.simulate(fl.SliderOnBelt(), 0.1)
     """
     shown = check_flag("shown", shown, "write fl.progress(False)")
-    setting = ProgressSetting(_switch["shown"])
+    setting = ExitStack()
+    setting.callback(_switch.update, shown=_switch["shown"])
     _switch["shown"] = shown
     return setting
 

@@ -9,7 +9,8 @@ figures follow them.  On a dark background a colour that could not be seen is re
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType, TracebackType
+from contextlib import ExitStack
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib
@@ -198,20 +199,7 @@ _KEYS = sorted({key for settings in STYLES.values() for key in settings})
 _CYCLES = [rcParamsDefault["axes.prop_cycle"], *(settings["axes.prop_cycle"] for settings in STYLES.values())]
 
 
-class AppliedStyle:
-    """A style in use; at the end of a ``with`` block the settings are again what they were before."""
-
-    def __init__(self, before: dict[str, Any]) -> None:
-        self._before = before
-
-    def __enter__(self) -> AppliedStyle:
-        return self
-
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        rcParams.update(self._before)
-
-
-def style(name: str) -> AppliedStyle:
+def style(name: str) -> ExitStack:
     """Draw pictures in a style, from now on or within a ``with`` block.
 
     A style is a set of matplotlib's settings, so your own drawings have it too, and what you set
@@ -227,8 +215,8 @@ def style(name: str) -> AppliedStyle:
 
     Returns
     -------
-    AppliedStyle
-        For ``with``.
+    contextlib.ExitStack
+        For ``with``, at whose end the settings are again what they were before.
 
     Raises
     ------
@@ -245,9 +233,10 @@ def style(name: str) -> AppliedStyle:
     [8.0, 4.5]
     """
     check_choice("name", name, tuple(STYLES))
-    before = {key: rcParams[key] for key in _KEYS}
+    applied = ExitStack()
+    applied.callback(rcParams.update, {key: rcParams[key] for key in _KEYS})
     rcParams.update({key: STYLES[name].get(key, rcParamsDefault[key]) for key in _KEYS})
-    return AppliedStyle(before)
+    return applied
 
 
 def background(ax: Axes | None = None) -> str:
