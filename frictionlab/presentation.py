@@ -259,6 +259,13 @@ def dataset(
     return table
 
 
+def html_rows(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of texts as HTML."""
+    tagged = [("th", head), *(("td", row) for row in rows)]
+    lines = ("".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row) for tag, row in tagged)
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
+
 def html_table(table: Any) -> str:
     """The first rows of a DataFrame as HTML, with the units of its columns and how many rows it has."""
     units = table.attrs.get("units", {})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .parsing import (
     OneLineParser,
@@ -13,9 +13,6 @@ from .parsing import (
     model_of,
     print_json,
 )
-
-if TYPE_CHECKING:
-    from frictionlab.models.model import Model
 
 MODELS_DESCRIPTION = """\
 List the models, each with a line and a reference; with a NAME the parameters
@@ -61,19 +58,8 @@ def _all_models() -> tuple[dict[str, Any], str]:
 
 def _one_model(name: str) -> tuple[dict[str, Any], str]:
     model = model_of(name)
-    rows = [
-        {"name": row.name, "value": row.value, "unit": row.unit, "meaning": row.meaning}
-        for row in model.describe()
-    ]
-    width = max(len(row["name"]) for row in rows)
-    lines = [
-        f"  {row['name']:{width}}  {row['value']:>10g} {row['unit']:7} {row['meaning']}".rstrip()
-        for row in rows
-    ]
-    head = [f"{model!r}", f"coordinates {', '.join(model.coordinates)}; without: {_switches(model)}"]
+    table, switches = model.describe(), ", ".join(model.nonlinearities) or "nothing"
+    rows = [{"name": row.name, "value": row.value, "unit": row.unit, "meaning": row.meaning} for row in table]
     about = {"coordinates": list(model.coordinates), "nonlinearities": list(model.nonlinearities)}
-    return {**model_data(model), **about, "described": rows}, "\n".join([*head, *lines])
-
-
-def _switches(model: Model) -> str:
-    return ", ".join(model.nonlinearities) or "nothing"
+    head = f"{model!r}\ncoordinates {', '.join(model.coordinates)}; without: {switches}"
+    return {**model_data(model), **about, "described": rows}, f"{head}\n{table!r}"

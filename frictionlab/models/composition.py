@@ -32,7 +32,7 @@ from frictionlab.components.contact import (
     LinearContact,
     SlidingOnly,
 )
-from frictionlab.presentation import rotational_unit
+from frictionlab.presentation import html_rows, rotational_unit
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
 
 if TYPE_CHECKING:
@@ -305,9 +305,9 @@ class ParameterTable:
         return "\n".join([self.title, *rows])
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{h}</th>" for h in ("symbol", "name", "value", "unit", "meaning", "of"))
-        body = "".join(f"<tr>{_html_cells(row)}</tr>" for row in self.rows)
-        return f"<p>{escape(self.title)}</p><table><tr>{head}</tr>{body}</table>"
+        rows = ((f"${r.symbol}$", r.name, f"{r.value:g}", r.unit, r.meaning, r.owner) for r in self.rows)
+        table = html_rows(("symbol", "name", "value", "unit", "meaning", "of"), rows)
+        return f"<p>{escape(self.title)}</p>{table}"
 
 
 def parameter_table(model: Model) -> ParameterTable:
@@ -324,11 +324,6 @@ def parameter_table(model: Model) -> ParameterTable:
     laws = [f"{role} {type(component).__name__}" for role, component in components.items()]
     other = [f"{name} {value_repr(getattr(model, name))}" for name in structural_fields(type(model))]
     return ParameterTable(f"{type(model).__name__}: {', '.join([*laws, *other])}", tuple(rows))
-
-
-def _html_cells(row: ParameterRow) -> str:
-    texts = (row.name, f"{row.value:g}", row.unit, row.meaning, row.owner)
-    return f"<td>${escape(row.symbol)}$</td>" + "".join(f"<td>{escape(text)}</td>" for text in texts)
 
 
 @dataclass(frozen=True)

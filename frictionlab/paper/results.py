@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
-from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,6 +17,7 @@ from typing import Any, NamedTuple
 from matplotlib.figure import Figure
 
 from frictionlab.paper.scenes import PAPER_STEP, Setting
+from frictionlab.presentation import html_rows
 
 WAYS = "computed, exact solver", "with the full gap rate", "by the paper's algorithm"
 TABLE_HEAD = "claim", "where", "the paper says", *WAYS, "verdict", "why"
@@ -135,8 +135,7 @@ class Claims:
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        lines = (_html_row("td", row.cells) for row in self.rows)
-        return f"<table>{_html_row('th', TABLE_HEAD)}{''.join(lines)}</table>"
+        return html_rows(TABLE_HEAD, (row.cells for row in self.rows))
 
 
 def verdict_of_parts(*held: bool) -> Verdict:
@@ -144,10 +143,6 @@ def verdict_of_parts(*held: bool) -> Verdict:
     if all(held):
         return Verdict.REPRODUCED
     return Verdict.IN_PART if any(held) else Verdict.NOT_REPRODUCED
-
-
-def _html_row(tag: str, cells: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
 
 
 class Finding(NamedTuple):

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from html import escape
 from typing import NamedTuple
 
 from frictionlab.components.friction import FrictionCurve, Stribeck
 from frictionlab.models.model import Model
+from frictionlab.presentation import html_rows
 from frictionlab.validation import check_choice
 
 from .dry_friction_oscillators import DenHartog, FreeCoulomb, MassOnBelt, TwoBlocks
@@ -72,13 +72,8 @@ class ModelTable:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{name}</th>" for name in ("model", "what it shows", "reference", "topic"))
-        cells = (
-            (f"<code>fl.{escape(r.call)}</code>", escape(r.about), escape(r.reference), escape(r.topic))
-            for r in self.rows
-        )
-        body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" for row in cells)
-        return f"<table><tr>{head}</tr>{body}</table>"
+        rows = ((f"fl.{row.call}", row.about, row.reference, row.topic) for row in self.rows)
+        return html_rows(("model", "what it shows", "reference", "topic"), rows)
 
 
 MODEL_ROWS = (
