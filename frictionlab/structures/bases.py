@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from frictionlab.models.model import check_parameter_name
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.structures.parametric_matrix import Matrix
-from frictionlab.structures.quadratic_pencil import real_modes
+from frictionlab.structures.quadratic_pencil import Product, QuadraticPencil, factorised, real_modes
 from frictionlab.structures.reduction import (
     CLOSE,
     EXACT,
@@ -61,6 +62,7 @@ WIDER = 2.0  # the same of those up to which modes are computed
 MOST_CUTS = 64  # such frequencies, up to 65,000 times the window's end: freedoms without mass have no modes
 MOST_FREEDOMS = 1000  # of a basis of real modes: beyond, full matrices are slow, and motions are refused
 SHIFT_SHARE = 0.1  # of the highest frequency: the shift, by which rigid motions are no obstacle
+RIGID_SHARE = 1e-3  # of a shift: the frequency up to which rigid motions are looked for
 
 
 class ReductionBasis(ABC):
@@ -183,7 +185,8 @@ class CraigBampton(_ModesUpToFrequency):
     """Modes with the interface held, and interface modes, up to a frequency.
 
     Interface modes are those of the structure that follows its interface statically; so the size of the
-    interface is not that of the basis.  Matrices are those of :class:`RealModes`.
+    interface is not that of the basis.  Rigid motions are among them, and where the interface does not hold
+    the structure, among the modes with the interface held.  Matrices are those of :class:`RealModes`.
 
     Sources: R. R. Craig, M. C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6 (1968)
     1313-1319; M. P. Castanier, Y.-C. Tan, C. Pierre, "Characteristic constraint modes for component mode
@@ -197,7 +200,7 @@ class CraigBampton(_ModesUpToFrequency):
     Raises
     ------
     ValueError
-        For what are no freedoms and, in :func:`reduce`, for a structure that can move as a rigid body.
+        For what are no freedoms.
 
     Examples
     --------
@@ -233,9 +236,11 @@ class CraigBampton(_ModesUpToFrequency):
         held, free = self._freedoms(structure)
         K, M = _without_friction(structure)
         inner, inertia, coupling = K[free][:, free], M[free][:, free], K[free][:, held]
-        cure = "add supports or contacts, or take fl.RealModes()"
-        solve_all = static_solver(K, cure)
-        solve_inner = static_solver(inner, cure) if len(free) else np.copy
+        solve_all, rigid = _statics(K, M, SHIFT_SHARE * 2 * np.pi * structure.window[1])
+        _, sizes, mixes = np.linalg.svd(rigid[held])
+        moving = int((sizes > EXACT * np.linalg.norm(rigid)).sum())
+        rigid_moving, rigid_held = np.split(rigid @ mixes.T, [moving], axis=1)  # by the interface
+        solve_inner = _statically_held(inner, rigid_held[free])[0] if len(free) else np.copy
 
         def follow(u: Array) -> Array:
             """Displacements of all freedoms by those of the interface."""
@@ -253,10 +258,15 @@ class CraigBampton(_ModesUpToFrequency):
             return solve_all(forces)[held]
 
         w, shapes = real_modes(
-            lambda u: (K @ follow(u))[held], lambda u: condensed(M @ follow(u)), solve, len(held), highest
+            lambda u: (K @ follow(u))[held],
+            lambda u: condensed(M @ follow(u)),
+            solve,
+            len(held),
+            highest,
+            rigid=rigid_moving[held],
         )
         w_inner, inner_shapes = real_modes(
-            inner.__matmul__, inertia.__matmul__, solve_inner, len(free), highest
+            inner.__matmul__, inertia.__matmul__, solve_inner, len(free), highest, rigid=rigid_held[free]
         )
         spread = np.zeros((structure.size, len(w_inner)))
         spread[free] = inner_shapes
@@ -284,6 +294,36 @@ class CraigBampton(_ModesUpToFrequency):
                 "CraigBampton(interface=...), or take fl.RealModes()"
             )
         return np.flatnonzero(on_it), np.flatnonzero(~on_it)
+
+
+def _statics(K: Matrix, M: Matrix, shift: float) -> tuple[Product, Array]:
+    """What solves K q = f for loads f that do no work on rigid motions, and these motions (n, r)."""
+    pencil, n = QuadraticPencil(M, 0.0 * M, K), K.shape[0]
+    solve = factorised(K)
+    if solve is not None:
+        q = solve(np.random.default_rng(0).standard_normal((n, 1)))
+        if not pencil.at_rest(np.zeros(1, complex), q)[0]:
+            return solve, np.zeros((n, 0))
+    solve = static_solver(K + shift**2 * M)
+    _, shapes = real_modes(K.__matmul__, M.__matmul__, solve, n, RIGID_SHARE * shift, shift)
+    return _statically_held(K, shapes[:, pencil.at_rest(np.zeros(shapes.shape[1], complex), shapes)])
+
+
+def _statically_held(K: Matrix, rigid: Array) -> tuple[Product, Array]:
+    """The same, where rigid motions (n, r) are known roughly: r freedoms are held, whose forces are zero."""
+    parts: Any = linalg.qr(rigid.T, mode="r", pivoting=True)
+    order = parts[1]
+    others, held = np.sort(order[rigid.shape[1] :]), order[: rigid.shape[1]]
+    solve_others = static_solver(K[others][:, others])
+
+    def solve(f: Array) -> Array:
+        q = np.zeros_like(f)
+        q[others] = solve_others(f[others])
+        return q
+
+    exact = -solve(K[:, held] @ rigid[held]) if len(held) else rigid
+    exact[held] = rigid[held]
+    return solve, exact
 
 
 def _without_friction(structure: Structure) -> tuple[Matrix, Matrix]:

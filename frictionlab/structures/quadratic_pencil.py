@@ -18,7 +18,7 @@ Review 43 (2001) 235-286.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from importlib.util import find_spec
@@ -202,7 +202,7 @@ class QuadraticPencil:
             If the search does not come to an end.
         """
         operator = _shift_invert(self, shift, radius)
-        known = _invariant_subspace(operator)
+        known = _invariant_subspace(operator, _nothing(operator))
         pairs: Any = np.linalg.eig(known.action)
         inverses, small = pairs
         values = operator.shift + operator.scale / inverses.astype(complex)
@@ -210,7 +210,13 @@ class QuadraticPencil:
 
 
 def real_modes(
-    stiffness: Product, mass: Product, solve: Product, size: int, highest: float, shift: float = 0.0
+    stiffness: Product,
+    mass: Product,
+    solve: Product,
+    size: int,
+    highest: float,
+    shift: float = 0.0,
+    rigid: Array | None = None,
 ) -> tuple[Array, Array]:
     """Modes of K x = w^2 M x with w up to `highest`, both matrices symmetric and none negative.
 
@@ -222,6 +228,9 @@ def real_modes(
         The number n.
     highest, shift : float
         rad/s.
+    rigid : array (n, r), optional
+        Motions without elastic energy.  Then `solve`, without a shift, gives any solution, of loads b that do
+        no work on these.
 
     Returns
     -------
@@ -230,7 +239,13 @@ def real_modes(
     shapes : array (n, m)
         x M x = 1 of each.
     """
-    basis = _invariant_subspace(_SymmetricShiftInvert(np.hypot(highest, shift), size, mass, solve)).basis
+    operator = _SymmetricShiftInvert(np.hypot(highest, shift), size, mass, solve)
+    known = _nothing(operator)
+    if rigid is not None and rigid.shape[1]:
+        x: Array = rigid @ np.linalg.inv(np.linalg.cholesky(rigid.T @ mass(rigid))).T  # x M x = 1 of each
+        operator = _without_rigid(operator, x, mass(x))
+        known = _Invariant(np.linalg.qr(x)[0], np.zeros((x.shape[1],) * 2))
+    basis = _invariant_subspace(operator, known).basis
     if not basis.shape[1]:
         return np.zeros(0), basis
     pairs: Any = linalg.eigh(basis.T @ stiffness(basis), basis.T @ mass(basis))
@@ -316,6 +331,20 @@ class _SymmetricShiftInvert:
         return self.scale**2 * self.solve(self.mass(x))
 
 
+def _without_rigid(operator: _SymmetricShiftInvert, rigid: Array, momenta: Array) -> _SymmetricShiftInvert:
+    """The operator beside rigid motions x (n, r), x M x = 1, of these momenta M x, which it makes zero."""
+
+    def mass(x: Array) -> Array:
+        loads = operator.mass(x)
+        return loads - momenta @ (rigid.T @ loads)
+
+    def solve(loads: Array) -> Array:
+        x = operator.solve(loads)
+        return x - rigid @ (momenta.T @ x)
+
+    return replace(operator, mass=mass, solve=solve)
+
+
 def _shift_invert(pencil: QuadraticPencil, shift: complex, radius: float) -> _ShiftInvert:
     """The operator at a shift, or at one nearby where this one is next to an eigenvalue."""
     whole = np.iscomplexobj(pencil.K.data) or bool(np.imag(shift))
@@ -399,9 +428,12 @@ def _nested_dissection(matrix: Matrix) -> NDArray[np.intp] | None:
     return np.argsort(rank[node], kind="stable")
 
 
-def _invariant_subspace(operator: _Operator) -> _Invariant:
-    """The subspace of all eigenvalues in the disc."""
-    known = _Invariant(np.zeros((operator.rows, 0), operator.dtype), np.zeros((0, 0), operator.dtype))
+def _nothing(operator: _Operator) -> _Invariant:
+    return _Invariant(np.zeros((operator.rows, 0), operator.dtype), np.zeros((0, 0), operator.dtype))
+
+
+def _invariant_subspace(operator: _Operator, known: _Invariant) -> _Invariant:
+    """The subspace of all eigenvalues in the disc, beside what is known."""
     while (wider := _extend(operator, known)) is not None:
         known = wider
     return known

@@ -4,10 +4,10 @@ import numpy as np
 from scipy import sparse
 
 
-def beam(elements, length=1.0, stiffness=1.0, mass=1.0):
-    """M and K of a simply supported Euler-Bernoulli beam: Hermite elements, deflections and slopes.
+def beam(elements, length=1.0, stiffness=1.0, mass=1.0, held=(0, -2)):
+    """M and K of an Euler-Bernoulli beam, simply supported: Hermite elements, deflections and slopes.
 
-    `stiffness` is E I, `mass` is that per length.
+    `stiffness` is E I, `mass` is that per length, `held` are freedoms at rest.
     """
     h = length / elements
     k = np.array(
@@ -26,7 +26,7 @@ def beam(elements, length=1.0, stiffness=1.0, mass=1.0):
             [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
         ]
     )
-    free = [i for i in range(2 * (elements + 1)) if i not in (0, 2 * elements)]
+    free = np.delete(np.arange(2 * (elements + 1)), held)
     M, K = (sparse.lil_array((2 * (elements + 1), 2 * (elements + 1))) for _ in range(2))
     for i in range(elements):
         places = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))

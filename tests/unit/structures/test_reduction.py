@@ -6,14 +6,14 @@ from functools import partial
 
 import numpy as np
 import pytest
-from scipy import sparse
+from scipy import linalg, sparse
 from scipy.optimize import linear_sum_assignment
 
 import frictionlab as fl
 from frictionlab.structures import bases, eigenvalue_bounds
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, real_modes
 from frictionlab.structures.reduction import contact_responses
-from tests.helpers.finite_elements import unsymmetric_chain
+from tests.helpers.finite_elements import beam, unsymmetric_chain
 from tests.unit.structures.test_sliding_contacts import beam_under_pads
 
 
@@ -321,7 +321,7 @@ def test_an_interface_may_be_all_freedoms():
     "basis", [fl.CraigBampton(interface=[5]), fl.RealModes(), fl.ComplexModes()], ids=repr
 )
 def test_a_freedom_without_mass_moves_no_faster_on_a_basis(basis):
-    """With the modes of all others held the basis is full; an interface of a free structure is refused."""
+    """With the modes of all others held the basis is full."""
 
     def frequencies(one):
         return np.sort(fl.eigenvalues(one).values.imag)
@@ -334,11 +334,31 @@ def test_a_freedom_without_mass_moves_no_faster_on_a_basis(basis):
     assert np.abs(fl.eigenvalues(small).values.real).max() < 1e-12
     springs[0, 0] = springs[-1, -1] = 1.0
     free = large.replace(K=springs)
-    if isinstance(basis, fl.CraigBampton):
-        with pytest.raises(ValueError, match=r"got a singular stiffness: .* or take fl.RealModes\(\)"):
-            fl.reduce(free, basis=basis)
-    else:
-        assert np.allclose(frequencies(fl.reduce(free, basis=basis)), frequencies(free), atol=1e-12)
+    assert np.allclose(frequencies(fl.reduce(free, basis=basis)), frequencies(free), atol=1e-12)
+
+
+@pytest.mark.parametrize("elements", [20, 60])  # K is singular, or nearly by rounding
+@pytest.mark.parametrize("interface", [[0, 1], [0, -2], [14]])
+def test_interfaces_of_a_free_beam(interface, elements):
+    """Held by an end, by two deflections, and not by one, about which it turns: the textbook's algebra."""
+    M, K = (one.toarray() for one in beam(elements, stiffness=3.7, held=[]))
+    held = np.arange(len(M))[interface]
+    exact = linalg.eigh(K, M)[0][2:7]
+    large = fl.Structure(M, K, window=(0.0, 1.05 * np.sqrt(exact[-1]) / (2 * np.pi)))
+    small = fl.reduce(large, tol=1e-4, basis=fl.CraigBampton(interface=held))
+    free = np.delete(np.arange(len(M)), held)
+    inner = K[np.ix_(free, free)]
+    basis = np.zeros((len(M), small.size))
+    basis[held, : len(held)] = np.eye(len(held))
+    basis[free, : len(held)] = -np.linalg.pinv(inner, rcond=1e-12) @ K[np.ix_(free, held)]
+    basis[free, len(held) :] = linalg.eigh(inner, M[np.ix_(free, free)])[1][:, : small.size - len(held)]
+    textbook = linalg.eigh(basis.T @ K @ basis, basis.T @ M @ basis)[0]
+    values = fl.eigenvalues(small).values
+    squares = np.sort(values[values.imag > 1.0].imag ** 2)
+    assert small.size < 30
+    assert np.allclose(squares, exact, rtol=2e-4)
+    assert np.allclose(squares, textbook[2:7], rtol=1e-7)
+    assert (np.abs(values) < 1e-3).sum() == 4  # of two rigid motions
 
 
 def test_a_tolerance_that_a_basis_does_not_reach_is_told(monkeypatch):
