@@ -26,6 +26,7 @@ from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
 from frictionlab.stability.boundaries.stability_changes import (
+    GRID_POINTS,
     StabilityChange,
     StabilityKind,
     changes_on_lines,
@@ -36,6 +37,7 @@ from frictionlab.structures.mode_paths import (
     Place,
     SmallSpectra,
     check_masses,
+    check_settling,
     is_small,
     places_of_modes,
 )
@@ -132,6 +134,8 @@ def changes_of_few_freedoms(
     """The changes of stability of a structure of few freedoms, in its window."""
     problem: Any = SmallSpectra(structure)  # of an equilibrium problem only the spectra are needed
     changes = changes_on_lines(problem, parameter, bounds, {})[0]
+    if not changes:
+        check_settling(structure, parameter, np.linspace(*bounds, GRID_POINTS))
     if structure.window is None:
         return changes
     low, high = structure.window

@@ -33,6 +33,7 @@ from frictionlab.structures.reduction import (
     over_box,
     reduced,
 )
+from frictionlab.structures.steady_friction import UnsettledStatesError
 from frictionlab.structures.window_eigenvalues import (
     dense_spectrum,
     equal_values,
@@ -91,6 +92,21 @@ def check_masses(structure: Structure, parameter: str, values: Iterable[float]) 
     if parameter in structure.M.parameters:
         for value in values:
             structure.at_values({parameter: float(value)})
+
+
+def check_settling(structure: Structure, parameter: str, values: Iterable[float]) -> None:
+    """Refuse values of a parameter at none of which there is an equilibrium, as states do not settle."""
+    unsettled = None
+    for value in values:
+        try:
+            structure.at_values({parameter: float(value)}).find_equilibrium()
+            return
+        except UnsettledStatesError as error:
+            unsettled = error
+        except ValueError:  # without sliding, or with open contacts, there are no eigenvalues
+            pass
+    if unsettled is not None:
+        raise unsettled
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +186,8 @@ class SmallSpectra:
             chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
             return np.concatenate([_eigenvalues(self.matrices(chunk)) for chunk in chunks])
         structures = self._structures(changes)
-        values: Any = np.full((len(structures), self.structure.order), -np.inf, dtype=complex)
+        # room for pairs: of a complex stiffness a mode that does not oscillate is hardly real
+        values: Any = np.full((len(structures), 2 * self.structure.order), -np.inf, dtype=complex)
         for row, one in zip(values, structures, strict=True):
             spectrum = dense_spectrum(one.pencil).values
             if np.iscomplexobj(one.pencil.K.data):  # with the wrong sign of its damping below the real axis
@@ -217,6 +234,8 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     path: Any = track_modes(modes(at), modes)
     n = structure.size
     values, unstable = path.values, path.unstable
+    if np.isnan(values).all():
+        check_settling(structure, parameter, at)
     if structure.order > 2 * n:
         values[spectra.of_open_contacts({parameter: at}, path.right)] = complex(np.nan, np.nan)
     shapes, shares = mode_shapes(path.right, n), participation_factors(path.left, path.right, n)

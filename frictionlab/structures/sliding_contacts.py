@@ -21,7 +21,12 @@ from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
-from frictionlab.structures.steady_friction import SteadyFriction, lagging_states, steady_friction
+from frictionlab.structures.steady_friction import (
+    SteadyFriction,
+    UnsettledStatesError,
+    lagging_states,
+    steady_friction,
+)
 from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, check_text, explains_fields, float_array
 
@@ -302,11 +307,15 @@ class SlidingContacts:
         # the pressure of an open contact is put to any number, as laws may have no slope at 0
         pressed = np.where(closed, pressure, 1.0)
         if self.friction.states:
-            steady = steady_friction(self.friction, pressed, v, self._values(self.friction, values))
+            given = self._values(self.friction, values)
+            steady = steady_friction(self.friction, pressed, v, given)
             if q.ndim == 1 and np.isnan(steady.force[closed]).any():
-                raise ValueError(
-                    f"friction must have states that settle in steady sliding, got {self.friction!r}, where "
-                    "none were found whose rates are zero: change its parameters, or the speed v"
+                names = map(self.parameter, (*self._names(self.friction), "v"))
+                at = ", ".join(f"{one} = {np.real(x):.6g}" for one, x in zip(names, (*given, v), strict=True))
+                raise UnsettledStatesError(
+                    "friction must have states that settle in steady sliding, got "
+                    f"{type(self.friction).__name__} at {at}, where none were found whose rates are zero: "
+                    "change its parameters, or the speed v"
                 )
             known = ContactForces(penetration, normal, None, normal_slope, None, None)
             return self._with_states(known, steady, stiffness, closed)

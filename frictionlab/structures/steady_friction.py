@@ -18,13 +18,15 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.lazy_names import sympy
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
+from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, solve_matrices
+from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of
 
 Array = NDArray[Any]
-NEWTON_STEPS = 100
-HALVINGS = 200  # of a step of Newton's method: rates may be exponentials of the states
-ROUNDING = float(np.finfo(float).eps)
-SETTLED_RTOL = 1e-9  # of a state: a last step that is shorter has only rounding left to do
+
+
+class UnsettledStatesError(ValueError):
+    """States of a friction law never settle in steady sliding."""
 
 
 class SteadyFriction(NamedTuple):
@@ -104,12 +106,12 @@ def _on_one_side(law: FrictionLaw, sign: int, given: Sequence[Any]) -> SteadyFri
     values, slopes = _evaluated(_formulas(law.structure_key, sign), states, given)
     return SteadyFriction(
         values[0],
-        slopes[0, 0],
-        slopes[0, 1],
-        slopes[0, 2:],
-        slopes[1 : 1 + lagging, 0],
-        slopes[1 : 1 + lagging, 1],
-        slopes[1 : 1 + lagging, 2:],
+        slopes[0, lagging],
+        slopes[0, lagging + 1],
+        slopes[0, :lagging],
+        slopes[1 : 1 + lagging, lagging],
+        slopes[1 : 1 + lagging, lagging + 1],
+        slopes[1 : 1 + lagging, :lagging],
         states if lagging else values[1:],
     )
 
@@ -118,30 +120,36 @@ def _on_one_side(law: FrictionLaw, sign: int, given: Sequence[Any]) -> SteadyFri
 def _formulas(key: StructureKey, sign: int) -> Formulas:
     """The force, and the rates of states that lag or the states at their limits, where v_r has this sign.
 
-    Inputs are the normal force, v_r, the states that lag, and the parameters.
+    Inputs are the states that lag, the normal force, v_r, and the parameters.
     """
     from frictionlab.models.mechanical.dynamic_laws import limits_of_law, values_on_one_side
 
     law: Any = symbolic_copy(key)
     force, velocity = sympy.Dummy("normal_force", positive=True), sympy.Dummy("relative_velocity", real=True)
-    inputs = [force, velocity]
+    states: list[Any]
     if limits := limits_of_law(law, force):
-        states = [sign * one for one in limits]
+        lagging, states = [], [sign * one for one in limits]
         values = [values_on_one_side(law, force, velocity, states, sign).force, *states]
     else:
-        states = [sympy.Dummy(name, real=True) for name in law.states]
-        inputs += states
+        lagging = states = [sympy.Dummy(name, real=True) for name in law.states]
         known = values_on_one_side(law, force, velocity, states, sign)
         values = [known.force, *known.rates]
-    return formulas_of([*inputs, *map(symbol, key.parameters)], values)
+    return formulas_of([*lagging, force, velocity, *map(symbol, key.parameters)], values)
+
+
+@lru_cache(maxsize=64)
+def _flow(key: StructureKey, sign: int) -> Flow:
+    """The rates of states that lag where v_r has this sign; parameters are the other inputs."""
+    whole = _formulas(key, sign)
+    rates = Formulas(whole.tape, whole.outputs[1:])
+    return Flow(("normal_force", "relative_velocity", *key.parameters), rates, Formulas(whole.tape, ()))
 
 
 def _evaluated(formulas: Formulas, states: Array, given: Sequence[Any]) -> tuple[Array, Array]:
-    """Values (1 + s, k), and their derivatives (1 + s, 2 + s, k) by the normal force, v_r and the states."""
-    force, velocity, *parameters = given
-    inputs = [force, velocity, *states, *parameters]
+    """Values (1 + s, k), and their derivatives (1 + s, s + 2, k) by the states, the normal force and v_r."""
+    inputs = [*states, *given]
     kind = np.result_type(float, *inputs)
-    count, shape = 2 + len(states), np.shape(force)
+    count, shape = len(states) + 2, np.shape(given[0])
     places, derivatives = formulas.jacobian(range(count))
     with np.errstate(all="ignore"):
         values = np.array([np.broadcast_to(one, shape) for one in formulas.arrays(*inputs)], dtype=kind)
@@ -154,39 +162,41 @@ def _evaluated(formulas: Formulas, states: Array, given: Sequence[Any]) -> tuple
 def _settled(law: FrictionLaw, sign: int, given: Sequence[Any]) -> Array:
     """States (s, k) whose rates are zero, NaN where none are found.
 
-    Newton's method from zeros, in steps that lower the rates.
+    They are searched for one contact, and followed from it to the others; where they are lost on the way they
+    are searched for again.
     """
-    formulas = _formulas(law.structure_key, sign)
-    real = [np.real(one) for one in given]
-    states = np.zeros((len(law.states), len(real[0])))
-    rates, step = _newton_step(formulas, states, real)
-    for _ in range(NEWTON_STEPS):
-        size, scale = np.abs(rates).max(axis=0), np.ones(len(real[0]))
-        for _ in range(HALVINGS):
-            ahead = states - scale * step
-            values, _ = _evaluated(formulas, ahead, real)
-            better = np.abs(values[1:]).max(axis=0) < size
-            moving = (np.abs(ahead - states) > ROUNDING * np.abs(states)).any(axis=0)
-            if not (moving & ~better).any():
-                break
-            scale = np.where(better, scale, 0.5 * scale)
-        states = np.where(better, ahead, states)
-        if not better.any():
-            break
-        rates, step = _newton_step(formulas, states, real)
-    settled = (np.abs(step) <= SETTLED_RTOL * np.abs(states)).all(axis=0)
-    states = np.where(settled, states, np.nan)
+    formulas, flow = _formulas(law.structure_key, sign), _flow(law.structure_key, sign)
+    seen = frozenset().union(*flow.rates.dependences)
+    # What the rates do not depend on is put to 1, so that contacts that settle alike are one.
+    real = [np.real(one) if flow.size + i in seen else np.ones(len(one)) for i, one in enumerate(given)]
+    values, places = np.unique(real, axis=1, return_inverse=True)
+    states, left = np.full((flow.size, values.shape[1]), np.nan), np.arange(values.shape[1])
+    while left.size:
+        middle = left.size // 2
+        first, left = left[middle], np.delete(left, middle)
+        base = (*values[:, first].tolist(),)
+        states[:, first] = start = _searched(law.structure_key, sign, base)
+        if left.size and np.isfinite(start).all():
+            states[:, left] = follow_zero(flow, start, base, _is_finite, [*values[:, left]], left.size)
+            left = left[~_is_finite(states[:, left], ())]
+    states = states[:, places]
     if not any(map(np.iscomplexobj, given)):
         return states
-    return states - _newton_step(formulas, states, given)[1]  # with derivatives as imaginary parts
+    known = _is_finite(states, ())  # a step of Newton's method, with derivatives as imaginary parts
+    rates, slopes = _evaluated(formulas, states[:, known], [one[known] for one in given])
+    matrices = np.moveaxis(slopes[1:, : flow.size], -1, 0)
+    states = states.astype(complex)
+    states[:, known] -= solve_matrices(matrices, rates[1:].T[..., None])[..., 0].T
+    return states
 
 
-def _newton_step(formulas: Formulas, states: Array, given: Sequence[Any]) -> tuple[Array, Array]:
-    """The rates (s, k), and the step of Newton's method, NaN where there is none."""
-    values, slopes = _evaluated(formulas, states, given)
-    matrices = np.moveaxis(slopes[1:, 2:], -1, 0)
-    with np.errstate(all="ignore"):
-        regular = np.isfinite(matrices).all(axis=(1, 2)) & (np.linalg.det(matrices) != 0.0)
-        matrices = np.where(regular[:, None, None], matrices, np.nan)
-        steps = np.linalg.solve(matrices, values[1:].T[..., None])[..., 0].T
-    return values[1:], steps
+@lru_cache(maxsize=1024)
+def _searched(key: StructureKey, sign: int, values: tuple[float, ...]) -> Array:
+    """States (s,) whose rates are zero, those nearest to the origin; NaN where none are found."""
+    flow = _flow(key, sign)
+    points = find_zeros(flow, values).points
+    return points[:, 0] if points.size else np.full(flow.size, np.nan)
+
+
+def _is_finite(states: Array, _: Sequence[Any]) -> Any:
+    return np.isfinite(states).all(axis=0)

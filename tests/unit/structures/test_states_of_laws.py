@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,7 +11,75 @@ from scipy.integrate import solve_ivp
 
 import frictionlab as fl
 
-LAWS = [fl.LuGre(), fl.Dahl(), fl.Jenkins(), fl.Iwan(), fl.RateAndState(a=0.05, b=0.03, D_c=0.05, v_0=0.1)]
+
+@dataclass(frozen=True)
+class Ruina(fl.FrictionLaw):
+    """The slip law of A. Ruina, J. Geophys. Res. 88 (1983) 10359: its logarithm has no value at zero."""
+
+    a: float = fl.parameter(0.05)
+    b: float = fl.parameter(0.03)
+    D: float = fl.parameter(0.05, exclusive_minimum=0.0)
+    states = ("theta",)
+
+    def force(self, F_N, v, theta):
+        log = fl.functions.log
+        return F_N * v / abs(v) * (0.6 + self.a * log(abs(v) / 0.1) + self.b * log(theta * 0.1 / self.D))
+
+    def rates(self, F_N, v, theta):
+        slips = abs(v) * theta / self.D
+        return {"theta": -slips * fl.functions.log(slips)}
+
+
+@dataclass(frozen=True)
+class BoucWen(fl.FrictionLaw):
+    """Of the exponent 2: its rate has no slope at zero."""
+
+    mu: float = fl.parameter(0.3, exclusive_minimum=0.0)
+    states = ("z",)
+
+    def force(self, F_N, v, z):
+        return self.mu * z * F_N
+
+    def rates(self, F_N, v, z):
+        return {"z": 40.0 * (v - 0.5 * abs(v) * fl.functions.absolute(z) * z - 0.5 * v * z**2)}
+
+
+@dataclass(frozen=True)
+class CubicBristles(fl.FrictionLaw):
+    mu: float = fl.parameter(0.3, exclusive_minimum=0.0)
+    states = ("z",)
+
+    def force(self, F_N, v, z):
+        return 50.0 * z**3 * F_N
+
+    def rates(self, F_N, v, z):
+        return {"z": v - 50.0 * abs(v) * z**3 / self.mu}
+
+
+@dataclass(frozen=True)
+class Circle(fl.FrictionLaw):
+    """Its state settles below a speed of 1 alone."""
+
+    rate: float = fl.parameter(1.0)
+    states = ("z", "w")
+
+    def force(self, F_N, v, z, w):
+        return (0.1 * z + w) * F_N
+
+    def rates(self, F_N, v, z, w):
+        return {"z": self.rate * (1.0 - v**2 - z**2), "w": self.rate * (0.1 * z - w)}
+
+
+LAWS = [
+    fl.LuGre(),
+    fl.Dahl(),
+    fl.Jenkins(),
+    fl.Iwan(),
+    fl.RateAndState(a=0.05, b=0.03, D_c=0.05, v_0=0.1),
+    Ruina(),
+    BoucWen(),
+    CubicBristles(),
+]
 
 
 @pytest.mark.parametrize("v", [0.2, -0.2])
@@ -25,7 +94,7 @@ def test_a_mass_on_a_belt_is_the_model(law, v):
     one, other = fl.eigenvalues(model), fl.eigenvalues(structure)
     np.testing.assert_allclose(other.values, one.values, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(other.equilibrium.state, one.equilibrium.state, rtol=1e-12)
-    x0 = [-0.05, 0.3]
+    x0 = [-0.05, 0.3, *0.5 * one.equilibrium.state[2:]]
     first, second = (fl.simulate(each, 5.0, x0=x0, progress=False) for each in (model, structure))
     assert first.names[2:] == second.names[2:]
     assert len(first.events) == len(second.events)
@@ -215,3 +284,30 @@ def test_an_impact_without_friction_law_is_refused():
     run = fl.simulate(ball, 2.0, x0=[0.0, -1.0, 1.0, 2.0], progress=False)
     (event,) = run.events
     assert event.state == pytest.approx(event.before * [1.0, 1.0, 1.0, -0.5])
+
+
+def on_belt(law: fl.FrictionLaw, v: float = 0.3, k: complex = 1.0) -> fl.Structure:
+    contacts = fl.SlidingContacts([[1.0]], N=2.0, friction=law, v=v)
+    return fl.Structure([[1.0]], [[k]], [[0.05]], contacts=contacts)
+
+
+@pytest.mark.parametrize("k", [1.0, 1.0 + 0.02j])
+def test_flutter_with_the_slip_law_is_where_its_equation_puts_it(k):
+    """(s^2 + g s + k)(s + w) = N b/D s with g = c + N a/v and w = v/D; k may be hysteretic."""
+    law = fl.RateAndStateSlip(mu_0=2.0, a=0.05, b=0.12, D_c=0.05, v_0=0.1) if k.imag else Ruina(b=0.12)
+    (change,) = fl.stability_changes(on_belt(law, k=k), "v", (0.05, 4.0))
+    g, w, s = 0.05 + 2.0 * 0.05 / change.value, change.value / 0.05, 2j * np.pi * change.frequency
+    assert (s**2 + g * s + k) * (s + w) == pytest.approx(2.0 * 0.12 / 0.05 * s, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [1.0, 1e-170])  # whose squares underflow
+def test_states_that_settle_at_some_speeds(rate):
+    settles = on_belt(Circle(rate))
+    z = np.sqrt(1.0 - 0.3**2)
+    np.testing.assert_allclose(fl.equilibrium(settles).state[2:], [z, 0.1 * z], rtol=1e-12)
+    for structure in (settles, on_belt(Circle(rate), 2.0)):
+        locus = fl.root_locus(structure, "v", [0.3, 0.6, 1.2])
+        assert (np.isnan(locus.values).all(axis=1) == [False, False, True]).all()
+        for study in (fl.root_locus, fl.stability_changes):
+            with pytest.raises(ValueError, match="friction must have states that settle"):
+                study(structure, "v", (1.2, 1.5))
