@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from frictionlab.analysis.motion_scales import Array, motion_size
-from frictionlab.analysis.run_conditions import is_of_series, largest_violation
+from frictionlab.analysis.run_conditions import is_of_series
 from frictionlab.hybrid.guard_bounds import Tape
 from frictionlab.hybrid.trajectory import Trajectory
 
@@ -21,6 +21,9 @@ SIMULTANEOUS_SHARE = 1e-5  # share of the longest stay in a mode: events nearer 
 ACCUMULATION_SHARE = 1e-3  # share of the longest stay: shorter stays before a Zeno point belong to it
 # share of the longest stay: this near to the end one run may have an event that the other lacks
 END_MARGIN_SHARE = 1e-3
+# share of the rates' terms by which two modes that move alike may differ: the same for all methods, as
+# one run would else tell modes apart that count as one in the other
+ALIKE_SHARE = 1e-9
 LEAST_JUMP = 1e-8  # share of the motion's size: an impact that changes no state by this does not count
 COMPARISON_TIMES = 2000  # times at which states are compared, in addition to some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
@@ -89,7 +92,7 @@ def _modes_by_motion(run: Trajectory, other: Trajectory) -> Any:
         rates = np.array([tape.values(states, tape.flow) for tape in tapes.values()])
         sizes = np.array([tape.magnitudes(states, tape.flow) for tape in tapes.values()])
         own = np.searchsorted(names, modes[stays]).repeat(within.shape[1]), np.arange(len(states))
-        alike: Any = (np.abs(rates - rates[own]) <= largest_violation(run) * sizes[own]).all(axis=-1)
+        alike: Any = (np.abs(rates - rates[own]) <= ALIKE_SHARE * sizes[own]).all(axis=-1)
         alike[own] = True  # also where its rates are not finite
         modes[stays] = names[alike.reshape(len(names), *within.shape).all(axis=-1).argmax(axis=0)]
     return modes

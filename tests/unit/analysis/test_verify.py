@@ -169,6 +169,33 @@ def test_it_is_no_difference_which_of_two_feet_holds_a_block(x0):
 
 
 @fl.model
+class TwoLaws(fl.MechanicalModel):
+    """Two masses on a belt, held by an element of Jenkins' and by Dahl's bristles."""
+
+    v: float = 1.0
+    N: float = 10.0
+    coordinates = ("x", "y")
+    period = 4.0
+
+    def mechanics(self, q, v):
+        held = self.N + 2 * fl.functions.sin(q.x)
+        return fl.Mechanics(
+            (v.x**2 + v.y**2) / 2,
+            q.x**2 + (q.x - q.y) ** 2 / 2,
+            contacts=(
+                fl.Friction(self.v - v.x, held, fl.Jenkins(mu_k=0.4, k_t=30.0)),
+                fl.Friction(self.v - v.y, self.N, fl.Dahl(mu_k=0.3, sigma_0=1e4)),
+            ),
+        )
+
+
+def test_directions_of_slow_slip_are_told_apart_in_the_independent_run_too():
+    found = fl.verify(TwoLaws(), 0.35, x0={"x'": -0.3, "y'": 1 - 1e-5}, progress=False)
+    assert found.ok, str(found)
+    assert {"slip+ | slip+", "slip+ | slip-"} <= {*found.run.events.target}
+
+
+@fl.model
 class RotorInStator(fl.MechanicalModel):
     """A rotor that rubs along a stator: its v_r is 0/0 in the centre."""
 
