@@ -180,7 +180,8 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
 
     The uncertainty is the effect of the flow's rounding on a zero, plus the last step.  At a double zero
     steps are halved each time, so the last step is the distance to it.  A zero may be so far out that
-    rounding determines its place.  It is left out.  `scale` (m, 1) is the scale of states that are zero.
+    rounding determines its place.  It is left out, unless it is the only one far around.  `scale` (m, 1) is
+    the scale of states that are zero.
     """
     x, step = _polish(flow, x[:, _is_near_zero(flow, x, values, scale)], values)
     noise, shift, terms, distance = _rounding_noise(flow, x, values, scale)
@@ -191,8 +192,32 @@ def polish_zeros(flow: Flow, x: Array, values: Sequence[Any], scale: Array) -> t
     converged = step <= np.fmax(rtol * np.abs(x) + least, SAME_ZERO_FACTOR * shift)
     converged &= ~_is_pole(flow, x, values)
     error = step + shift
-    zeros = (balanced & converged & (error <= MAX_UNCERTAINTY * np.abs(x) + least)).all(axis=0)
+    zeros: Any = (balanced & converged).all(axis=0)
+    doubtful = np.flatnonzero(zeros & ~(error <= MAX_UNCERTAINTY * np.abs(x) + least).all(axis=0))
+    room = error[:, doubtful] / MAX_UNCERTAINTY
+    zeros[doubtful] = _is_regular(flow, x[:, doubtful], [_chosen(one, doubtful) for one in values], room)
     return x[:, zeros], error[:, zeros]
+
+
+def _is_regular(flow: Flow, x: Array, values: Sequence[Any], room: Array) -> Any:
+    """Whether all matrices within the Jacobian's bounds are regular, in boxes x +- room (m, N).
+
+    Then a zero is the only one in its box, also where its states are small by chance.  By the condition of
+    H. Beeck: the spectral radius of |J^-1| dJ is below 1.
+    """
+    try:
+        entries = flow.slopes([*map(Interval, x - room, x + room)], values)
+    except TypeError:  # a function without bounds
+        return False
+    matrices = flow.jacobian(x, values)
+    changes, unit = np.zeros_like(matrices), np.broadcast_to(np.eye(len(x)), matrices.shape)
+    for (i, j), entry in entries.items():
+        bounds = interval(entry)
+        changes[:, i, j] = np.fmax(bounds.high - matrices[:, i, j], matrices[:, i, j] - bounds.low)
+    ratios = np.abs(solve_matrices(matrices, unit)) @ changes
+    known = np.isfinite(ratios).all(axis=(1, 2))
+    known[known] = np.abs(np.linalg.eigvals(ratios[known])).max(axis=1, initial=0.0) <= SAFE_CHANGE
+    return known
 
 
 def _is_pole(flow: Flow, x: Array, values: Sequence[Any]) -> Any:

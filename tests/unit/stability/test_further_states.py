@@ -100,3 +100,12 @@ def test_equilibria_that_differ_in_a_further_state_only():
         values = equilibrium_problem(model, which).spectra({})
         assert values.real.max() == pytest.approx(growth)
     assert fl.eigenvalues(model).growth_rates.max() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("law", [fl.RateAndState(v_0=0.1), fl.RateAndStateSlip(v_0=0.1)])
+@pytest.mark.parametrize("distance", [-1e-10, 3e-12, 1e-14])
+def test_a_state_that_is_small_by_chance_has_its_equilibrium(law, distance):
+    """psi = -log(v/v_0), which v = v_0 (1 + distance) leaves unknown to rounding."""
+    v = 0.1 * (1.0 + distance)
+    state = fl.equilibrium(fl.MassOnBelt(friction=law, v=v, N=2.0)).state
+    assert state[2] == pytest.approx(-np.log(v / 0.1), abs=4e-16)
