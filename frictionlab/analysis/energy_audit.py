@@ -17,13 +17,13 @@ import sympy as sp
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.hybrid_automaton import module_of_pieces
-from frictionlab.automaton.mode import Mode
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
+from frictionlab.models.mechanical.bristles import Bristles, Energies, energies_of_bristles
 from frictionlab.models.mechanical.contact_regimes import (
     APART,
     CHATTER_MODE,
@@ -31,7 +31,6 @@ from frictionlab.models.mechanical.contact_regimes import (
     material_rate,
     rubbing_direction,
 )
-from frictionlab.models.mechanical.dynamic_laws import energies_in_states
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.impulses import impulse_terms, impulses_of_contacts
@@ -87,8 +86,6 @@ class ContactTerms:
         The penetrations (m) at which a law in pieces changes, as functions of the parameters.
     normal : str
         The output that is its normal force.
-    bristles : tuple of Expr, or None
-        The energy (J) in the states of its friction law, pressed and apart; None where the law stores none.
     """
 
     number: str
@@ -101,7 +98,6 @@ class ContactTerms:
     law: Callable[..., Any] | None = None
     borders: tuple[Callable[..., Any], ...] = ()
     normal: str = "normal_force"
-    bristles: tuple[Any, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +129,7 @@ class Terms:
     potential: Mapping[str, Callable[..., Any]]
     powers: Mapping[str, Callable[..., Any]]
     contacts: tuple[ContactTerms, ...]
+    bristles: Energies
     moved: MovedMasses | None
 
 
@@ -143,6 +140,7 @@ class Balance:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
         self._model, self._terms = model, terms_of(model.structure_key)
         self._striking = impulse_terms(model.structure_key).contacts
+        self._bristles = Bristles(self._terms.bristles, automaton, mode_names)
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
         """The energies (J), each (N,)."""
@@ -150,8 +148,8 @@ class Balance:
         energies |= {name: self._at(energy, states) for name, energy in self._terms.potential.items()}
         if any(contact.law is not None for contact in self._terms.contacts):
             energies["contact"] = self._stored(states, modes)
-        if any(contact.bristles is not None for contact in self._terms.contacts):
-            energies["bristles"] = self._in_bristles(states, modes)
+        if self._terms.bristles:
+            energies["bristles"] = self._bristles.energy(states, modes)
         return energies
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
@@ -164,6 +162,8 @@ class Balance:
         for contact in self._terms.contacts:
             for name, power in self._contact_powers(contact, states, modes):
                 powers[name] = powers.get(name, 0.0) + power
+        if self._terms.bristles:
+            powers["friction"] += self._bristles.power(states, modes)
         return {name: powers[name] for name in WORKS if name in powers}
 
     def jumps(self, run: Trajectory) -> dict[str, Array]:
@@ -190,10 +190,8 @@ class Balance:
             stored = self._stored(after, np.array(modes)) - self._stored(before, np.array(modes))
             by_contacts = work + np.where(ends, stored, 0.0)
             jumps |= {"impacts": jumps["impacts"] - work, "moving contacts": by_contacts}
-        if any(contact.bristles is not None for contact in self._terms.contacts):  # lost with the contact
-            targets = [run.mode_names.index(name) if name else i for i, name in zip(modes, run.events.target)]
-            held = self._in_bristles(after, np.array(targets)) - self._in_bristles(before, np.array(modes))
-            jumps["friction"] = held
+        if self._terms.bristles:
+            jumps["friction"] = self._bristles.gains(run.events)
         return jumps
 
     def _gain(self, energy: Any, before: Array, after: Array) -> Array:
@@ -204,27 +202,6 @@ class Balance:
         springs = [c for c in self._terms.contacts if c.law is not None]
         parts = [self._contact_energy(contact, states, modes) for contact in springs]
         return np.sum(parts, axis=0) if parts else np.zeros(len(states))
-
-    def _in_bristles(self, states: Array, modes: Any) -> Array:
-        """Energy (J) in the states of friction laws, each (N,)."""
-        each = [
-            self._of_bristles(contact, states, modes, lambda energy, _mode: energy)
-            for contact in self._terms.contacts
-            if contact.bristles is not None
-        ]
-        return np.sum(each, axis=0)
-
-    def _of_bristles(
-        self, contact: ContactTerms, states: Array, modes: Any, of: Callable[[Any, Mode], Any]
-    ) -> Array:
-        """What `of` makes of the energy in the states of a contact's friction law and a mode, (N,)."""
-        values, pressed = np.zeros(len(states)), self._modes_in_contact(contact)
-        arguments = [*self.automaton.states, *self.automaton.parameters]
-        for i in np.unique(modes):
-            energy, in_mode = (contact.bristles or ())[not pressed[i]], modes == i
-            formula = function_along_run(arguments, of(energy, self.automaton.mode(self.mode_names[int(i)])))
-            values[in_mode] = formula(*states[in_mode].T, *self.automaton.values.values())
-        return values
 
     def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
@@ -251,8 +228,6 @@ class Balance:
             friction = self._output("friction_force" + of, states, modes)
             yield "belt drive", friction * self._at(speed, states)
             yield "friction", -friction * self._output("relative_velocity" + of, states, modes)
-        if contact.bristles is not None:
-            yield "friction", self._of_bristles(contact, states, modes, self._rate_in_mode)
         if contact.approach is None:
             return
         normal = self._output("normal_force" + contact.number, states, modes)
@@ -264,10 +239,6 @@ class Balance:
             yield "contact", np.where(pressed, -normal * approaching, 0.0)
         elif contact.travel is not None:
             yield "moving load", np.where(pressed, normal * self._at(contact.travel, states), 0.0)
-
-    def _rate_in_mode(self, energy: Any, mode: Mode) -> Any:
-        """The rate of an energy by the flow of a mode, W."""
-        return _dot([sp.diff(energy, state) for state in self.automaton.states], mode.flow)
 
     def _contact_energy(self, contact: ContactTerms, states: Array, modes: Any) -> Array:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
@@ -339,6 +310,7 @@ def terms_of(key: StructureKey) -> Terms:
         potential={name: compiled(energy) for name, energy in energies.items() if energy != 0},
         powers={name: compiled(power) for name, power in _powers(system).items()},
         contacts=contacts,
+        bristles=energies_of_bristles(system),
         moved=_moved_masses(system, compiled),
     )
 
@@ -391,13 +363,11 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         belt = {"": compiled(system.at_rest(contact.relative_velocity))} if contact.rubs else {}
         return ContactTerms(numbered, i, belt, moved=_moved(system, contact, compiled), normal="reaction")
     belt: dict[str, Any] = {}
-    bristles = None
     if isinstance(contact, Friction):
-        bristles = energies_in_states(contact, system.law_states(contact))
         ends = [f"_{one}" for one in DIRECTIONS] if contact.in_plane else [""]
         velocities = zip(ends, contact.velocities, strict=True)
         belt = {end: compiled(system.at_rest(one)) for end, one in velocities}
-    terms = ContactTerms(numbered, i, belt, bristles=bristles)
+    terms = ContactTerms(numbered, i, belt)
     if contact.penetration is None:
         return terms
     approach = material_rate(system, contact)

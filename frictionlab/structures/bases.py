@@ -36,8 +36,8 @@ from frictionlab.structures.reduction import (
     proper_orthogonal,
     reduced,
     sample_at,
-    static_solver,
 )
+from frictionlab.structures.sliding_equilibrium import static_solver
 from frictionlab.validation import (
     abbreviate,
     check_limits,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from frictionlab.automaton import HybridAutomaton, Mode
-from frictionlab.automaton.modes_on_demand import JOINT
+from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.outputs import evaluate_outputs
-from frictionlab.models.symbols import gradient
-from frictionlab.tape.formulas import function_along_run
+from frictionlab.models.mechanical.bristles import Bristles
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
@@ -40,7 +38,7 @@ class StructureBalance:
 
     def energies(self, states: Array, modes: Any) -> dict[str, Array]:
         """The energies (J), each (N,); that of a contact is the integral of F_N over the penetration."""
-        q, v, _ = self._split(states)
+        q, v = self._split(states)
         energies = {
             "kinetic": _form(self.structure.M, v, v, self.structure) / 2,
             "springs": _form(self.structure.K, q, q, self.structure) / 2,
@@ -51,13 +49,13 @@ class StructureBalance:
         if pressed:
             stored = (one.stored_energy(q, self.structure.parameters) for one in pressed)
             energies["contact"] = np.sum([*stored], axis=0)
-        if self._bristles:
-            energies["bristles"] = self._of_bristles(states, modes, lambda energy, _: energy)
+        if self._bristles.energies:
+            energies["bristles"] = self._bristles.energy(states, modes)
         return energies
 
     def powers(self, states: Array, modes: Any) -> dict[str, Array]:
         """The powers (W), each (N,), that change the sum of the energies between events."""
-        q, v, _ = self._split(states)
+        q, v = self._split(states)
         _, damping, _ = self.structure.terms
         powers = {"dampers": -sum((_form(one, v, v, self.structure) for one in damping), np.zeros(len(v)))}
         if self.structure.circulatory is not None:
@@ -67,8 +65,8 @@ class StructureBalance:
             force = evaluate_outputs(self.automaton, [name], states, modes, self.mode_names)[name]
             powers["belt drive"] = powers.get("belt drive", 0.0) + force * belt
             powers["friction"] = powers.get("friction", 0.0) - force * (belt - v @ row)
-        if self._bristles:
-            powers["friction"] = powers["friction"] + self._of_bristles(states, modes, self._rate_in_mode)
+        if self._bristles.energies:
+            powers["friction"] = powers["friction"] + self._bristles.power(states, modes)
         return powers
 
     def jumps(self, run: Trajectory) -> dict[str, Array]:
@@ -79,44 +77,21 @@ class StructureBalance:
             for states in (run.events.state, run.events.before)
         )
         jumps = {"impacts": after - before}
-        if self._bristles:  # lost with the contact
-            modes = [run.mode_names.index(name) if name else 0 for name in run.events.source]
-            targets = [run.mode_names.index(name) if name else i for i, name in zip(modes, run.events.target)]
-            ends = (run.events.state, targets), (run.events.before, modes)
-            kept, held = (self.energies(states, np.array(at))["bristles"] for states, at in ends)
-            jumps["friction"] = kept - held
+        if self._bristles.energies:
+            jumps["friction"] = self._bristles.gains(run.events)
         return jumps
 
-    def _split(self, states: Array) -> tuple[Array, Array, Array]:
-        """Displacements, velocities and states of friction laws."""
+    def _split(self, states: Array) -> tuple[Array, Array]:
+        """Displacements and velocities."""
         n = self.structure.size
-        return states[:, :n], states[:, n : 2 * n], states[:, 2 * n :]
+        return states[:, :n], states[:, n : 2 * n]
 
     @cached_property
-    def _bristles(self) -> dict[int, tuple[Any, Any]]:
-        """Energies in the states of friction laws, pressed and apart, by contact."""
+    def _bristles(self) -> Bristles:
         from frictionlab.structures.motion import bristles_of_structure
 
-        return bristles_of_structure(self.structure) if any(self.structure.law_states) else {}
-
-    def _of_bristles(self, states: Array, modes: Any, of: Callable[[Any, Mode], Any]) -> Array:
-        """What `of` makes of the energy in all states of friction laws and a mode, (N,)."""
-        from frictionlab.models.mechanical.contact_regimes import APART
-
-        values = np.zeros(len(states))
-        arguments = [*self.automaton.states, *self.automaton.parameters]
-        for i in np.unique(modes):
-            name, in_mode = self.mode_names[int(i)], modes == i
-            regimes = name.split(JOINT)
-            energy = sum(each[regimes[place] in APART] for place, each in self._bristles.items())
-            formula = function_along_run(arguments, of(energy, self.automaton.mode(name)))
-            values[in_mode] = formula(*states[in_mode].T, *self.automaton.values.values())
-        return values
-
-    def _rate_in_mode(self, energy: Any, mode: Mode) -> Any:
-        """The rate of an energy by the flow of a mode, W."""
-        slopes = gradient(energy, self.automaton.states)
-        return sum(slope * rate for slope, rate in zip(slopes, mode.flow, strict=True) if slope != 0)
+        energies = bristles_of_structure(self.structure) if any(self.structure.law_states) else {}
+        return Bristles(energies, self.automaton, self.mode_names)
 
     @property
     def _count(self) -> int:

@@ -39,6 +39,7 @@ from frictionlab.structures.window_eigenvalues import (
     equal_values,
     has_regular_mass,
     left_vectors_of,
+    state_matrices,
 )
 
 if TYPE_CHECKING:
@@ -138,9 +139,7 @@ class SmallSpectra:
         M, C, K = self.structure.stacks(changes)
         gone = self._are_gone(C)
         leading = np.concatenate([M[:, :, :n], C[:, :, n:]], axis=2) + gone[:, None] * np.eye(M.shape[1])
-        rest = np.concatenate([-K[:, :, :n], -C[:, :, :n], -K[:, :, n:]], axis=2)
-        A = np.zeros((len(M), rest.shape[2], rest.shape[2]))
-        A[:, :n, n : 2 * n], A[:, n:] = np.eye(n), np.linalg.solve(leading, rest)
+        A = state_matrices(leading, C, K, M.shape[1] - n)
         if gone.any():
             point, place = np.nonzero(gone)
             A[point, n + place, n + place] *= np.abs(A[point]).sum(axis=2).max(axis=1)

@@ -25,10 +25,11 @@ from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDem
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
+from frictionlab.models.mechanical.bristles import Energies, energies_of_bristles
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rate_after, rubbing_impulse
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
-from frictionlab.models.mechanical.dynamic_laws import check_elastic, energies_in_states, limits_of_states
+from frictionlab.models.mechanical.dynamic_laws import check_elastic, limits_of_states
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes, names_with_states
 from frictionlab.models.mechanical.impulses import impulses_along
 from frictionlab.models.mechanical.law_states_at_start import StatesOfLaws, contacts_with_states
@@ -80,15 +81,9 @@ def states_of_laws(structure: Structure) -> StatesOfLaws:
     return _states_of_laws(_Identity(_identity_of(structure), structure))
 
 
-def bristles_of_structure(structure: Structure) -> dict[int, tuple[Any, Any]]:
-    """The energies in the states of friction laws, pressed and apart, by contact."""
-    system = _system_of(_Identity(_identity_of(structure), structure))
-    energies = {
-        i: energies_in_states(contact, system.of_laws[i])
-        for i, contact in enumerate(system.mechanics.contacts)
-        if isinstance(contact, Friction)
-    }
-    return {i: each for i, each in energies.items() if each is not None}
+def bristles_of_structure(structure: Structure) -> Energies:
+    """The energies in the states of friction laws."""
+    return energies_of_bristles(_system_of(_Identity(_identity_of(structure), structure)))
 
 
 @lru_cache(maxsize=16)

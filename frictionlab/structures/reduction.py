@@ -19,6 +19,7 @@ from scipy import linalg, sparse
 from frictionlab.structures.eigenvalue_bounds import eigenvalue_bounds
 from frictionlab.structures.parametric_matrix import Matrix
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, factorised
+from frictionlab.structures.sliding_equilibrium import static_solver
 from frictionlab.structures.window_eigenvalues import WindowEigenvalues, dense_spectrum, unknowns
 from frictionlab.validation import abbreviate
 
@@ -183,14 +184,6 @@ def contact_responses(structure: Structure) -> Array:
     for i in range(0, len(soft), TOGETHER):
         responses[:, i : i + TOGETHER] = solve(loads[i : i + TOGETHER].T)
     return extended(np.zeros((structure.size, 0)), responses, EXACT)
-
-
-def static_solver(stiffness: Matrix, cure: str = "add supports or contacts") -> Any:
-    """What solves K q = f; ValueError where K is singular."""
-    solve = factorised(stiffness.tocsc())
-    if solve is None:
-        raise ValueError(f"K and the contacts must hold all freedoms, got a singular stiffness: {cure}")
-    return solve
 
 
 def _in_parts(rows: Matrix) -> Iterator[Matrix]:

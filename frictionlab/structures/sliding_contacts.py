@@ -89,14 +89,18 @@ class ContactForces(NamedTuple):
 class StateRows(NamedTuple):
     """What m states of friction laws add to a pencil: C_z z' + C_q q' + K_z z + K_q q = 0, and -F z in N.
 
+    Of forces at N points all are full, with N in front.
+
     Parameters
     ----------
-    forces : csr_array (n, m)
+    forces : sparse array (n, m)
         What the states add to the equations of the freedoms.
-    stiffness, damping : csr_array (m, n)
+    stiffness, damping : sparse array (m, n)
         K_q and C_q.
-    own_stiffness, own_damping : csr_array (m, m)
-        K_z and C_z.
+    own_stiffness : array (k, s, s)
+        The blocks of K_z, one for each contact.
+    own_damping : array (m,)
+        The diagonal of C_z.
     """
 
     forces: Any
@@ -352,38 +356,23 @@ class SlidingContacts:
 
     def state_rows(self, forces: ContactForces) -> StateRows:
         """What the states of the friction law that lag add to a pencil, those of one contact together."""
-        damping = _one_row_each(forces.rates_by_speed).T @ self.tangential
-        stiffness = 0.0 * damping
-        if self.normal is not None:
-            stiffness = -(_one_row_each(forces.rates_by_penetration).T @ self.normal)
-        return StateRows(
-            -(self.tangential.T @ _one_row_each(forces.by_states)),
-            stiffness,
-            damping,
-            sparse.block_diag([*-np.moveaxis(forces.rates_by_states, -1, 0)], format="csr"),
-            sparse.diags_array(forces.lag.T.ravel(), format="csr"),
-        )
-
-    def stacked_state_rows(self, forces: ContactForces) -> StateRows:
-        """The same of forces at N points, as full matrices with N in front; rows of contacts are full."""
-        s, each = len(self.lagging), forces.lag.shape[1]
+        count = self.count * len(self.lagging)
+        contacts = np.repeat(np.arange(self.count), len(self.lagging))
 
         def of_states(values: Array) -> Array:
-            return np.moveaxis(values, 0, -1).reshape(each, self.count * s)
+            return np.moveaxis(values, 0, -1).reshape(*values.shape[1:-1], count)
 
-        tangential = np.repeat(self.tangential, s, axis=0)
-        damping = of_states(forces.rates_by_speed)[..., None] * tangential
+        tangential = self.tangential[contacts]
+        damping = tangential * of_states(forces.rates_by_speed)[..., None]
         stiffness = 0.0 * damping
         if self.normal is not None:
-            pressing = np.repeat(self.normal, s, axis=0)
-            stiffness = -of_states(forces.rates_by_penetration)[..., None] * pressing
-        blocks, unit = -np.moveaxis(forces.rates_by_states, (0, 1), (-2, -1)), np.eye(self.count)
+            stiffness = -(self.normal[contacts] * of_states(forces.rates_by_penetration)[..., None])
         return StateRows(
-            -(tangential.T * of_states(forces.by_states)[:, None, :]),
+            -(tangential.T * of_states(forces.by_states)[..., None, :]),
             stiffness,
             damping,
-            np.einsum("nijl,ik->nijkl", blocks, unit).reshape(each, self.count * s, self.count * s),
-            of_states(forces.lag)[..., None] * np.eye(self.count * s),
+            -np.moveaxis(forces.rates_by_states, (0, 1), (-2, -1)),
+            of_states(forces.lag),
         )
 
     @cached_property
@@ -531,14 +520,6 @@ def _evaluated(formulas: Formulas, given: list[Any]) -> Any:
     with np.errstate(all="ignore"):
         values = formulas.arrays(*given)
     return values[0] if values else 0.0
-
-
-def _one_row_each(values: Array) -> Any:
-    """Values (s, k) as a matrix (k, s k) with a row for each contact."""
-    s, k = values.shape
-    return sparse.csr_array(
-        (values.T.ravel(), np.arange(s * k), np.arange(0, s * k + 1, s)), shape=(k, s * k)
-    )
 
 
 def _rows(name: str, given: Any) -> Any:

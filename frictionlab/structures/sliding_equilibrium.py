@@ -172,7 +172,7 @@ class Statics:
             weighted = one.normal.T * secants[None, :]
             K = K + weighted @ one.normal
             right = right - weighted @ one.penetration
-        solve = self._solver(K)
+        solve = static_solver(K)
         return solve(right), solve
 
     def newton(self, q: Array, share: float, solve: Solve | None = None) -> Array | None:
@@ -228,17 +228,8 @@ class Statics:
             )
             if not failed:
                 return step, solve
-        solve = self._solver(tangent)
+        solve = static_solver(tangent)
         return solve(left_over), solve
-
-    def _solver(self, K: Matrix) -> Solve:
-        solve = solver_of_full(K) if isinstance(K, np.ndarray) else factorised(K.tocsc())
-        if solve is None:
-            raise ValueError(
-                "K and the contacts must hold all freedoms, got a singular stiffness: add supports or "
-                "contacts"
-            )
-        return solve
 
 
 def newton_of_many(
@@ -276,7 +267,18 @@ def newton_of_many(
     return q, found
 
 
-def solver_of_full(matrix: Array) -> Solve | None:
+def static_solver(stiffness: Matrix | Array) -> Solve:
+    """What solves K q = f; ValueError where K, sparse or full, is singular."""
+    full = isinstance(stiffness, np.ndarray)
+    solve = _solver_of_full(stiffness) if full else factorised(stiffness.tocsc())
+    if solve is None:
+        raise ValueError(
+            "K and the contacts must hold all freedoms, got a singular stiffness: add supports or contacts"
+        )
+    return solve
+
+
+def _solver_of_full(matrix: Array) -> Solve | None:
     """What solves matrix x = b; None where a full matrix is singular to rounding."""
     inverse = inverse_of(matrix)
 

@@ -557,10 +557,14 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             C[known, :n, :n] += one.damping(acting)
             K[known, :n, :n] += one.stiffness(acting)
             if one.lagging:
-                rows = one.stacked_state_rows(acting)
-                own = slice(first, first + one.count * len(one.lagging))
+                rows, each = one.state_rows(acting), len(one.lagging)
+                own = slice(first, first + one.count * each)
                 K[known, :n, own], K[known, own, :n], C[known, own, :n] = rows[:3]
-                K[known, own, own], C[known, own, own] = rows[3:]
+                for i in range(one.count):
+                    block = slice(first + i * each, first + (i + 1) * each)
+                    K[known, block, block] = rows.own_stiffness[:, i]
+                diagonal = np.arange(own.start, own.stop)
+                C[np.flatnonzero(known)[:, None], diagonal, diagonal] = rows.own_damping
                 first = own.stop
 
     def _copied(self, **changes: Any) -> Self:
@@ -594,8 +598,9 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             rows += [one.state_rows(each)] if one.lagging else []
         if not rows:
             return QuadraticPencil(pencil.M, C.tocsc(), K.tocsc())
-        of_states, stiffness, damping, *own = zip(*rows, strict=True)
-        K_z, C_z = (sparse.block_diag(parts) for parts in own)
+        of_states, stiffness, damping, blocks, diagonals = zip(*rows, strict=True)
+        K_z = sparse.block_diag([block for some in blocks for block in some])
+        C_z = sparse.diags_array(np.concatenate(diagonals))
         states = self.order - 2 * self.size
         none: Any = sparse.csc_array((states, states))
         M = sparse.block_diag([pencil.M, none], format="csc")

@@ -225,10 +225,18 @@ def _spectrum_with_massless_motions(pencil: QuadraticPencil) -> Spectrum:
 
 def state_matrix(pencil: QuadraticPencil) -> Array:
     """The matrix of (q, v, z)' = A (q, v, z), of a regular M; z are the states of friction laws."""
-    n = pencil.size - pencil.states
-    C, K = pencil.C.toarray(), pencil.K.toarray()
-    rates = np.linalg.solve(pencil.of_highest_rates, np.hstack([-K[:, :n], -C[:, :n], -K[:, n:]]))
-    return np.vstack([np.eye(n, 2 * n + pencil.states, n), rates])
+    return state_matrices(pencil.of_highest_rates, pencil.C.toarray(), pencil.K.toarray(), pencil.states)
+
+
+def state_matrices(of_highest_rates: Array, C: Array, K: Array, states: int) -> Array:
+    """The same of full matrices, which may be stacked."""
+    n = C.shape[-1] - states
+    rates = np.linalg.solve(
+        of_highest_rates, np.concatenate([-K[..., :n], -C[..., :n], -K[..., n:]], axis=-1)
+    )
+    unit = np.eye(n, rates.shape[-1], n)
+    whole: Any = np.concatenate([np.broadcast_to(unit, (*rates.shape[:-2], *unit.shape)), rates], axis=-2)
+    return whole
 
 
 def _in_window(spectrum: Spectrum, structure: Structure) -> Spectrum:

@@ -1,0 +1,71 @@
+"""The energy that dynamic friction laws store in their states, along a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.modes_on_demand import JOINT
+from frictionlab.models.symbols import gradient
+from frictionlab.tape.formulas import function_along_run
+
+from .contact_regimes import APART, CHATTER_MODE
+from .dynamic_laws import energies_in_states
+from .mechanics import Friction
+
+if TYPE_CHECKING:
+    from .equations_of_motion import LagrangeSystem
+
+Array = NDArray[np.float64]
+Energies = Mapping[int, tuple[Any, Any]]  # J, pressed and apart, by the place of the contact
+
+
+def energies_of_bristles(system: LagrangeSystem) -> Energies:
+    """The energies in the states of the contacts' friction laws, of those that store any."""
+    contacts = [(i, one) for i, one in enumerate(system.mechanics.contacts) if isinstance(one, Friction)]
+    energies = {i: energies_in_states(contact, system.of_laws[i]) for i, contact in contacts}
+    return {i: each for i, each in energies.items() if each is not None}
+
+
+@dataclass(frozen=True, eq=False)
+class Bristles:
+    """The energies in the states of friction laws of an automaton, at states (N, states) in modes (N,)."""
+
+    energies: Energies
+    automaton: HybridAutomaton
+    mode_names: Sequence[str]
+
+    def energy(self, states: Array, modes: Any) -> Array:
+        """The energy in all of them (N,), J."""
+        return self._evaluated(states, modes, lambda energy, _: energy)
+
+    def power(self, states: Array, modes: Any) -> Array:
+        """Its rate by the flow (N,), W."""
+        return self._evaluated(states, modes, self._rate)
+
+    def gains(self, events: Any) -> Array:
+        """The energy gained at each event (E,), J; it is lost with the contact."""
+        before = [self.mode_names.index(name) if name else 0 for name in events.source]
+        after = [self.mode_names.index(name) if name else i for i, name in zip(before, events.target)]
+        return self.energy(events.state, np.array(after)) - self.energy(events.before, np.array(before))
+
+    def _evaluated(self, states: Array, modes: Any, of: Callable[[Any, Mode], Any]) -> Array:
+        """What `of` makes of the energy and a mode, (N,)."""
+        values = np.zeros(len(states))
+        arguments = [*self.automaton.states, *self.automaton.parameters]
+        for i in np.unique(modes):
+            name, in_mode = self.mode_names[int(i)], modes == i
+            apart = [regime in (*APART, CHATTER_MODE) for regime in name.split(JOINT)]
+            energy = sum(each[apart[place]] for place, each in self.energies.items())
+            formula = function_along_run(arguments, of(energy, self.automaton.mode(name)))
+            values[in_mode] = formula(*states[in_mode].T, *self.automaton.values.values())
+        return values
+
+    def _rate(self, energy: Any, mode: Mode) -> Any:
+        slopes = gradient(energy, self.automaton.states)
+        return sum(slope * rate for slope, rate in zip(slopes, mode.flow, strict=True) if slope != 0)
