@@ -10,6 +10,7 @@ from scipy.integrate import trapezoid
 
 import frictionlab as fl
 from frictionlab.components import SlidingOnly, StickSlip
+from frictionlab.plotting.overview import plot_works
 from tests.helpers.cases import slow_but
 
 USUAL = fl.SliderOnBelt(mu_k=1.4)
@@ -172,7 +173,7 @@ def test_what_rounding_takes_is_no_work_of_impacts():
     rounding = dict.fromkeys(audit.works, np.full_like(audit.t, 1e-31))
     at_rest = replace(audit, works=rounding)
     assert "no work" in repr(at_rest)
-    assert [line.get_label() for line in fl.plotting.plot_works(at_rest)] == ["sum"]
+    assert [line.get_label() for line in plot_works(at_rest)] == ["sum"]
 
 
 def test_samples_do_not_matter():
