@@ -40,7 +40,7 @@ from frictionlab.pages.scene import (
     own_law,
     quantity_data,
 )
-from frictionlab.plotting.appearance import colours_by_whole
+from frictionlab.plotting.appearance import looks_by_whole
 from frictionlab.stability import equilibrium
 from frictionlab.stability.equilibrium_points.steady_rates import is_free, steady_rates
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
@@ -87,7 +87,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         "modes": list(program.modes),
         "guards": list(program.guards),
         "wholes": (wholes := [mode.name if mode.whole is None else mode.whole.name for mode in modes]),
-        "colours": _colours(program, wholes),
+        **_looks(program, wholes),
         "affine": bool(is_affine(program)),
         "order": method.order_of(program),
         "constants": len(program.code.ops),
@@ -148,9 +148,10 @@ def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:
     return kept_formulas(derivations_of(key), f"friction of {', '.join(names)}", derive)
 
 
-def _colours(program: Program, wholes: Sequence[str]) -> list[str]:
+def _looks(program: Program, wholes: Sequence[str]) -> dict[str, Any]:
     names = program.modes
-    return list(colours_by_whole(list(enumerate(names)), dict(zip(names, wholes, strict=True))).values())
+    looks = looks_by_whole(list(enumerate(names)), dict(zip(names, wholes, strict=True))).values()
+    return {"colours": [look.colour for look in looks], "dashes": [list(look.dashes) for look in looks]}
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:

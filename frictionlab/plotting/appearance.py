@@ -105,6 +105,64 @@ class PrintedMode(NamedTuple):
     hatch: str = ""
 
 
+class ModeLook(NamedTuple):
+    """How a mode looks: what the modes of one colour differ in stands beside it.
+
+    Parameters
+    ----------
+    colour : str
+    dashes : tuple of float
+        Lengths of dashes and gaps of its line, in widths of the line; none where it is drawn through.
+    hatch : str
+        Of its areas, as matplotlib names it.
+    printed : PrintedMode
+    """
+
+    colour: str
+    dashes: tuple[float, ...]
+    hatch: str
+    printed: PrintedMode
+
+    @property
+    def linestyle(self) -> Any:
+        """The dashes as a line style of matplotlib."""
+        return (0, self.dashes) if self.dashes else "-"
+
+
+class Round(NamedTuple):
+    """What distinguishes the modes of one round through the palette from those of the others.
+
+    Parameters
+    ----------
+    white, black : float
+        Shares of white and black in their colours.
+    dashes : tuple of float
+    hatch : str
+    width : float
+        Of their lines in print, in widths of the first round's.
+    printed_hatch : str
+        In addition to that of the colour.
+    """
+
+    white: float
+    black: float
+    dashes: tuple[float, ...]
+    hatch: str
+    width: float
+    printed_hatch: str
+
+
+ROUNDS = (
+    Round(0.0, 0.0, (), "", 1.0, ""),
+    Round(0.0, 0.45, (4.0, 1.5), "////", 1.4, "oo"),
+    Round(0.65, 0.0, (1.5, 1.0), "....", 1.9, "OO"),
+    Round(0.0, 0.25, (6.0, 1.0, 1.0, 1.0), "xxxx", 2.5, "++"),
+    Round(0.3, 0.0, (1.0, 2.5), "----", 0.6, "oo++"),
+    Round(0.0, 0.6, (8.0, 2.5), "||||", 3.2, "OO++"),
+    Round(0.8, 0.0, (3.0, 1.0, 1.0, 1.0, 1.0, 1.0), "++++", 4.0, "ooOO"),
+)
+
+
 # By the colours that modes have elsewhere: stick is orange, slip grey and purple, separation sky, chatter
 # yellow.
 PRINTED_MODES = MappingProxyType(
@@ -353,23 +411,23 @@ def pen(colour: str = BLACK, width: float = LINE_WIDTH, ax: Axes | None = None) 
     return {"color": legible(colour, ax), "linewidth": line_width(width)}
 
 
-def mode_colours(run: Trajectory) -> dict[str, str]:
-    """A colour for every mode that a run knows, in the automaton's order.
+def mode_looks(run: Trajectory) -> dict[str, ModeLook]:
+    """How every mode looks that a run knows, in the automaton's order.
 
-    Modes that differ only in the pieces of laws have one colour, unless all modes do.
+    Modes that differ only in the pieces of laws look alike, unless all modes do.
     """
-    return colours_by_whole(sorted(zip(run.mode_places, run.mode_names, strict=True)), whole_names(run))
+    return looks_by_whole(sorted(zip(run.mode_places, run.mode_names, strict=True)), whole_names(run))
 
 
-def colours_by_whole(
+def looks_by_whole(
     places_and_names: Sequence[tuple[int, str]], wholes: Mapping[str, str]
-) -> dict[str, str]:
-    """A colour for every mode, the same for those of one whole mode, unless there is only one."""
+) -> dict[str, ModeLook]:
+    """How every mode looks, the same for those of one whole mode, unless there is only one."""
     parts = dict.fromkeys(wholes[name] for _, name in places_and_names)
     if len(parts) in (1, len(places_and_names)):
-        return colours_of_modes(places_and_names)
-    colours = colours_of_modes(enumerate(parts))
-    return {name: colours[wholes[name]] for _, name in places_and_names}
+        return looks_of_modes(places_and_names)
+    looks = looks_of_modes(enumerate(parts))
+    return {name: looks[wholes[name]] for _, name in places_and_names}
 
 
 def whole_names(run: Trajectory) -> dict[str, str]:
@@ -381,41 +439,57 @@ def whole_names(run: Trajectory) -> dict[str, str]:
     return {name: name if whole is None else whole.name for name, whole in wholes.items()}
 
 
-def colours_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, str]:
-    """A colour for every mode: that in MODE_COLOURS, or for other names one of a palette.
+def looks_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, ModeLook]:
+    """How every mode looks: in its colour of MODE_COLOURS, or for other names in one of a palette.
 
     The places of modes in the automaton choose from the palette, so that a mode looks the same in all runs.
+    After the last colour come the same ones in the next of ROUNDS: other shades, with dashes and hatching.
     """
     spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
-    return {name: MODE_COLOURS.get(name, spare[place % len(spare)]) for place, name in places_and_names}
+    return {
+        name: _look(MODE_COLOURS[name], ROUNDS[0])
+        if name in MODE_COLOURS
+        else _look(spare[place % len(spare)], ROUNDS[place // len(spare) % len(ROUNDS)])
+        for place, name in places_and_names
+    }
+
+
+def _look(colour: str, one: Round) -> ModeLook:
+    printed = PRINTED_MODES[colour]
+    printed = printed._replace(width=one.width * printed.width, hatch=printed.hatch + one.printed_hatch)
+    # black has no darker shade
+    black, white = (0.0, one.white + one.black) if colour == BLACK else (one.black, one.white)
+    channels: Any = [c * (1.0 - black) for c in to_rgb(colour)]
+    return ModeLook(_mixed_with_white(channels, white).upper(), one.dashes, one.hatch, printed)
 
 
 def mode_lines(run: Trajectory, ax: Axes) -> dict[str, dict[str, Any]]:
     """Keywords of a line for every mode that a run knows, in the automaton's order."""
     if not in_print():
-        return {name: pen(colour, ax=ax) for name, colour in mode_colours(run).items()}
+        return {
+            name: pen(look.colour, ax=ax) | {"linestyle": look.linestyle}
+            for name, look in mode_looks(run).items()
+        }
     return {
         name: {"color": mode.grey, "linestyle": mode.dashes, "linewidth": line_width(mode.width)}
-        for name, mode in _printed_modes(run).items()
+        for name, (*_, mode) in mode_looks(run).items()
     }
 
 
 def mode_fills(run: Trajectory, ax: Axes | None = None, shade: float | None = None) -> dict[str, Any]:
     """Keywords of an area for every mode that a run knows, as opaque as `shade`, else as behind lines."""
+    looks = mode_looks(run).items()
     if in_print():
         return {
             name: {"facecolor": mode.fill, "hatch": mode.hatch, "edgecolor": "#5A5A5A", "linewidth": 0.0}
-            for name, mode in _printed_modes(run).items()
+            for name, (*_, mode) in looks
         }
     alpha = shade or (DARK_SHADE if is_dark(ax) else SHADE)
+    look: dict[str, Any] = {"linewidth": 0, "alpha": alpha}
     return {
-        name: {"facecolor": legible(colour, ax), "linewidth": 0, "alpha": alpha}
-        for name, colour in mode_colours(run).items()
+        name: {"facecolor": legible(one.colour, ax), "hatch": one.hatch, "edgecolor": ink(ax)} | look
+        for name, one in looks
     }
-
-
-def _printed_modes(run: Trajectory) -> dict[str, PrintedMode]:
-    return {name: PRINTED_MODES[colour] for name, colour in mode_colours(run).items()}
 
 
 def line_style(index: int, ax: Axes | None = None, *, dashed: bool = False) -> dict[str, Any]:

@@ -31,7 +31,7 @@ from frictionlab.pages.scene import (
     mechanism_data,
     quantity_data,
 )
-from frictionlab.plotting.appearance import LINE_COLOURS, mode_colours, whole_names
+from frictionlab.plotting.appearance import DASHED, LINE_COLOURS, mode_looks, whole_names
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.presentation import tally
 from frictionlab.widgets.result import Array, Result
@@ -146,7 +146,7 @@ def result_data(
 
 
 def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
-    """What `quantity_data` says of a model, and the modes of a run with their colours.
+    """What `quantity_data` says of a model, and the modes of a run with how they look.
 
     It depends on the structure, and on the modes that the run knows.
     """
@@ -155,9 +155,10 @@ def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
         return _QUANTITIES[key]
     found = quantity_data(model, automaton_of(model) if run is None else run.automaton)
     if run is not None:
-        names, colours, wholes = run.mode_names, mode_colours(run), whole_names(run)
-        found |= {"modes": list(names), "colours": [colours[name] for name in names]}
-        found |= {"wholes": [wholes[name] for name in names]}
+        names, looks, wholes = run.mode_names, mode_looks(run), whole_names(run)
+        found |= {"modes": list(names), "wholes": [wholes[name] for name in names]}
+        found |= {"colours": [looks[name].colour for name in names]}
+        found |= {"dashes": [list(looks[name].dashes) for name in names]}
     if len(_QUANTITIES) == MOST_QUANTITIES:  # runs with modes on demand come to know ever more of them
         _QUANTITIES.clear()
     if key is not None:  # of an automaton it is found at once, and its modes are not kept alive
@@ -299,7 +300,7 @@ def _curve(label: str, curve: Curve, place: int) -> Data:
         "colour": to_hex(style.get("color", LINE_COLOURS[place % len(LINE_COLOURS)])),
         "width": float(style.get("linewidth", 1.3)),
         "line": line not in NO_LINE,
-        "dash": line not in (*SOLID, *NO_LINE),
+        "dash": [] if line in (*SOLID, *NO_LINE) else list(DASHED[1]),
         "marker": MARKERS.get(marker, "o") if marker not in (None, "none", "None", "") else None,
         "size": float(style.get("markersize", 6.0)) * (0.6 if marker == "." else 1.0) * 4 / 3,
     }

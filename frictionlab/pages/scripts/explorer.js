@@ -386,12 +386,13 @@ class Explorer {
 
   showModes() {
     const wholes = wholeModes(this.result.structure, this.result.samples.modes), { note } = this.picture ?? {};
-    const shown = JSON.stringify([note, ...wholes.map(({ label, colour }) => [label, colour])]);
+    const look = this.look(), shown = JSON.stringify([note, look.dark, ...wholes.map(({ label }) => label)]);
     if (this.modes.dataset.shown === shown) return;
     this.modes.dataset.shown = shown;
-    const key = wholes.map(({ label, colour }) => {
+    const key = wholes.map(({ label, colour, dash: [full, gap] }) => {
       const node = html("span", { className: "fl-mode", textContent: label });
-      node.style.setProperty("--colour", colour);
+      node.style.setProperty("--colour", legible(colour, look));
+      if (full) node.style.setProperty("--gap", `${100 * gap / (full + gap)}%`);
       return node;
     });
     this.modes.replaceChildren(...key,
@@ -428,7 +429,7 @@ class Explorer {
       panel.marked = marked;
       if (instant === "line") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
-        axes.Y.at(samples.column(otherState(structure, coordinate))[i]), structure.colours[samples.modes[i]]);
+        axes.Y.at(samples.column(otherState(structure, coordinate))[i]), legible(structure.colours[samples.modes[i]], look));
     }
   }
 

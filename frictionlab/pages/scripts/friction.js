@@ -76,7 +76,7 @@ function formulaDrawing(text, speeds, mu, v, last, unit) {
   const slope = v === undefined ? null : (of(v + step) - of(v - step)) / (2 * step);
   const missed = mu.map((value, i) => (speeds[i] > last ? 0 : value - y[i]));
   const said = slope === null ? "" : `formula: slope ${withMinus(slope)} ${unit.split("/").reverse().join("/")}\n`;
-  return { curve: { label: "formula", x: speeds, y, colour: "#009E73", dash: true, width: 1.5 },
+  return { curve: { label: "formula", x: speeds, y, colour: "#009E73", dash: DASHED, width: 1.5 },
     note: `${said}points within ${shortNumber(largest([missed]), 2)} of it` };
 }
 
@@ -91,7 +91,7 @@ function frictionDrawing({ friction, parameters, structure: { points, sliding_un
   if (at) {
     const [v, here, slope, damper] = at, ends = [Math.max(0, v - 0.25 * reach), Math.min(reach, v + 0.25 * reach)];
     curves.push({ label: "slope at steady sliding", x: ends, y: ends.map((u) => here + slope * (u - v)),
-      colour: "#D55E00", dash: true });
+      colour: "#D55E00", dash: DASHED });
     const like = Math.abs(slope) * v < SILENT * here ? "no damper" : `a damper of ${withMinus(damper)} ${units.damper}`;
     note = `${shortNumber(v, 3)} ${units.speed}: like ${like}\n${note}`.trim();
   }

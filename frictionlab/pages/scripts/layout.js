@@ -42,7 +42,8 @@ function pictureOf(result, look) {
   const loads = parts.filter(({ part }) => part === "Load").map(({ force }) => p[force] ?? 0);
   const arrow = LONGEST_ARROW / (largest([...forces, loads]) || Infinity);
   const { ink, paper, grey, pale, letters } = look, shapes = [];
-  const base = { ink, paper, grey, pale, letters, colours: structure.colours };
+  const colours = structure.colours.map((colour) => legible(colour, look));
+  const base = { ink, paper, grey, pale, letters, colours };
   const forceColours = [legible("#0072B2", look), COLOURS.vermillion];
   const places = { // the numbers of each part's shapes in a frame
     Wall: (part, d, i) => [[...at(part.start, d, i), ...at(part.end, d, i)]],

@@ -3,6 +3,7 @@
 // A result is what an engine computes: {structure, samples, start, stop, equilibrium, eigenvalues, spectrum, ...}.
 // Its structure names states, modes and outputs, with labels, units and colours; its samples are arrays of the part
 // that is shown.
+const DASHED = [4, 1.5]; // lengths of dashes and gaps, in widths of the line; as in frictionlab/plotting/appearance.py
 const PALETTE = ["#000000", "#D55E00", "#0072B2", "#009E73", "#E69F00", "#CC79A7"];
 const GREY = "#999999", ROUNDING = 1e-12; // share of an eigenvalue's size below which its real part is a rounding error
 const LEAST_BAND = 0.1; // of frequencies that are shown, as share of the highest
@@ -34,9 +35,9 @@ function otherState({ states, coordinates, rates }, name) {
 
 // a curve for each mode that occurs, up to the sample after
 function curvesByMode({ structure, samples: { modes } }, x, y, look) {
-  return wholeModes(structure, modes).map(({ label, colour, members }) => {
+  return wholeModes(structure, modes).map(({ label, colour, dash, members }) => {
     const shown = (i) => members.has(modes[i]) || i > 0 && members.has(modes[i - 1]);
-    return { label, x, y: Float64Array.from(y, (v, i) => (shown(i) ? v : NaN)), colour, ...look };
+    return { label, x, y: Float64Array.from(y, (v, i) => (shown(i) ? v : NaN)), colour, dash, ...look };
   });
 }
 
@@ -45,7 +46,8 @@ function wholeModes(structure, modes) { // the modes that occur; those that a la
   for (const mode of [...new Set(modes)].sort((a, b) => a - b)) {
     const key = structure.wholes[mode];
     if (wholes.has(key)) Object.assign(wholes.get(key), { label: key }).members.add(mode);
-    else wholes.set(key, { label: structure.modes[mode], colour: structure.colours[mode], members: new Set([mode]) });
+    else wholes.set(key, { label: structure.modes[mode], colour: structure.colours[mode], dash: structure.dashes[mode],
+      members: new Set([mode]) });
   }
   return [...wholes.values()];
 }
@@ -59,7 +61,7 @@ function coordinateCurves(result, names) {
   const mixed = names.some((name) => isAngle(result, name)) && !names.every((name) => isAngle(result, name));
   return names.map((name, i) => {
     const angle = isAngle(result, name), axis = mixed && angle ? "right" : "left";
-    const colour = PALETTE[i % PALETTE.length], dash = mixed && angle || i >= PALETTE.length;
+    const colour = PALETTE[i % PALETTE.length], dash = mixed && angle || i >= PALETTE.length ? DASHED : [];
     const turns = doesTurn(result, name), { times, column } = result.samples,
       [y, x] = turns ? cutAtTurns(column(name), times) : [column(name), times];
     return { label: result.structure.labels[name], x, y, colour, dash, axis, turns };

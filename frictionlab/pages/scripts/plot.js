@@ -141,7 +141,7 @@ function paintCurve(c, curve, X, Y, look, dotted, fine) {
     width = curve.width ?? (fine ? 1 : LINE_WIDTH);
   Object.assign(c, { strokeStyle: colour, fillStyle: colour, lineWidth: dotted ? Math.max(1.6, width) : width,
     lineJoin: "round" });
-  c.setLineDash(dotted ? [2, 3] : curve.dash ? [6, 3] : []);
+  c.setLineDash(dotted ? [2, 3] : (curve.dash ?? []).map((part) => part * width));
   if (curve.line !== false) paintLine(c, curve.x, curve.y, X, Y);
   c.setLineDash([]);
   if (curve.marker) for (let i = 0; i < curve.x.length;
@@ -149,10 +149,8 @@ function paintCurve(c, curve, X, Y, look, dotted, fine) {
     Y.at(curve.y[i]));
 }
 
-const DARK = { "#000000": "#e8e8e8", "#0072B2": "#56B4E9", "#999999": "#a8a8a8", "#D55E00": "#ff8c42",
-  "#009E73": "#2fc79b" };
-const legible = (colour = "#000000", look) =>
-  (look.dark ? DARK[colour.toUpperCase()] ?? colour : colour === "#000000" ? look.ink : colour);
+const legible = (colour = "#000000", look) => (colour === "#000000" ? look.ink
+  : look.dark ? `oklch(from ${colour} max(l, 0.7) c h)` : colour); // the nearest light shade, on a dark background
 
 function legendRows(c, curves, width, size) { // rows of [curve, x]
   const rows = [[]];
@@ -172,7 +170,7 @@ function paintLegend(c, rows, left, size, look) {
     const colour = legible(curve.colour, look);
     Object.assign(c, { strokeStyle: colour, fillStyle: colour,
       lineWidth: thick ? 0.6 * size : Math.max(2, curve.width ?? LINE_WIDTH) });
-    c.setLineDash(curve.dash ? [4, 2] : []);
+    c.setLineDash((curve.dash ?? []).map((part) => part * Math.min(c.lineWidth, 2)));
     c.beginPath();
     c.moveTo(at, y);
     c.lineTo(at + 1.2 * size, y);

@@ -30,7 +30,7 @@ from frictionlab.plotting.appearance import (
     font_size,
     ink,
     marker_size,
-    mode_colours,
+    mode_looks,
     rcParams,
 )
 from frictionlab.plotting.figure import AnimatedFigure, check_figure, legend_below
@@ -234,7 +234,7 @@ def frame_times(start: float, stop: float, step: float) -> Array:
 
 def _build_scene(run: Trajectory, figure: Figure, picture: Picture) -> AnimationScene:
     left, right = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    colours = mode_colours(run)
+    colours = {name: look.colour for name, look in mode_looks(run).items()}
     artists = picture.draw(left)
     plot_phase_plane(run, right, name=picture.coordinate, window=(float(picture.t[0]), float(picture.t[-1])))
     dot: dict[str, Any] = {"markersize": marker_size(9.0), "markeredgecolor": background(right)}

@@ -184,13 +184,28 @@ def test_a_grey_copy_tells_modes_apart_by_dashes_and_hatching(name):
 
 
 def test_any_number_of_modes_is_drawn_in_print():
-    numbered = appearance.colours_of_modes((i, f"mode {i}") for i in range(12))
-    assert {*numbered.values(), *appearance.MODE_COLOURS.values()} <= {*appearance.PRINTED_MODES}
-    looks = [(one.dashes, one.width, one.fill, one.hatch) for one in appearance.PRINTED_MODES.values()]
-    assert len({*looks}) == len(looks)
+    assert {*appearance.MODE_COLOURS.values()} <= {*appearance.PRINTED_MODES}
     with fl.style("paper"):
         figure = fl.plot_run(result("run of two contacts"))
     assert len(figure.legends[0].get_texts()) > 1
+
+
+def test_each_of_sixty_modes_has_a_line_and_an_area_of_its_own():
+    looks = appearance.looks_of_modes((i, f"mode {i}") for i in range(60)).values()
+    for lines, areas in (
+        (
+            [(look.colour, look.dashes) for look in looks],
+            [(look.colour, look.hatch) for look in looks],
+        ),
+        (
+            [(look.printed.dashes, look.printed.width, look.printed.grey) for look in looks],
+            [(look.printed.fill, "".join(sorted(look.printed.hatch))) for look in looks],
+        ),
+    ):
+        assert len({*lines}) == len({*areas}) == 60
+    for place, look in enumerate([*looks][:27]):  # those of one colour differ in lightness
+        shades = [lightness(other.colour) for other in [*looks][place % 9 : place : 9]]
+        assert all(abs(shade - lightness(look.colour)) > 5.0 for shade in shades)
 
 
 @pytest.mark.parametrize("name", ["overview", "run"])
