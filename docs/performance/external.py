@@ -88,6 +88,8 @@ class ExternalMethod(Method):
     """
 
     entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
+    chatter: ClassVar[float | None] = None
+    chatter_share: ClassVar[float] = Scipy.chatter_share
 
     automaton: HybridAutomaton
     count: list[int] = field(default_factory=lambda: [0], init=False, repr=False, compare=False)
@@ -95,9 +97,6 @@ class ExternalMethod(Method):
     @property
     def degree(self) -> int:
         return 20
-
-    def chatter_limit(self, automaton: HybridAutomaton) -> float:
-        return Scipy().chatter_limit(automaton)
 
     @property
     def steps(self) -> int:

@@ -26,7 +26,7 @@ from frictionlab.compilation.targets import WEB
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
-from frictionlab.hybrid.methods.taylor import CHATTER_SHARE, Taylor
+from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.pages.javascript import JavaScript
 from frictionlab.pages.page_data import (
@@ -204,7 +204,7 @@ def method_data() -> dict[str, Any]:
     return {
         "tol": method.tol,
         "rounding": COEFFICIENT_ROUNDING,
-        "chatter_share": CHATTER_SHARE,
+        "chatter_share": method.chatter_share,
         "elementary": [function.__name__ for function in ELEMENTARY.values()],
         "least_ratio": LOG2_LEAST_RATIO,
         "exp2": EXP2_COEFFICIENTS,

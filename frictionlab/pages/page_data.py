@@ -18,7 +18,13 @@ from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.chatter_limit import CHATTER, formulas_of_rate
-from frictionlab.hybrid.kernels.run_state import begin_run, new_record, new_run_state, new_scratch
+from frictionlab.hybrid.kernels.run_state import (
+    JETS_READY,
+    STOPS_AT_ZENO,
+    new_record,
+    new_run_state,
+    new_scratch,
+)
 from frictionlab.hybrid.methods.base import RECORD_CAPACITY
 from frictionlab.hybrid.methods.taylor import Taylor, is_affine, new_affine_map
 from frictionlab.lazy_names import sympy as sp
@@ -158,7 +164,7 @@ def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     """The arrays and numbers that the kernels take for a run, each with its name there."""
     code = program.code
     run = new_run_state(code.inputs, code.sections.shape[1])
-    begin_run(run, np.zeros(code.inputs), 0, 1.0, 0.0, method.raises)
+    run.counts[JETS_READY], run.counts[STOPS_AT_ZENO] = 1, method.accumulation == "raise"
     leaves: list[tuple[str, Any]] = []
     _collect("code", code, leaves)
     _collect("run", run, leaves)

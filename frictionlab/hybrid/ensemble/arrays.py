@@ -73,7 +73,8 @@ def _new_runs(
 ) -> BatchRuns:
     count, modes = len(states), len(program.modes)
     counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
-    counts[:, run_state.JETS_READY], counts[:, run_state.STOPS_AT_ZENO] = 1, method.raises
+    counts[:, run_state.JETS_READY] = 1
+    counts[:, run_state.STOPS_AT_ZENO] = method.accumulation == "raise"
     return BatchRuns(
         states=states.copy(),
         sizes=np.abs(states),

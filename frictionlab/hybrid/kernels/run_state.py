@@ -133,22 +133,9 @@ class Record(NamedTuple):
 
 
 def new_run_state(states: int, sections: int) -> RunState:
-    """Empty arrays for a run with so many states and sections, to be filled by :func:`begin_run`."""
+    """Empty arrays for a run with so many states and sections."""
     counts, signs = np.zeros(COUNTS, dtype=np.int64), np.zeros(sections, dtype=np.int64)
     return RunState(np.zeros(states), np.zeros(states), np.zeros(CARRY + 1), counts, signs)
-
-
-def begin_run(
-    run: RunState, state: np.ndarray, mode: int, t_end: float, chatter: float, raises: bool
-) -> None:
-    """Set a run to time 0 in `mode`, whose jets have been computed."""
-    counts = run.counts
-    run.state[:] = state
-    np.abs(state, out=run.sizes)
-    run.times[:] = 0.0, t_end, 0.0, chatter, 0.0
-    counts.fill(0)
-    run.signs.fill(0)
-    counts[MODE], counts[JETS_READY], counts[STOPS_AT_ZENO] = mode, 1, raises
 
 
 @inlined

@@ -12,12 +12,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.decorators import prepare_arrays
+from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.codegen.native_cache import NativeCode, native_code
 from frictionlab.hybrid.free_memory import free_memory
 from frictionlab.hybrid.kernels import run_state
@@ -33,7 +34,6 @@ from frictionlab.hybrid.kernels.mode_selection import (
 )
 from frictionlab.hybrid.kernels.run_state import (
     CombinationQueue,
-    begin_run,
     new_queue,
     new_record,
     new_run_state,
@@ -109,18 +109,24 @@ class ActiveRun(NamedTuple):
         """The same run with all modes interpreted."""
         return self._replace(system=self.system._replace(code=self.native.interpreted))
 
-    def for_problem(self, problem: Problem) -> ActiveRun:
-        """A run of another problem of this program, with the arrays of this one, which is over.
+    def for_problem(self, problem: Problem, ends_at_accumulation: bool) -> ActiveRun:
+        """A run of another problem of this program from time 0, with the arrays of this one, which is over.
 
         Jets, bounds and roots need not be cleared: they are written before they are read.
         """
-        scratch = self.scratch
+        scratch, cursor = self.scratch, self.cursor
+        cursor.state[:] = problem.x0
+        np.abs(problem.x0, out=cursor.sizes)
+        cursor.times[:] = 0.0, problem.t_end, 0.0, problem.chatter, 0.0
+        cursor.counts.fill(0)
+        cursor.signs.fill(0)
+        cursor.counts[run_state.JETS_READY], cursor.counts[run_state.STOPS_AT_ZENO] = 1, ends_at_accumulation
         scratch.structural_zeros.fill(0)
         scratch.leading_zeros.fill(0)
         scratch.ended[0], scratch.ended[1] = NO_MODE, 0
         numbers, queue = problem.numbers, self.queue and new_queue(problem.program.demand)
         system = self.system if self.system.numbers is numbers else self.native.system(numbers)
-        return ActiveRun(problem, self.native, system, self.order, self.cursor, scratch, self.record, queue)
+        return ActiveRun(problem, self.native, system, self.order, cursor, scratch, self.record, queue)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -130,11 +136,6 @@ class ActiveRun(NamedTuple):
         if self.queue is None:
             return handle_event(self.system, truncation, event, *arrays)
         return handle_event_on_demand(self.system, self.queue, truncation, event, *arrays)
-
-    def with_missing_mode(self) -> Problem:
-        """The problem with the mode that was to be tried next, now derived."""
-        assert self.queue is not None
-        return self.problem.with_mode(self.queue.missing)
 
     def event_left(self) -> GuardZero:
         """The event that a kernel left to be handled."""
@@ -272,23 +273,21 @@ class Method(ABC):
     records_sections: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
+    chatter: ClassVar[float | None] = 0.0  # s; None takes a share of the time in which the motion changes
+    chatter_share: ClassVar[float] = 0.0
+    accumulation: ClassVar[Literal["close", "raise"]] = "close"  # "raise": an accumulation ends the run
 
     max_steps: int = field(default=3_000_000, kw_only=True)
     max_events: int = field(default=1_000_000, kw_only=True)
 
     def chatter_limit(self, automaton: HybridAutomaton) -> float:
         """Time (s) below which two flights in a row are replaced by the limit mode of chatter, if any."""
-        return 0.0
+        return chatter_limit(automaton, self.chatter_share) if self.chatter is None else self.chatter
 
     @property
     @abstractmethod
     def degree(self) -> int:
         """Order of the Taylor series that choose modes and give the dense output."""
-
-    @property
-    def raises(self) -> bool:
-        """Whether a Zeno accumulation ends the run."""
-        return False
 
     def order_of(self, program: Program) -> int:
         """The degree for runs of a program."""
@@ -352,9 +351,8 @@ class Method(ABC):
         return end
 
     def _begin(self, problem: Problem, order: int) -> ActiveRun:
-        key = problem.program, order
-        run = SPARE_RUNS.take(key, lambda: new_run(problem, order)).for_problem(problem)
-        begin_run(run.cursor, problem.x0, NO_MODE, problem.t_end, problem.chatter, self.raises)
+        spare = SPARE_RUNS.take((problem.program, order), lambda: new_run(problem, order))
+        run = spare.for_problem(problem, self.accumulation == "raise")
         mode, missing = initial_mode(run)
         while missing != NO_MODE:
             run = self._with_missing_mode(run)
@@ -364,8 +362,9 @@ class Method(ABC):
 
     def _with_missing_mode(self, run: ActiveRun, event: GuardZero | None = None) -> ActiveRun:
         """The run with the mode that was to be tried next; goes on with the event at which it was missing."""
+        assert run.queue is not None
         zeros = run.scratch.structural_zeros.copy()
-        after = new_run(run.with_missing_mode(), run.order, run)
+        after = new_run(run.problem.with_mode(run.queue.missing), run.order, run)
         after.scratch.structural_zeros[: len(zeros)] = zeros
         return after._replace(event=event)
 

@@ -7,9 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.loaded_kernels import prepared_call
-from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import event_handling, run_state
 from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
@@ -20,7 +18,6 @@ from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
 SMALL = 0.1  # of v_r at the start of a step: more is left where v_r only turns
-CHATTER_SHARE = 2e-4  # of the time in which the motion changes; 1e-6 s for the paper's model
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
 
@@ -53,6 +50,7 @@ class Scipy(Method):
     name: ClassVar[str] = "scipy"
     entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
     parts: ClassVar[int] = 4
+    chatter_share: ClassVar[float] = 2e-4  # 1e-6 s for the paper's model
 
     integrator: str = "DOP853"
     rtol: float = 1e-10
@@ -69,9 +67,6 @@ class Scipy(Method):
         if self.chatter is not None:
             check_field(self, "chatter", least=0.0, cure="leave it out for a share of the motion's time")
         self.check_caps()
-
-    def chatter_limit(self, automaton: HybridAutomaton) -> float:
-        return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter
 
     @property
     def degree(self) -> int:

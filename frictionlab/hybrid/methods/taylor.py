@@ -15,9 +15,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from frictionlab.automaton import HybridAutomaton
 from frictionlab.compilation.decorators import inlined, kernel, prepare_arrays
-from frictionlab.hybrid.chatter_limit import chatter_limit
 from frictionlab.hybrid.kernels import run_state, taylor_steps
 from frictionlab.hybrid.kernels.arithmetic import PARTS, add_change
 from frictionlab.hybrid.kernels.event_location import GuardZero
@@ -39,7 +37,6 @@ from frictionlab.tape.functions import AFFINE
 from frictionlab.tape.program import Code, Numbers, Program
 from frictionlab.validation import check_choice, check_field, explains_fields
 
-CHATTER_SHARE = 2e-5  # of the time in which the motion changes; 1e-7 s for the paper's model
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
 AFFINE_ORDER = 26  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
@@ -290,6 +287,7 @@ class Taylor(Method):
     entry: ClassVar[Any] = staticmethod(taylor_steps.advance_taylor)
     records_sections: ClassVar[bool] = True
     parts: ClassVar[int] = 8
+    chatter_share: ClassVar[float] = 2e-5  # 1e-7 s for the paper's model
 
     tol: float = 1e-15
     order: int | None = None
@@ -313,13 +311,6 @@ class Taylor(Method):
         if self.order is not None or not program.steps_follow_states:
             return self.degree
         return max(self.degree, AFFINE_ORDER if is_affine(program) else order_of_free_motion(self.tol))
-
-    def chatter_limit(self, automaton: HybridAutomaton) -> float:
-        return chatter_limit(automaton, CHATTER_SHARE) if self.chatter is None else self.chatter
-
-    @property
-    def raises(self) -> bool:
-        return self.accumulation == "raise"
 
     def handle_event(self, run: ActiveRun, event: GuardZero, record: run_state.Record) -> int:
         return run.handle_event(Truncation(self.degree, self.tol), event, record)
