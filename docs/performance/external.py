@@ -88,7 +88,7 @@ class ExternalMethod(Method):
     """
 
     entry: ClassVar[Any] = staticmethod(event_handling.handle_event)
-    chatter: ClassVar[float | None] = None
+    chatter = None
     chatter_share: ClassVar[float] = Scipy.chatter_share
 
     automaton: HybridAutomaton

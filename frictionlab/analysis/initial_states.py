@@ -12,7 +12,7 @@ from frictionlab.hybrid.solve import by_names, state_from_mapping, state_from_x0
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.law_coefficients import check_law_coefficients
 from frictionlab.models.mechanical.law_states_at_start import carried_to_limit, with_law_states, within_limit
-from frictionlab.models.mechanical.masses import check_frequency, check_masses
+from frictionlab.models.mechanical.masses import check_masses
 from frictionlab.models.model import REST, Model, ModelOrAutomaton, MovingSystem, automaton_of
 from frictionlab.stability.eigenproblems.displaced_equilibrium import displaced_equilibrium
 from frictionlab.validation import abbreviate, check_choice, check_mapping, check_number, float_array
@@ -34,7 +34,6 @@ def initial_state_of(
     start = with_phase_in_turn(automaton, state_from_x0(automaton, _completed(model, x0, automaton)))
     if isinstance(model, MechanicalModel):
         check_masses(model, start)
-        check_frequency(model)
         check_law_coefficients(model, start)
     if isinstance(model, (MechanicalModel, MovingSystem)):
         start = with_law_states(model, start, within_limit)
@@ -44,10 +43,9 @@ def initial_state_of(
 
 def carried_state_of(model: ModelOrAutomaton, state: np.ndarray) -> np.ndarray:
     """The initial state (n,) of a run from where one with other parameter values has ended."""
+    state = with_phase_in_turn(automaton_of(model), state)
     if not isinstance(model, (MechanicalModel, MovingSystem)):
         return state
-    if isinstance(model, MechanicalModel):
-        check_frequency(model)
     return with_law_states(model, state, carried_to_limit)
 
 

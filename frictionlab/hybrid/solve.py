@@ -31,6 +31,7 @@ from frictionlab.tape.arguments import (
     check_section_or_quadrature,
     read_expression,
 )
+from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.packing import program_of
 from frictionlab.tape.program import Numbers, Program, Section
 from frictionlab.validation import (
@@ -282,16 +283,52 @@ def state_from_mapping(automaton: HybridAutomaton, given: Mapping[str, Any], res
 
 
 def with_phase_in_turn(automaton: HybridAutomaton, states: np.ndarray) -> np.ndarray:
-    """States (..., n) whose phase, if an event begins it anew after a turn, is within that turn."""
+    """States (..., n) whose phase, if an event begins it anew after a turn, is within that turn.
+
+    Raises
+    ------
+    ValueError
+        Where it runs backwards: below 0 no event begins it anew, and laws in pieces of it do not repeat.
+    """
     if PHASE not in automaton.state_names:
         return states
     i = automaton.state_names.index(PHASE)
     beyond = (states[..., i] < -PHASE_ROUNDING) | (states[..., i] > TURN)
-    if not beyond.any() or not _begins_anew(automaton, i):
+    slowest = float(np.min(_rates_of_phase(automaton, i, states), initial=0.0))
+    if not (slowest < 0.0 or beyond.any()) or not _begins_anew(automaton, i):
         return states
+    if slowest < 0.0:
+        raise ValueError(_words_on_rate(automaton, i, slowest))
     states = states.copy()
     states[..., i] = np.where(beyond, states[..., i] % TURN, states[..., i])
     return states
+
+
+def _rates_of_phase(automaton: HybridAutomaton, i: int, states: np.ndarray) -> Any:
+    """The rates of the state number `i`, a phase, which are the same in all modes."""
+
+    def derive() -> Formulas:
+        return _formula_of_rate(automaton.modes[0].flow[i], automaton.states, tuple(automaton.parameters))
+
+    formula = kept_formulas(automaton.derivations, "rate of the phase", derive)
+    return formula.along_run(*np.moveaxis(states, -1, 0), *automaton.values.values())[0]
+
+
+@lru_cache(maxsize=64)
+def _formula_of_rate(rate: Any, states: tuple, parameters: tuple) -> Formulas:
+    return formulas_of([*states, *parameters], [rate])
+
+
+def _words_on_rate(automaton: HybridAutomaton, i: int, rate: float) -> str:
+    inputs = getattr(automaton.modes[0].flow[i], "free_symbols", ())
+    values = [
+        f"{symbol.name} = {value:g}" for symbol, value in automaton.parameters.items() if symbol in inputs
+    ]
+    at = " at " * bool(values) + ", ".join(values)
+    return (
+        f"frequency, the rate of {PHASE!r}, must be at least 0, got {rate:g}{at}: give it without the sign, "
+        f"and write -{PHASE} for {PHASE} where the load runs backwards"
+    )
 
 
 def _begins_anew(automaton: HybridAutomaton, i: int) -> bool:

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -273,9 +273,10 @@ class Method(ABC):
     records_sections: ClassVar[bool] = False  # whether the method records sections and integrates quadratures
     entry: ClassVar[Any]  # the kernel that takes longest to compile
     parts: ClassVar[int] = 1  # samples a step is cut into where no t_eval is given
-    chatter: ClassVar[float | None] = 0.0  # s; None takes a share of the time in which the motion changes
-    chatter_share: ClassVar[float] = 0.0
-    accumulation: ClassVar[Literal["close", "raise"]] = "close"  # "raise": an accumulation ends the run
+    chatter_share: ClassVar[float] = 0.0  # of the time in which the motion changes, where `chatter` is None
+    # Settings of some methods.  With an annotation they would come before the other fields of these.
+    chatter = 0.0  # s
+    accumulation = "close"
 
     max_steps: int = field(default=3_000_000, kw_only=True)
     max_events: int = field(default=1_000_000, kw_only=True)

@@ -1,5 +1,4 @@
-"""Whether the kinetic energy is positive for every motion, at the values of a model's parameters, and the
-frequency of its loads not negative.
+"""Whether the kinetic energy is positive for every motion, at the values of a model's parameters.
 
 Most models need no look: their masses are parameters that cannot be zero or negative.
 """
@@ -57,50 +56,6 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
             at = {} if start is None else dict(zip(model.coordinates, places[0], strict=True))
             at |= {PHASE: phase} if about["in time"] else {}
             raise ValueError(_words(model, about, motions[0], masses(places[0], phase), at))
-
-
-def check_frequency(model: MechanicalModel) -> None:
-    """Raise ValueError where the phase runs backwards: below 0 no event begins it anew, and laws in pieces of
-    it do not repeat."""
-    names, formulas = _frequency(model.structure_key)
-    if formulas is None:
-        return
-    (frequency,) = formulas.numbers(*(model.parameters[name] for name in names))
-    if frequency < 0.0:
-        at = " at " * bool(names) + ", ".join(f"{name} = {model.parameters[name]:g}" for name in names)
-        raise ValueError(
-            f"frequency of {type(model).__name__} must be at least 0, got {frequency:g}{at}: give it "
-            "without the sign, and write -q.phase for q.phase where the load runs backwards"
-        )
-
-
-@cache
-def _frequency(key: StructureKey) -> tuple[list[str], Formulas | None]:
-    """The parameters of the frequency, and its formula of them; None where it cannot be negative."""
-    derivations = derivations_of(key)
-    about = derivations.value("frequency", lambda: _about_frequency(key))
-    names = about["parameters"]
-    if about["surely not negative"]:
-        return names, None
-    return names, kept_formulas(derivations, "frequency", lambda: _frequency_formula(key, names))
-
-
-def _about_frequency(key: StructureKey) -> dict[str, Any]:
-    """The parameters on which the frequency depends, and whether it cannot be negative."""
-    from .equations_of_motion import system_of
-
-    given = system_of(key).mechanics.frequency
-    frequency = sympy.sympify(0 if given is None else given, strict=True)
-    return {
-        "parameters": [name for name in key.parameters if symbol(name) in frequency.free_symbols],
-        "surely not negative": bool(frequency.xreplace(known_signs(key)).is_nonnegative),
-    }
-
-
-def _frequency_formula(key: StructureKey, names: Sequence[str]) -> Formulas:
-    from .equations_of_motion import system_of
-
-    return formulas_of([*map(symbol, names)], [system_of(key).mechanics.frequency])
 
 
 def _places(n: int) -> list[Array]:

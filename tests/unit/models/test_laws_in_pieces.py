@@ -694,6 +694,9 @@ def test_a_law_in_pieces_of_the_phase_repeats_from_any_phase():
     below, within = (fl.simulate(SquareWave(), 20.0, x0=x0, progress=False) for x0 in starts)
     assert len(below.events) == len(within.events) == 19
     assert below.final_state == pytest.approx(within.final_state, abs=1e-13)
-    for model in (SquareWave(Omega=-3.0), Backwards()):
-        with pytest.raises(ValueError, match=r"^frequency of \w+ must be at least 0, got -3( at O.*)?: give"):
+    automaton = SquareWave().automaton().replace(Omega=-3.0)
+    for model in (SquareWave(Omega=-3.0), Backwards(), automaton):
+        with pytest.raises(ValueError, match=r"^frequency, .*, must be at least 0, got -3( at O.*)?: give"):
             fl.simulate(model, 20.0)
+    with pytest.raises(ValueError, match=r"^frequency, .*, must be at least 0, got -3 at Omega = -3: give"):
+        fl.solve(automaton, 20.0, x0=[0.0, 0.0, 0.0])

@@ -16,7 +16,6 @@ from frictionlab.hybrid.kernels.arithmetic import call_lane_step
 from frictionlab.hybrid.kernels.run_state import (
     END,
     Truncation,
-    begin_run,
     new_record,
     new_run_state,
     new_scratch,
@@ -69,8 +68,7 @@ def with_step(automaton):
 def alone(program, numbers, code, method, state):
     """Length and end of a run's step, and the length that its last terms suggest."""
     cursor = new_run_state(len(state), 0)
-    begin_run(cursor, state, 0, 1e3, 0.0, False)
-    cursor.counts[:] = 0  # jets are not at hand
+    cursor.state[:], cursor.sizes[:], cursor.times[END] = state, np.abs(state), 1e3
     record, work = new_record(program.code, 1, 2, 0), new_scratch(program.slots, program.code, method.degree)
     truncation = Truncation(method.degree, method.tol)
     with np.errstate(all="ignore"):
