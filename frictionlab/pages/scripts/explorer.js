@@ -185,7 +185,7 @@ class Explorer {
     if (name === this.played) figure.append(...this.player());
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
     if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
-    if (name === "friction") new PointDrag(this, panel);
+    if (name === "friction") letDragPoints(this, panel);
     return figure;
   }
 

@@ -107,45 +107,26 @@ function frictionDrawing({ friction, parameters, structure: { points, sliding_un
     xlim: [0, reach], ylim: [0, roundStep(1.25 * top)] };
 }
 
-class PointDrag { // of the points of the curve; the parameters follow, and with them motion and stability
-  constructor(explorer, panel) {
-    Object.assign(this, { explorer, panel, held: null });
-    const { over } = panel;
-    over.addEventListener("touchstart", (event) => { if (this.near(event.touches[0]) >= 0) event.preventDefault(); },
-      { passive: false });
-    over.onpointerdown = (event) => this.grip(event);
-    over.onpointermove = (event) => this.pull(event, true);
-    over.onpointerup = (event) => { this.pull(event, false); this.held = null; };
-    over.onpointercancel = () => { this.held = null; };
-  }
-
-  near({ clientX, clientY }) { // the number of the point under a pointer; -1 without one
-    const { panel: { over, drawing, axes } } = this, box = over.getBoundingClientRect();
-    if (!drawing?.handles || !axes) return -1;
+function letDragPoints(explorer, panel) { // of the curve; the parameters follow, and with them motion and stability
+  const { over } = panel;
+  let held; // on the axes on which it was taken: those that are drawn follow the curve
+  const find = ({ clientX, clientY }) => { // what is needed of the point under a pointer
+    const { drawing, axes } = panel, box = over.getBoundingClientRect();
+    if (!drawing?.handles || !axes) return null;
     const away = drawing.handles.map(({ x, y }) =>
       Math.hypot(axes.X.at(x) - clientX + box.left, axes.Y.at(y) - clientY + box.top));
     const place = away.indexOf(Math.min(...away));
-    return away[place] <= FINGER ? place : -1;
-  }
-
-  grip(event) {
-    const place = this.near(event), { panel } = this;
-    if (place < 0) return;
-    this.held = { place, axes: panel.axes, handles: panel.drawing.handles };
-    panel.over.setPointerCapture(event.pointerId);
-  }
-
-  pull(event, dragging) { // on the axes on which it was taken: those that are drawn follow the curve
-    if (!this.held) {
-      this.panel.over.style.cursor = this.near(event) < 0 ? "" : "grab";
-      return;
-    }
-    const { place, axes: { X, Y }, handles } = this.held, box = this.panel.over.getBoundingClientRect(),
+    return away[place] <= FINGER ? { place, axes, handles: drawing.handles } : null;
+  };
+  const pull = (event, dragging) => {
+    const { place, axes: { X, Y }, handles } = held, box = over.getBoundingClientRect(),
       apart = NEAREST_POINTS * X.high;
     const between = (low, value, high) => roundNumber(Math.min(Math.max(value, low), high), 4);
     const { speed, coefficient } = handles[place], right = handles[place + 1]?.x ?? Infinity;
     const moved = { [coefficient]: between(0, Y.value(event.clientY - box.top), Infinity) };
     if (speed) moved[speed] = between(handles[place - 1].x + apart, X.value(event.clientX - box.left), right - apart);
-    this.explorer.changeAll({ ...moved, formula: "" }, dragging, true);
-  }
+    explorer.changeAll({ ...moved, formula: "" }, dragging, true);
+  };
+  letDrag(over, find, { grip: (found) => { held = found; }, pull: (event) => pull(event, true),
+    release: (event) => pull(event, false), cancel: () => {} });
 }

@@ -9,16 +9,32 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], Arr
 const TOUCH_HINT = "drag a body: the motion starts there";
 const TOUCH_KEYS = "Drag a body, or choose one with n and move it with the arrow keys; Enter starts the motion there";
 
+// A pointer drags what `find` has under it, if anything; beside it a finger scrolls the page.
+function letDrag(over, find, { grip, pull, release, cancel }) {
+  let held = false;
+  const onSomething = (event) => { if (find(event.touches[0])) event.preventDefault(); };
+  over.addEventListener("touchstart", onSomething, { passive: false });
+  over.onpointerdown = (event) => {
+    const found = find(event);
+    if (!found) return;
+    held = true;
+    grip(found, event);
+    over.setPointerCapture(event.pointerId);
+  };
+  over.onpointermove = (event) => { if (held) pull(event); else over.style.cursor = find(event) ? "grab" : ""; };
+  over.onpointerup = (event) => { if (held) release(event); held = false; };
+  over.onpointercancel = () => { held = false; cancel(); };
+}
+
 class BodyDrag {
   constructor(explorer, over) {
     Object.assign(this, { explorer, over, chosen: null, from: null, touched: {}, framed: false });
     Object.assign(over, { tabIndex: 0, title: TOUCH_KEYS, ariaLabel: TOUCH_KEYS, role: "application" });
-    const unlessOnBody = (event) => { if (this.bodyAt(event.touches[0])) event.preventDefault(); };
-    over.addEventListener("touchstart", unlessOnBody, { passive: false }); // beside bodies a finger scrolls the page
-    over.onpointerdown = (event) => this.grip(event);
-    over.onpointermove = (event) => this.pull(event);
-    over.onpointerup = () => this.release();
-    over.onpointercancel = over.onblur = () => this.cancel();
+    letDrag(over, (event) => this.bodyAt(event), {
+      grip: (body, event) => this.begin(body, [event.clientX, event.clientY]),
+      pull: (event) => this.pull(event), release: () => this.release(), cancel: () => this.cancel(),
+    });
+    over.onblur = () => this.cancel();
     over.onkeydown = (event) => this.key(event);
   }
 
@@ -42,13 +58,6 @@ class BodyDrag {
     return near.sort(([a], [b]) => a - b)[0]?.[1] ?? null;
   }
 
-  grip(event) {
-    const body = this.bodyAt(event);
-    if (!body) return;
-    this.begin(body, [event.clientX, event.clientY]);
-    this.over.setPointerCapture(event.pointerId);
-  }
-
   begin(body, from) { // other bodies go where they are in steady sliding
     const shown = this.explorer.shownSample(), [samples, i] = shown;
     const now = Object.fromEntries(Object.keys(body.along).map((name) => [name, samples.column(name)[i]]));
@@ -56,10 +65,7 @@ class BodyDrag {
   }
 
   pull(event) {
-    if (!this.from) {
-      this.over.style.cursor = this.bodyAt(event) ? "grab" : "";
-      return;
-    }
+    if (!this.from) return; // Escape has let it go
     const dx = event.clientX - this.from[0], dy = event.clientY - this.from[1];
     if (this.explorer.held || Math.hypot(dx, dy) >= LEAST_DRAG) this.move(dx / this.scale.k, -dy / this.scale.k);
   }

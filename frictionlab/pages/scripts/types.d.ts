@@ -17,6 +17,5 @@ interface ModeWriter {
   J: any; code: any; column: any; constants: any; first: any; flow: any; inputs: any; k: any; kNumber: any; last: any;
   leastRatio: any; ops: any; order: any; row: any; share: any; slots: any; terms: any; total: any; values: any; z: any;
 }
-interface PointDrag { explorer: Explorer; panel: any }
 interface StateHistory { place: number; since: number }
 interface SvgContext { fillStyle: string; font: string; lineWidth: number; strokeStyle: string; textAlign: string }
