@@ -213,9 +213,10 @@ def method_data() -> dict[str, Any]:
 
 
 def script_text(names: Sequence[str]) -> str:
-    """Scripts of the front end, after the drawing of mechanisms."""
+    """Scripts of the front end, after the drawing of mechanisms; the explorer's with the elements it shows."""
     drawing = resources.files("frictionlab.plotting.animation").joinpath("drawing.js")
-    return drawing.read_text(encoding="utf-8") + "".join(text_of(f"{name}.js") for name in names)
+    markup = f"const MARKUP = {_json(text_of('explorer.html'))};\n" if "explorer" in names else ""
+    return drawing.read_text(encoding="utf-8") + markup + "".join(text_of(f"{name}.js") for name in names)
 
 
 def text_of(name: str) -> str:

@@ -11,6 +11,29 @@ const GROUPS = { main: "", structure: "more parameters", run: "how it is run and
 const paceText = (pace) => (pace === 1 ? "real time" : pace > 1 ? `${shortNumber(pace, 3)} times faster`
   : `${shortNumber(1 / pace, 3)} times slower`);
 
+const PARTS = ["title", "about", "files", "side", "status", "busy", "words", "numbers", "comparison", "pictures",
+  "scrub", "pace", "now", "heard", "modes"]; // of explorer.html, by their classes
+const ACTIONS = { // of its buttons, by their names
+  undo: (explorer) => explorer.step(-1),
+  redo: (explorer) => explorer.step(1),
+  reset: (explorer) => explorer.set(explorer.beginning),
+  compare: (explorer) => explorer.compare(),
+  swap: (explorer) => explorer.swap(),
+  copy: (explorer) => explorer.copyPython(),
+  link: (explorer) => explorer.copy(explorer.link(), "link copied"),
+  theme: (explorer) => explorer.setTheme(explorer.dark ? "light" : "dark"),
+  full: ({ root }) => (document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen?.()),
+  figure: (explorer) => explorer.save(explorer.file("svg"), "image/svg+xml", explorer.figure()),
+  data: (explorer) => explorer.save(explorer.file("csv"), "text/csv", csvText(explorer.result)),
+  state: (explorer) =>
+    explorer.save(explorer.file("json"), "application/json", stateText(explorer.state, explorer.scene)),
+  record: (explorer) => explorer.lesson.record(),
+  load: ({ files }) => files.querySelector("input").click(),
+  play: (explorer) => explorer.toggle(),
+  sound: (explorer) => explorer.playSound(),
+  stop: (explorer) => explorer.engine.stop(explorer),
+};
+
 class Explorer {
   constructor(root, scene, engine, options = {}) { // options: {address: whether the page's address holds the state}
     Object.assign(this, { root, engine, options, turn: 0, playing: null, last: null, share: 0, settled: null,
@@ -36,80 +59,52 @@ class Explorer {
 
   build() {
     this.panels = {};
-    const { scene } = this, part = (name, tag = "div") => (this[name] = html(tag, { className: `fl-${name}` }));
-    const buttons = html("div", { className: "fl-buttons" }, [
-      this.button("undo", "undo", "Back to what was set before (u)", () => this.step(-1)),
-      this.button("redo", "redo", "Forth to what was undone (r)", () => this.step(1)),
-      this.button("reset", "reset", "All controls back to the values of the start", () => this.set(this.beginning)),
-      this.button("compare", "compare", "Keep this scene, dotted, and change another one (k)", () => this.compare()),
-      this.button("swap", "swap", "Change the scene that is kept, and keep this one", () => this.swap()),
-      this.button("copy", "copy as Python", "Copy as Python (c)",
-        () => this.copyPython()),
-      this.button("link", "copy link", "Copy a link to this setting (l)", () => this.copy(this.link(), "link copied")),
-      this.fileMenu(),
-      this.button("theme", "dark", "Light or dark (d)", () => this.setTheme(this.dark ? "light" : "dark")),
-      this.button("full", "full screen", "Full screen (f)",
-        () => (document.fullscreenElement ? document.exitFullscreen() : this.root.requestFullscreen?.())),
-    ]);
-    this.linkButton.hidden = this.themeButton.hidden = !this.options.address;
-    this.swapButton.disabled = true;
-    const title = html("h1", { className: "fl-title", textContent: scene.title });
-    const about = html("p", { className: "fl-about", textContent: scene.about });
-    this.challengeBox = html("div", { className: "fl-challenge" });
-    this.lesson = new Lesson(this);
-    const told = [this.statusBox(), part("words"), part("numbers"), part("comparison")];
-    const side = html("section", { className: "fl-side", ariaLabel: "controls" },
-      [...this.challengeMenu(), this.challengeBox, this.lesson.node, ...told, ...this.controlGroups()]);
-    const pictures = html("section", { className: "fl-pictures", ariaLabel: "pictures" },
-      scene.panels.map((name) => this.panel(name)));
-    const head = html("header", { className: "fl-head" }, [title, about, ...this.menu(), buttons]),
-      body = html("main", { className: "fl-body" }, [side, pictures]);
+    this.buttons = {};
+    const { scene } = this, page = html("template", { innerHTML: MARKUP }).content;
+    for (const name of PARTS) this[name] = page.querySelector(`.fl-${name}`);
+    for (const button of page.querySelectorAll("button")) this.connect(button);
+    this.buttons.link.hidden = this.buttons.theme.hidden = !this.options.address;
+    this.buttons.stop.hidden = !this.engine.stop;
+    this.title.textContent = scene.title;
+    this.about.textContent = scene.about;
+    const [scenes, challenges, box, lesson] = ["scene", "challenges", "challenge", "lesson"].map((name) =>
+      page.querySelector(`.fl-${name}`));
+    this.menu(scenes, scene.menu ?? [], ({ name }) => this.choose(name)).value = scene.name ?? "";
+    this.challengeList = this.menu(challenges, scene.challenges, (one) => this.take(one ?? null));
+    this.challengeBox = box;
+    this.lesson = new Lesson(this, lesson);
+    page.querySelector("input[type=file]").onchange = () => this.loadFile();
+    this.side.append(...this.controlGroups());
+    this.preparePlayer();
+    this.pictures.replaceChildren(...scene.panels.map((name) => this.panel(name)));
     // a run that is watched has no controls
-    this.root.replaceChildren(...(scene.controls.length ? [head, body] : [pictures]));
+    this.root.replaceChildren(scene.controls.length ? page : this.pictures);
     this.observer.disconnect();
-    this.observer.observe(pictures);
-    if (this.playing && this.playButton) this.playButton.textContent = "pause";
+    this.observer.observe(this.pictures);
     if (!this.options.address) this.followTheme();
     else this.setTheme((this.dark ?? matchMedia("(prefers-color-scheme: dark)").matches) ? "dark" : "light");
   }
 
-  button(name, text, hint, does) {
-    const about = { type: "button", className: `fl-${name}`, textContent: text, title: hint, onclick: does };
-    return (this[`${name}Button`] = html("button", about));
+  connect(button) {
+    this.buttons[button.name] = button;
+    button.classList.add(`fl-${button.name}`);
+    button.onclick = () => {
+      if (button.closest(".fl-files")) this.closeFiles();
+      ACTIONS[button.name](this);
+    };
   }
 
-  statusBox() {
-    this.status = html("p", { className: "fl-status", role: "status" });
-    this.busy = html("p", { className: "fl-busy", hidden: true },
-      [html("progress", { ariaLabel: "computing" }), " computing … ",
-      ...(this.engine.stop ? [html("button", { type: "button", className: "fl-stop", textContent: "stop",
-        title: "End the computation; the pictures stay", onclick: () => this.engine.stop(this) })] : [])]);
-    return html("div", { className: "fl-told" }, [this.status, this.busy]);
-  }
-
-  menu() { // of scenes
-    const { menu } = this.scene;
-    if (!menu?.length) return [];
-    const list = html("select", { ariaLabel: "scene" },
-      menu.map(({ name, label }) => html("option",
-      { value: name, textContent: label ?? name, selected: name === this.scene.name })));
-    list.onchange = () => this.choose(list.value);
-    return [html("label", { className: "fl-scene" }, ["scene ", list])];
+  menu(label, entries, does) { // hidden where there is nothing to choose
+    const list = label.querySelector("select");
+    label.hidden = !entries.length;
+    list.append(...entries.map(({ name, label: text }) => new Option(text ?? name, name)));
+    list.onchange = () => does(entries.find(({ name }) => name === list.value));
+    return list;
   }
 
   get played() { return this.scene.mechanism ? "mechanism" : "response"; } // the panel with the player
 
   get beginning() { return this.challenge ? challengeState(this.scene, this.challenge) : this.scene.initial; }
-
-  challengeMenu() {
-    const { challenges } = this.scene;
-    if (!challenges.length) return [];
-    this.challengeList = html("select", { ariaLabel: "challenge" },
-      [{ name: "" }, ...challenges].map(({ name }) => html("option", { value: name, textContent: name || "none" })));
-    this.challengeList.onchange = () =>
-      this.take(challenges.find(({ name }) => name === this.challengeList.value) ?? null);
-    return [html("label", { className: "fl-challenges" }, ["challenge ", this.challengeList])];
-  }
 
   follow({ challenge, state, steps, step }) { // a link
     this.take(challenge, state);
@@ -134,26 +129,10 @@ class Explorer {
     state ? this.set({ ...this.scene.initial, ...state }) : this.engine.choose(name);
   }
 
-  fileMenu() {
-    const name = this.scene.model.replace(/\(.*/s, ""),
-      load = html("input", { type: "file", accept: ".json", hidden: true });
-    const entry = (text, does) => html("button", { type: "button", textContent: text, onclick: () => {
-      this.closeFiles();
-      does();
-    } });
-    load.onchange = async () => {
-      try { this.load(await load.files[0].text()); } catch (error) { this.fail(error.message); }
-      load.value = "";
-    };
-    const entries = html("div", {}, [
-      entry("figure svg", () => this.save(`${name}.svg`, "image/svg+xml", this.figure())),
-      entry("data csv", () => this.save(`${name}.csv`, "text/csv", csvText(this.result))),
-      entry("save state", () => this.save(`${name}.json`, "application/json", stateText(this.state, this.scene))),
-      entry("record a lesson", () => this.lesson.record()),
-      entry("load state or lesson", () => load.click()), load,
-    ]);
-    this.files = html("details", { className: "fl-files" }, [html("summary", { textContent: "save" }), entries]);
-    return this.files;
+  async loadFile() {
+    const field = this.files.querySelector("input");
+    try { this.load(await field.files[0].text()); } catch (error) { this.fail(error.message); }
+    field.value = "";
   }
 
   closeFiles() { // the keyboard stays at the menu
@@ -182,27 +161,20 @@ class Explorer {
     const figure = html("figure", { className: `fl-panel fl-panel-${name}` }, [caption, stack]),
       panel = { name, figure, caption, frame, canvas, over, memory: {}, drawing: null, axes: null };
     this.panels[name] = panel;
-    if (name === this.played) figure.append(...this.player());
+    if (name === this.played) figure.append(...this.player);
     over.onclick = (event) => { if (panel.drawing?.pick || panel.drawing?.touch) this.pick(panel, event); };
     if (name === "mechanism" && this.scene.controls.length) this.drag = new BodyDrag(this, over);
     if (name === "friction") letDragPoints(this, panel);
     return figure;
   }
 
-  player() { // play, pause, instant, pace, sound
+  preparePlayer() { // play, pause, instant, pace, sound
     const usual = this.scene.speed ?? roundDown125(this.scene.period / 2),
       paces = [...new Set([...PACES, usual])].sort((a, b) => b - a);
-    this.scrub = html("input", { type: "range", min: 0, max: 1000, value: 0, className: "fl-scrub", ariaLabel: "time",
-      oninput: () => { this.share = Number(this.scrub.value) / 1000; this.frame(); } });
-    this.pace = html("select", { className: "fl-pace", ariaLabel: "pace" },
-      paces.map((pace) => html("option", { value: pace, textContent: paceText(pace), selected: pace === usual })));
-    this.now = html("span", { className: "fl-now" });
-    this.modes = html("div", { className: "fl-modes" });
-    this.heard = html("span", { className: "fl-heard", role: "status" });
-    const bar = [this.button("play", "play", "Play or pause (space)", () => this.toggle()), this.scrub, this.pace,
-      this.button("sound", "sound", "Hear it (s)", () => this.playSound())];
-    return [html("div", { className: "fl-player" }, bar),
-      html("div", { className: "fl-instant" }, [this.now, this.heard]), this.modes];
+    this.player = [...this.pictures.children];
+    this.scrub.oninput = () => { this.share = Number(this.scrub.value) / 1000; this.frame(); };
+    this.pace.append(...paces.map((pace) => new Option(paceText(pace), String(pace), false, pace === usual)));
+    if (this.playing) this.buttons.play.textContent = "pause";
   }
 
   showState() { // in the controls; those that the model is without are hidden
@@ -215,10 +187,10 @@ class Explorer {
     }
     const runs = /** @type {HTMLElement} */ (this.root.querySelector(".fl-group-run"));
     if (runs && this.result) runs.hidden = !this.result.samples; // where no panel shows a run
-    if (this.challengeList) this.challengeList.value = this.challenge?.name ?? "";
-    this.undoButton.disabled = !this.history.place;
-    this.redoButton.disabled = this.history.place + 1 >= this.history.states.length;
-    this.resetButton.disabled = sameValue(this.state, this.beginning);
+    this.challengeList.value = this.challenge?.name ?? "";
+    this.buttons.undo.disabled = !this.history.place;
+    this.buttons.redo.disabled = this.history.place + 1 >= this.history.states.length;
+    this.buttons.reset.disabled = sameValue(this.state, this.beginning);
   }
 
   // --- from a control to the pictures ------------------------------------------------------------------------------
@@ -310,7 +282,7 @@ class Explorer {
     this.held = null;
     this.frame();
     this.error = text;
-    this.undoButton.disabled = false; // it leads to the last values that worked
+    this.buttons.undo.disabled = false; // it leads to the last values that worked
     this.say(text, true);
     this.controls.find(({ name }) => name === this.moved)?.refuse?.(text); // where one looks
   }
@@ -411,12 +383,10 @@ class Explorer {
     if (!this.result?.samples) return;
     const look = this.look(), t = this.held ? 0 : this.time, { structure, coordinate } = this.result,
       [samples, i] = this.shownSample();
-    if (this.now) {
-      this.scrub.value = Math.round(1000 * this.share);
-      this.scrub.ariaValueText = `${t.toFixed(4)} s`;
-      this.now.textContent = this.held ? this.drag.text()
-        : `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
-    }
+    this.scrub.value = Math.round(1000 * this.share);
+    this.scrub.ariaValueText = `${t.toFixed(4)} s`;
+    this.now.textContent = this.held ? this.drag.text()
+      : `t = ${t.toFixed(4)} s: ${structure.modes[samples.modes[i]]}`;
     if (this.picture) this.paintMechanism(look, samples, i);
     if (this.picture) this.drag?.paint(look);
     for (const panel of Object.values(this.panels)) {
@@ -429,7 +399,8 @@ class Explorer {
       panel.marked = marked;
       if (instant === "line") line(c, [[axes.X.at(t), axes.top], [axes.X.at(t), axes.bottom]], 1, look.grey);
       else this.paintDot(c, look, axes.X.at((axes.X.turns ? withinTurn : Number)(samples.column(coordinate)[i])),
-        axes.Y.at(samples.column(otherState(structure, coordinate))[i]), legible(structure.colours[samples.modes[i]], look));
+        axes.Y.at(samples.column(otherState(structure, coordinate))[i]),
+        legible(structure.colours[samples.modes[i]], look));
     }
   }
 
@@ -460,11 +431,12 @@ class Explorer {
   }
 
   toggle() {
+    if (!this.panels[this.played]) return; // nothing is played here
     if (this.playing) {
       cancelAnimationFrame(this.playing);
       this.playing = this.last = null;
     } else this.playing = requestAnimationFrame((now) => this.tick(now));
-    this.playButton.textContent = this.playing ? "pause" : "play";
+    this.buttons.play.textContent = this.playing ? "pause" : "play";
   }
 
   tick(now) {
@@ -506,8 +478,8 @@ class Explorer {
 
   compare() { // keep the scene that is shown, or drop the one that is kept
     if (this.kept) this.kept = null; else this.keep();
-    this.compareButton.setAttribute("aria-pressed", String(Boolean(this.kept)));
-    this.swapButton.disabled = !this.kept;
+    this.buttons.compare.setAttribute("aria-pressed", String(Boolean(this.kept)));
+    this.buttons.swap.disabled = !this.kept;
     this.comparison.replaceChildren(...(this.kept ? this.comparisonTexts() : []));
     this.redraw();
   }
@@ -551,7 +523,7 @@ class Explorer {
     const own = startState(this.result, touched, this.shownSample()).map((value) => roundNumber(value, 5)).join(", ");
     this.set({ ...this.state, start: "own", own, coordinate, window: "how it begins" });
     this.share = 0;
-    if (!this.playing && this.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.toggle();
+    if (!this.playing && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.toggle();
   }
 
   pick(panel, event) { // a click into a diagram
@@ -583,6 +555,8 @@ class Explorer {
     return c.text();
   }
 
+  file(ending) { return `${this.scene.model.replace(/\(.*/s, "")}.${ending}`; }
+
   save(name, type, content) {
     const link = html("a", { href: URL.createObjectURL(new Blob([content], { type })), download: name });
     link.click();
@@ -609,8 +583,7 @@ class Explorer {
     const { tagName, type } = event.target;
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(tagName) && type !== "range" && type !== "checkbox" || event.ctrlKey
       || event.metaKey || event.altKey) return;
-    const name = { " ": "play", c: "copy", l: "link", d: "theme", f: "full", s: "sound", u: "undo", r: "redo",
-      k: "compare" }[event.key], button = this[`${name}Button`];
+    const button = Object.values(this.buttons).find(({ dataset }) => dataset.key === event.key);
     if (button && !button.hidden && !(event.key === " " && tagName !== "BODY"
       && tagName !== "DIV")) { event.preventDefault(); button.click(); }
   }
@@ -619,7 +592,7 @@ class Explorer {
     this.dark = name === "dark";
     this.root.dataset.theme = name;
     this.looks = null;
-    if (this.themeButton) this.themeButton.textContent = this.dark ? "light" : "dark";
+    this.buttons.theme.textContent = this.dark ? "light" : "dark";
     if (this.result) this.redraw();
   }
 

@@ -13,10 +13,7 @@ function lessonSteps(data, { initial }) { // those of a link or a file, with wha
 }
 
 class Lesson {
-  constructor(explorer) {
-    Object.assign(this, { explorer, steps: [], place: 0, recording: false });
-    this.node = html("section", { className: "fl-lesson", ariaLabel: "lesson", hidden: true });
-  }
+  constructor(explorer, node) { Object.assign(this, { explorer, node, steps: [], place: 0, recording: false }); }
 
   play(steps, place = 0) { // from one of its steps; without steps there is none
     Object.assign(this, { steps, recording: false });

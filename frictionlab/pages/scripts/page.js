@@ -13,7 +13,7 @@ async function begin() {
   explorer.showState();
   explorer.compute(false);
   if (steps.length) explorer.follow(asked);
-  if (plays && explorer.playButton && !matchMedia("(prefers-reduced-motion: reduce)").matches) explorer.toggle();
+  if (plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) explorer.toggle();
   window.onhashchange = () => {
     if (location.hash.slice(1) !== linkText(explorer.state, SCENE, explorer)) explorer.follow(readLink(location.hash,
       SCENE));

@@ -116,7 +116,7 @@ function render({ model, el }) {
     asked.scene && asked.scene !== model.get("scene").name ? engine.choose(asked.scene) : follow(asked);
   }
   const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-  if (explorer.playButton && !calm && model.get("scene").plays) explorer.toggle();
+  if (!calm && model.get("scene").plays) explorer.toggle();
   const themes = new MutationObserver(() => { if (!explorer.options.address) explorer.followTheme(); });
   themes.observe(document.body, { attributes: true });
   requestAnimationFrame(() => { if (!explorer.options.address) explorer.followTheme(); }); // once it is in the page
