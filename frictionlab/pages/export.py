@@ -213,7 +213,7 @@ def method_data() -> dict[str, Any]:
 
 
 def script_text(names: Sequence[str]) -> str:
-    """Scripts of the front end, after the drawing of mechanisms; the explorer's with the elements it shows."""
+    """Scripts of the front end, after the drawing of mechanisms; that of the explorer with its elements."""
     drawing = resources.files("frictionlab.plotting.animation").joinpath("drawing.js")
     markup = f"const MARKUP = {_json(text_of('explorer.html'))};\n" if "explorer" in names else ""
     return drawing.read_text(encoding="utf-8") + markup + "".join(text_of(f"{name}.js") for name in names)
