@@ -270,7 +270,8 @@ PAINTED = """() => {
   y.fill(0.3, 7000, 8000); // a level
   y[9000] = NaN; // a gap
   paintLine(c, x, y, X, Y);
-  return c.nodes[0].match(/[ML][^ML"]+/g).map((part) => [part[0], ...part.slice(1).split(" ").map(Number)]);
+  const parts = c.nodes.at(-1).match(/[ML][^ML"]+/g);
+  return parts.map((part) => [part[0], ...part.slice(1).split(" ").map(Number)]);
 }"""
 
 
