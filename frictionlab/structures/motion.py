@@ -27,7 +27,12 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.mechanical.bristles import Energies, energies_of_bristles
 from frictionlab.models.mechanical.common_directions import CommonDirection
-from frictionlab.models.mechanical.contact_regimes import CLOSING, ContactRegime, rate_after, rubbing_impulse
+from frictionlab.models.mechanical.contact_regimes import (
+    CLOSING,
+    ContactRegime,
+    impulse_of_friction,
+    rate_after,
+)
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
 from frictionlab.models.mechanical.dynamic_laws import check_elastic, limits_of_states
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes, names_with_states
@@ -533,18 +538,13 @@ class StructureSystem(LagrangeSystem):
         impulse = law.impulse(rate, rate, softness)
         opening = rate_after(law, -rate, softness)
         order = 2 if opening == 0 else 1
-        coupling = float(normal @ along_tangent)
+        coupling = -float(normal @ along_tangent)
         share = coupling / float(softness)
         rubbing: Any = sympy.S.Zero
         if len(self.directions_of_impact(i, law)) > 1:
-            soft = float(self._compliance[i, i]) - coupling * share
-            stopping = (contact.relative_velocity + coupling * impulse) / sympy.Float(soft)
-            if share == 0 or law.has_own_friction:
-                rubbing = law.friction(impulse, stopping)
-            else:
-                mu, by_opening = law.friction_coefficient, -share * opening / soft
-                rubbing = rubbing_impulse(mu, impulse, share, stopping, by_opening)
-        pressing = impulse + share * rubbing
+            speed, soft = contact.relative_velocity, float(self._compliance[i, i])
+            rubbing = impulse_of_friction(law, impulse, opening, speed, coupling, share, soft)
+        pressing = impulse - share * rubbing
         jump = {
             v: v + float(p) * pressing + float(r) * rubbing
             for v, p, r in zip(self.v, along_normal, along_tangent, strict=True)

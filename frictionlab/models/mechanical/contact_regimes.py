@@ -640,16 +640,26 @@ def _after_rubbing_impact(
     normal, tangent = system.direction(contact), rubbing_direction(system, contact)
     along_normal, along_tangent = (sympy.Matrix(_pushed(system, w, 1)) for w in (normal, tangent))
     coupling, soft = (normal.T * along_tangent)[0], compliance(system, normal)
-    share = coupling / soft
-    softness = compliance(system, tangent) - coupling * share
-    stopping = (contact.relative_velocity - coupling * impulse) / softness
-    if law.has_own_friction:
-        rubbing = law.friction(impulse, stopping)
-    else:
-        mu, by_opening = law.friction_coefficient, share * opening / softness
-        rubbing = rubbing_impulse(mu, impulse, -share, stopping, by_opening)
+    share, softness = coupling / soft, compliance(system, tangent)
+    rubbing = impulse_of_friction(law, impulse, opening, contact.relative_velocity, coupling, share, softness)
     changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
     return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
+
+
+def impulse_of_friction(
+    law: ImpactLaw, impulse: Any, opening: Any, speed: Any, coupling: Any, share: Any, softness: Any
+) -> Any:
+    """p_T of an impact with friction, N s.
+
+    `impulse` is p, that of the impact without friction; the distance then has the rate `opening`.  v_r before
+    it is `speed`; W_N^T M^-1 W_T, b and W_T^T M^-1 W_T are `coupling`, `share` and `softness`.
+    """
+    softness = softness - coupling * share
+    stopping = (speed - coupling * impulse) / softness
+    if law.has_own_friction:
+        return law.friction(impulse, stopping)
+    by_opening = share * opening / softness
+    return rubbing_impulse(law.friction_coefficient, impulse, -share, stopping, by_opening)
 
 
 def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, by_opening: Any) -> Any:
