@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.trajectory import Trajectory, check_run
 from frictionlab.interruption import progress_bar
 from frictionlab.models import MechanicalModel
-from frictionlab.models.mechanical.bristles import Bristles, Energies, energies_of_bristles
 from frictionlab.models.mechanical.contact_regimes import (
     APART,
     CHATTER_MODE,
@@ -36,14 +34,18 @@ from frictionlab.models.mechanical.friction_in_plane import STOP
 from frictionlab.models.mechanical.impulses import impulse_terms, impulses_of_contacts
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
+from frictionlab.models.mechanical.stored_energies import (
+    Bristles,
+    Energies,
+    energies_of_bristles,
+    energy_of_spring,
+)
 from frictionlab.models.model import MovingSystem
 from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, in_units_of, shorten
 from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import check_flag
 
-# Exact for contact laws that are polynomials in sqrt(penetration).
-CONTACT_NODES, CONTACT_WEIGHTS = np.polynomial.legendre.leggauss(12)
 GAP = sp.Symbol("gap_of_contact", real=True)
 ENERGY_OF, POWER_OF = "energy of ", "power of "  # how the outputs of an automaton that states them begin
 WORKS = (
@@ -246,15 +248,7 @@ class Balance:
         penetration = self._at(contact.penetration, states)
         borders = sorted(float(border(*self._values)) for border in contact.borders)
         borders = [border for border in borders if border > 0.0]
-        first = penetration if not borders else np.minimum(penetration, borders[0])
-        # integrated over sqrt(penetration), in which penetration^1.5 is a polynomial too
-        shares = (1.0 + CONTACT_NODES) / 2.0
-        at = (law(first * share**2, *self._values) * share for share in shares)
-        energy = first * sum(w * f for w, f in zip(CONTACT_WEIGHTS, at, strict=True))
-        for low, high in pairwise([*borders, np.inf] if borders else []):
-            half = np.maximum(np.minimum(penetration, high) - low, 0.0) / 2.0
-            for node, weight in zip(CONTACT_NODES, CONTACT_WEIGHTS, strict=True):
-                energy = energy + weight * half * law(low + half * (1.0 + node), *self._values)
+        energy = energy_of_spring(lambda depth: law(depth, *self._values), penetration, borders)
         return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
     def _modes_in_contact(self, contact: ContactTerms) -> np.ndarray:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.outputs import evaluate_outputs
-from frictionlab.models.mechanical.bristles import Bristles
+from frictionlab.models.mechanical.stored_energies import Bristles
 
 if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory

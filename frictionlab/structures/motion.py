@@ -25,7 +25,6 @@ from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDem
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.models.mechanical.bristles import Energies, energies_of_bristles
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import (
     CLOSING,
@@ -46,6 +45,7 @@ from frictionlab.models.mechanical.modes import (
     contact_suffix,
     mode_of,
 )
+from frictionlab.models.mechanical.stored_energies import Energies, energies_of_bristles
 from frictionlab.models.symbols import expand_products, state_symbols, symbol
 from frictionlab.presentation import shorten
 from frictionlab.structures.parametric_matrix import parse_coefficient

@@ -19,6 +19,7 @@ from frictionlab.components.component import Component, parameters_of
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
+from frictionlab.models.mechanical.stored_energies import energy_of_spring
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.structures.steady_friction import (
@@ -31,7 +32,6 @@ from frictionlab.tape.formulas import Formulas, formulas_of
 from frictionlab.validation import abbreviate, check_number, check_text, explains_fields, float_array
 
 Array = NDArray[np.float64]
-ENERGY_RULE = np.polynomial.legendre.leggauss(16)  # exact for powers of the penetration up to 15
 NAME_CURE = 'name the contacts, such as "inner"'
 COMPLEX_STEP = 1e-30  # of a derivative by an imaginary step, which cancels nothing
 
@@ -383,13 +383,8 @@ class SlidingContacts:
     def stored_energy(self, q: Array, values: Mapping[str, float]) -> Array:
         """The energy (N,) of the contacts at displacements (N, n), J: the integral of F_N, by Gauss' rule."""
         depth = np.maximum(q @ self.normal.toarray().T + self.penetration, 0.0)
-        law = self._contact_formulas[0]
-        energy = np.zeros_like(depth)
-        # over the root of the penetration, in which powers such as that of Hertz are polynomials
-        for node, weight in zip(*ENERGY_RULE, strict=True):
-            share = (1.0 + node) / 2.0
-            given = [depth * share**2, *self._values(self.contact, values)]
-            energy += weight * share * depth * _evaluated(law, given)
+        law, given = self._contact_formulas[0], self._values(self.contact, values)
+        energy = energy_of_spring(lambda one: _evaluated(law, [one, *given]), depth)
         return energy @ self.area
 
     def on_structure(self, forces: ContactForces) -> Any:

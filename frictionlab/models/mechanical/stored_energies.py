@@ -1,9 +1,10 @@
-"""The energy that dynamic friction laws store in their states, along a run."""
+"""The energies that contacts store along a run: in their springs, and in the states of friction laws."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,19 +15,32 @@ from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.models.symbols import gradient
 from frictionlab.tape.formulas import function_along_run
 
-from .contact_regimes import APART, CHATTER_MODE
-from .dynamic_laws import energies_in_states
 from .mechanics import Friction
 
 if TYPE_CHECKING:
     from .equations_of_motion import LagrangeSystem
 
 Array = NDArray[np.float64]
+# Of an integral over the root of the penetration: exact for its powers up to 15, of a law in pieces in each.
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 Energies = Mapping[int, tuple[Any, Any]]  # J, pressed and apart, by the place of the contact
+
+
+def energy_of_spring(force: Callable[[Array], Any], depth: Array, borders: Sequence[float] = ()) -> Array:
+    """The integral of F_N from 0 to a depth, J; at the borders, ascending and above 0, the law changes."""
+    first = np.minimum(depth, borders[0]) if borders else depth
+    shares = (1.0 + NODES) / 2.0
+    energy = first * sum(w * share * force(first * share**2) for w, share in zip(WEIGHTS, shares))
+    for low, high in pairwise([*borders, np.inf] if borders else []):
+        half = np.maximum(np.minimum(depth, high) - low, 0.0) / 2.0
+        energy = energy + half * sum(w * force(low + half * (1.0 + x)) for x, w in zip(NODES, WEIGHTS))
+    return energy
 
 
 def energies_of_bristles(system: LagrangeSystem) -> Energies:
     """The energies in the states of the contacts' friction laws, of those that store any."""
+    from .dynamic_laws import energies_in_states
+
     contacts = [(i, one) for i, one in enumerate(system.mechanics.contacts) if isinstance(one, Friction)]
     energies = {i: energies_in_states(contact, system.of_laws[i]) for i, contact in contacts}
     return {i: each for i, each in energies.items() if each is not None}
@@ -56,6 +70,8 @@ class Bristles:
 
     def _evaluated(self, states: Array, modes: Any, of: Callable[[Any, Mode], Any]) -> Array:
         """What `of` makes of the energy and a mode, (N,)."""
+        from .contact_regimes import APART, CHATTER_MODE
+
         values = np.zeros(len(states))
         arguments = [*self.automaton.states, *self.automaton.parameters]
         for i in np.unique(modes):
