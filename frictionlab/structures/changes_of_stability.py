@@ -452,8 +452,7 @@ def _settled(
         mode = there.pencil.mode_at(guess)
         if mode is None:
             break
-        slope = there.pencil_derivative(parameter).products(np.array([mode.value]), mode.right[:, None])
-        slope = -complex(mode.left @ slope[:, 0])
+        slope = there.pencil_derivative(parameter).slope_of(mode)
         if (slope.real > 0.0) != (candidate.direction == "loss"):
             break
         step = mode.value.real / slope.real

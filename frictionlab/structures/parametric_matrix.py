@@ -140,7 +140,7 @@ class ParametricMatrix:
 
 def paths_in(given: Any) -> list[Any]:
     """The paths in what a user gives as one matrix of a structure."""
-    matrices = [term[1] for term in given] if _is_list_of_terms(given) else [given]
+    matrices = [term[1] for term in given] if _is_list_of_terms(given, _is_matrix) else [given]
     return [one for one in matrices if isinstance(one, (str, PathLike))]
 
 
@@ -167,22 +167,10 @@ def parametric_matrix(
     """
     if isinstance(given, ParametricMatrix):
         return given
-    if callable(given):
-        terms: list[Any] = _terms_of_function(name, given, parameters)
-    elif _is_list_of_terms(given):
-        terms = list(given)
-    else:
-        return ParametricMatrix(("1",), (_sparse(name, given, files),))
     texts, matrices = [], []
-    for i, term in enumerate(terms):
-        where = name if callable(given) else f"term {i} of {name}"
-        if not is_sequence(term) or len(term) != 2:
-            raise ValueError(
-                f"{where} must be a coefficient and a matrix, got {abbreviate(term)}: "
-                f'write [(1, A), ("r**2 - 1", B)]'
-            )
-        texts.append(_coefficient(where, term[0], parameters))
-        matrices.append(_sparse(where, term[1], files))
+    for where, coefficient, matrix in _terms(name, given, parameters, _is_matrix):
+        texts.append(_coefficient(where, coefficient, parameters))
+        matrices.append(_sparse(where, matrix, files))
     for i, matrix in enumerate(matrices):
         if matrix.shape != matrices[0].shape:
             raise ValueError(
@@ -200,19 +188,10 @@ def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) ->
     ValueError
         As :func:`parametric_matrix`.
     """
-    cure, recorded = "give one force for each freedom", callable(given)
-    if recorded:
-        given = _terms_of_function("load", given, parameters)
-    terms = [(1, given)]
-    if is_sequence(given) and len(given) and all(is_sequence(one) and len(one) == 2 for one in given):
-        pairs: Any = given
-        if all(is_sequence(one[1]) or getattr(one[1], "ndim", 0) for one in pairs):
-            terms = list(pairs)
     texts, columns = [], []
-    for i, (coefficient, force) in enumerate(terms):
-        where = "load" if recorded or len(terms) == 1 else f"term {i} of load"
+    for where, coefficient, force in _terms("load", given, parameters, _is_vector):
         texts.append(_coefficient(where, coefficient, parameters))
-        column = float_array(where, force, cure, finite=True).ravel()
+        column = float_array(where, force, "give one force for each freedom", finite=True).ravel()
         if len(column) != size:
             raise ValueError(
                 f"{where} must have one force for each of {size} freedoms, got {len(column)}: give an array"
@@ -221,12 +200,27 @@ def parametric_vector(given: Any, parameters: Mapping[str, float], size: int) ->
     return ParametricMatrix(tuple(texts), tuple(columns))
 
 
-def _is_list_of_terms(given: Any) -> bool:
+def _terms(
+    name: str, given: Any, parameters: Mapping[str, float], is_part: Callable[[Any], bool]
+) -> list[tuple[str, Any, Any]]:
+    """What errors call each term, its coefficient and its part; of a function, a list, or a single part."""
+    if callable(given):
+        return [(name, *term) for term in _terms_of_function(name, given, parameters)]
+    if _is_list_of_terms(given, is_part):
+        return [(f"term {i} of {name}", *term) for i, term in enumerate(given)]
+    return [(name, 1, given)]
+
+
+def _is_list_of_terms(given: Any, is_part: Callable[[Any], bool]) -> bool:
     return (
         isinstance(given, (list, tuple))
         and bool(given)
-        and all(isinstance(term, (list, tuple)) and len(term) == 2 and _is_matrix(term[1]) for term in given)
+        and all(isinstance(term, (list, tuple)) and len(term) == 2 and is_part(term[1]) for term in given)
     )
+
+
+def _is_vector(given: Any) -> bool:
+    return is_sequence(given) or bool(getattr(given, "ndim", 0))
 
 
 def _is_matrix(given: Any) -> bool:

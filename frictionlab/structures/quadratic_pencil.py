@@ -187,6 +187,10 @@ class QuadraticPencil:
             x, y = x - errors[0], y - errors[1]
         return None
 
+    def slope_of(self, mode: Mode) -> complex:
+        """-y (dQ/dp) x, the derivative of a mode's eigenvalue, where this pencil is dQ/dp."""
+        return -complex(mode.left @ self.products(np.array([mode.value]), mode.right[:, None])[:, 0])
+
     def _quotient(self, y: ComplexArray, x: ComplexArray, guess: complex) -> complex:
         """The root of y Q(s) x = 0 next to a guess."""
         parts = [y @ (part @ x) for part in self.parts]

@@ -386,9 +386,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         mode = self.pencil.mode_at(value) if self.M.parameters else None
         if mode is None or not abs(mode.value - value) <= SAME_EIGENVALUE * abs(value):
             return dict.fromkeys(self.M.parameters, complex(np.nan, np.nan))
-        at, right = np.array([mode.value]), mode.right[:, None]
-        products = {name: self.pencil_derivative(name).products(at, right) for name in self.M.parameters}
-        return {name: -complex(mode.left @ product[:, 0]) for name, product in products.items()}
+        return {name: self.pencil_derivative(name).slope_of(mode) for name in self.M.parameters}
 
     def energy_balance(self, automaton: HybridAutomaton, mode_names: Sequence[str]) -> StructureBalance:
         """Energies and powers along a run with these modes."""
