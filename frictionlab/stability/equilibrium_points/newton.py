@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,7 +46,8 @@ CORRECTOR_STEPS = 40  # next to a fold each halves the distance; nearer than 2^-
 CORNER_STEPS = 6
 SAFE_CHANGE, SAFE_CONTRACTION = 0.5, 0.25  # of the Jacobian within a step, and of the next step
 ROUNDING_OF_OTHERS = 1e-12  # share of the largest state
-STEP_SHARES = 0.47, 1.0  # of a step: at a round one alone what turns may be as at its start
+# Of a step: at a round one alone what turns may be as at its start.
+STEP_SHARES = np.array([[0.47], [1.0]])
 SHORTEST_PART, MOST_PARTS = 2.0**-14, 256  # of the way to other values of the parameters
 CORNER_RTOL = 1e-3  # share of a step over a corner of a law, to which the way back leads to its start
 
@@ -61,11 +63,13 @@ def newton_step(flow: Flow, x: Array, values: Sequence[Any]) -> Array:
 
 
 def _newton_step(matrices: Array, rest: Array) -> Array:
-    """The step (m, N) of Jacobians (N, m, m) and rates (m, N)."""
-    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(rest).all(axis=0)
-    step = np.full_like(rest, np.nan)
-    step[:, usable] = -solve_matrices(matrices[usable], rest.T[usable, :, None])[..., 0].T
-    return step
+    """The step (m, ..., N) of Jacobians (N, m, m) and rates (m, ..., N)."""
+    columns = np.moveaxis(rest, -1, 0)
+    right = columns.reshape(*columns.shape[:2], prod(columns.shape[2:]))  # of no points too
+    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))
+    step = np.full_like(right, np.nan)
+    step[usable] = -solve_matrices(matrices[usable], right[usable])
+    return np.moveaxis(step.reshape(columns.shape), 0, -1)
 
 
 def solve_matrices(matrices: Array, right: Array) -> Any:
@@ -558,29 +562,29 @@ def _part_way(base: float, values: Any, share: Array) -> Any:
 def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any]:
     """Newton's step (m, N) at other values, and where his method converges from there to the zero at hand.
 
-    By Newton and Kantorovich it does where the Jacobian J changes within the step by at most half of itself.
-    The spectral radius of J^-1 dJ tells that share: it depends on no unit, and on no choice of coordinates.
+    By Newton and Kantorovich it does where the Jacobian J changes on the way by at most half of itself.  The
+    spectral radius of J^-1 dJ tells that share: it depends on no unit, and on no choice of coordinates.  A
+    norm in units of the step is no less, and takes no eigenvalues.
     Of a rate that jumps J tells nothing.  So the next step by the same J is at most a quarter of this one, in
-    each state, but for what dJ explains.
+    each state, but for what dJ explains.  Where it is more, dJ is that to where the next step leads.
     """
     matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
-    step = _newton_step(matrices, rates)
+    step, bent = _newton_step(matrices, rates), flow.nonlinear
     safe: Any = np.isfinite(step).all(axis=0)
     if flow.linear or not safe.any():
         return step, safe
-    size = np.abs(step)
-    for share in STEP_SHARES:
-        at = x + share * step
-        changes, rest = flow.jacobian(at, values) - matrices, flow.rhs(at, values) - (1 - share) * rates
-        places = np.flatnonzero(changes.any(axis=(0, 1)))  # of states that enter nonlinearly
-        right = np.dstack([changes[..., places], rest.T])
-        safe &= np.isfinite(right).all(axis=(1, 2))
-        solved: Any = np.nan_to_num(solve_matrices(matrices[safe], right[safe]))
-        ratios, next_steps = solved[..., :-1], np.abs(solved[..., -1]).T
-        radii = np.abs(np.linalg.eigvals(ratios[:, places])).max(axis=1, initial=0.0)
-        explained = np.einsum("nij,jn->in", np.abs(ratios), size[places][:, safe])
-        most = SAFE_CONTRACTION * size[:, safe] + explained + _rounding(x[:, safe])
-        safe[safe] = (radii <= SAFE_CHANGE) & (next_steps <= most).all(axis=0)
+    at, size = x[:, None] + STEP_SHARES * step[:, None], np.abs(step)[:, None]
+    next_step = _newton_step(matrices, flow.rhs(at, values) - (1 - STEP_SHARES) * rates[:, None])
+    quarter = SAFE_CONTRACTION * size + _rounding(x)[:, None]
+    ends = at + np.where((np.abs(next_step) > quarter).any(axis=0), next_step, 0.0)
+    changes = flow.nonlinear_columns(ends, values) - matrices[..., bent]
+    ratios = _newton_step(matrices, changes.transpose(2, 3, 0, 1))  # (m, k, shares, N), but for the sign
+    explained = np.einsum("ij...,j...->i...", np.abs(ratios), size[bent])
+    safe &= ((np.abs(next_step) <= quarter + explained) & np.isfinite(explained)).all(axis=(0, 1))
+    small = (explained[bent] <= SAFE_CHANGE * size[bent]) & (size[bent] > 0)
+    unsure = safe & ~small.all(axis=(0, 1))
+    radii = np.abs(np.linalg.eigvals(ratios[bent][..., unsure].transpose(2, 3, 0, 1))).max(axis=-1)
+    safe[unsure] = (radii <= SAFE_CHANGE).all(axis=0)
     return step, safe
 
 

@@ -160,3 +160,19 @@ def test_a_singular_point_is_no_reference():
 def test_candidates_that_agree_are_one():
     x = np.array([[1.0, 1.0 + 1e-12, 2.0, 1.0], [3.0, 3.0, 3.0, 3.1]])
     np.testing.assert_array_equal(merge_candidates(x), x[:, [0, 2, 3]])
+
+
+@pytest.mark.parametrize(("a", "w"), [(0.5, 2.0), (0.5, 3.0), (1.0, 1.0)])
+def test_a_zero_is_lost_at_a_fold_also_where_another_state_follows(a, w):
+    """p = x + a sin(w x + 1) + sin(y)/2 with y = x^2 folds where dp/dx = 0; others lie beyond."""
+    x = np.linspace(-4.0, 4.0, 80001)
+    p = x + a * np.sin(w * x + 1) + np.sin(x**2) / 2
+    at, turns, middle = np.linspace(-3, 3, 61) + a * np.sin(1), np.diff(p) < 0, len(x) // 2
+    high = p[middle + turns[middle:].argmax()]
+    low = p[middle - turns[middle::-1].argmax() + 1]
+    rates = [P - X - a * sympy.sin(w * X + 1) - sympy.sin(Y) / 2, X**2 - Y]
+    flow = Flow(("p",), formulas_of((X, Y, P), rates), formulas_of((X, Y, P), ()))
+    zeros = follow_zero(flow, np.zeros(2), (a * np.sin(1),), lambda *_: np.True_, (at,), len(at))
+    exists = (low < at) & (at < high)
+    np.testing.assert_array_equal(np.isfinite(zeros).all(axis=0), exists)
+    np.testing.assert_allclose(np.interp(zeros[0, exists], x, p), at[exists], atol=1e-7)
