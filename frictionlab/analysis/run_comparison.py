@@ -3,7 +3,8 @@
 The two runs are of the same motion.  They are compared in their events and, between events, in their states.
 Events close together (two at once, the last bounces before a Zeno point) count as one.  Impacts of bodies
 that as good as rest beside each other do not count: whether they touch is rounding.  Nor does which of two
-contacts holds a velocity that both could hold, as the feet of a rigid body do.
+contacts holds a velocity that both could hold, as the feet of a rigid body do.  Once nothing moves any more,
+events do not count: a mass that comes to rest on bristles vibrates on by rounding errors.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ END_MARGIN_SHARE = 1e-3
 # share of the rates' terms by which two modes that move alike may differ: the same for all methods, as
 # one run would else tell modes apart that count as one in the other
 ALIKE_SHARE = 1e-9
-LEAST_JUMP = 1e-8  # share of the motion's size: an impact that changes no state by this does not count
+# share of the motion's size: an impact that changes no state by this does not count, nor does an event after
+# which no state changes by this any more
+LEAST_JUMP = 1e-8
 COMPARISON_TIMES = 2000  # times at which states are compared, in addition to some within every stay
 SAMPLES_WITHIN_STAY = np.array([0.1, 0.5, 0.9])
 
@@ -117,6 +120,16 @@ def longest_stay(run: Trajectory, end: float) -> float:
     return float(np.diff(t[t < end], prepend=0.0, append=end).max())
 
 
+def standstill_time(run: Trajectory, size: Array) -> float:
+    """The end of the last step at whose start a state differs visibly from that at the end of the run, s;
+    infinite where that is the last step, or nothing moves at all."""
+    apart = np.abs(run.raw.step_states[:, : len(size)] - run.final_state) / size
+    moving = np.flatnonzero((apart > LEAST_JUMP).any(axis=1))
+    if not len(moving) or moving[-1] == len(apart) - 1:
+        return np.inf
+    return float(run.raw.step_times[moving[-1]].sum())
+
+
 def accumulation_time(run: Trajectory) -> float:
     """A time just before the first Zeno accumulation; infinite where there is none.
 
@@ -144,15 +157,16 @@ def compare_runs(
     longest = longest_stay(other, end)
     together = SIMULTANEOUS_SHARE * longest
     one, two = mode_stays(run, together, size, other), mode_stays(other, together, size, run)
-    differs_at = first_event_difference(one, two, end, END_MARGIN_SHARE * longest)
+    still = min(end, standstill_time(run, size), standstill_time(other, size))
+    differs_at = first_event_difference(one, two, still, END_MARGIN_SHARE * longest)
     end = min(end, differs_at)
     t = _comparison_times(two, end) if is_of_series(other) else other.raw.step_times[:, 0]
-    t = t[
-        (t <= end)
-        & _between_events(one, t, together)
+    apart = (
+        _between_events(one, t, together)
         & _between_events(two, t, together)
         & (_events_before(one.first, t) == _events_before(two.first, t))
-    ]
+    )
+    t = t[(t <= end) & (apart | (t > still))]
     deviation = np.abs((run(t) - other(t)) / size).max(axis=1, initial=0.0)
     beyond = np.flatnonzero(~(deviation <= max_deviation))
     if len(beyond):

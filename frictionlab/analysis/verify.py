@@ -18,6 +18,7 @@ from frictionlab.analysis.run_comparison import (
     RunComparison,
     accumulation_time,
     compare_runs,
+    standstill_time,
 )
 from frictionlab.analysis.run_conditions import broken_condition, judged_size, unjudged_steps
 from frictionlab.hybrid.kernels.jets import MACHINE_EPSILON, MAX_ORDER
@@ -167,7 +168,8 @@ def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verifi
     third = _independent_run(motion, second, size, clear)
     comparisons = same, compare_runs(run, third, size, np.inf) if third else RunComparison(0.0, 0.0, np.inf)
     why = _reason_for_doubt(run, second, *comparisons)
-    verdict = f"Do not trust this run: {why}." if why else _agreement_message(run, third, until, comparisons)
+    agreement = _agreement_message(run, second, third, until, comparisons)
+    verdict = f"Do not trust this run: {why}." if why else agreement
     agree = all(each.differs_at == np.inf for each in comparisons)
     error = max(each.error for each in comparisons)
     return Verification(run, error, until, comparisons[1].until, agree, run.defect, not why, verdict)
@@ -236,7 +238,7 @@ def _independent_run(motion: RunSetup, second: Trajectory, size: Array, until: f
 
     Where the neighbouring run deviates, `until`, errors of a method with a tolerance have grown as well.
     """
-    end = min(until, accumulation_time(second))
+    end = min(until, accumulation_time(second), standstill_time(second, size))
     if not end > 0.0:
         return None
     tolerances = INDEPENDENT_RTOL, INDEPENDENT_RTOL * float(size.min())
@@ -261,7 +263,11 @@ def _reason_for_doubt(run: Trajectory, second: Trajectory, same: RunComparison, 
 
 
 def _agreement_message(
-    run: Trajectory, third: Trajectory | None, until: float, comparisons: tuple[RunComparison, RunComparison]
+    run: Trajectory,
+    second: Trajectory,
+    third: Trajectory | None,
+    until: float,
+    comparisons: tuple[RunComparison, RunComparison],
 ) -> str:
     """The verdict where the runs agree."""
     count = int((run.raw.event_times <= until).sum())
@@ -276,7 +282,7 @@ def _agreement_message(
         text = f"The runs {agree} up to t = {until:.4g} s, {events}; "
         text += f"after that it cannot be predicted: {UNPREDICTABLE_MESSAGE}"
     if independent < until:
-        limit = _comparison_limit(run, third)
+        limit = _comparison_limit(second, third)
         text += f" The independent method was compared up to t = {independent:.4g} s, {limit}."
     if not run.status.ok:
         text += f" There the run ended: {run.status}."
@@ -285,12 +291,14 @@ def _agreement_message(
     return " ".join(filter(None, [text, unjudged_steps(run), unjudged_statement(run)]))
 
 
-def _comparison_limit(run: Trajectory, third: Trajectory | None) -> str:
+def _comparison_limit(second: Trajectory, third: Trajectory | None) -> str:
     """Why the comparison with the independent method ended."""
     if third is not None and third.status is Status.STEP_CAP:
         return f"where it had taken {len(third.raw.step_modes)} steps"
     if third is not None and not third.status.ok:
         return f"where it ended ({third.status})"
-    if third is not None and third.raw.t < accumulation_time(run):
+    if third is not None and third.raw.t == standstill_time(second, judged_size(second)):
+        return "from where on nothing moves"
+    if third is not None and third.raw.t < accumulation_time(second):
         return "where errors of its size have grown too large"
     return "at a Zeno accumulation of events"

@@ -195,6 +195,14 @@ def test_directions_of_slow_slip_are_told_apart_in_the_independent_run_too():
     assert {"slip+ | slip+", "slip+ | slip-"} <= {*found.run.events.target}
 
 
+def test_events_of_a_mass_that_rounding_errors_alone_move_do_not_count():
+    resting = fl.MassOnBelt(friction=fl.LuGre(), v=0.0)
+    found = fl.verify(resting, 6.0, x0={"x": -0.1}, progress=False)
+    assert found.ok, str(found)
+    assert 3.0 < found.independent_until < 4.5  # the decay of the bristles' vibration to a share of 1e-8
+    assert str(found).endswith("from where on nothing moves.")
+
+
 @fl.model
 class RotorInStator(fl.MechanicalModel):
     """A rotor that rubs along a stator: its v_r is 0/0 in the centre."""
