@@ -173,6 +173,7 @@ from .models.zoo.structures_in_modes import DiscAndPads as DiscAndPads
 from .models.zoo.structures_in_modes import MassOnBeam as MassOnBeam
 from .pages.export import export_page as export_page
 from .plotting import animate as animate
+from .plotting import label_modes as label_modes
 from .plotting import plot_run as plot_run
 from .plotting import plot_spectrogram as plot_spectrogram
 from .plotting.appearance import style as style

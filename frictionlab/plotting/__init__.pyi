@@ -7,6 +7,7 @@ from .figure import add_missing_legend as add_missing_legend
 from .figure import axes_or_new as axes_or_new
 from .overview import Spectrum as Spectrum
 from .overview import amplitude_spectrum as amplitude_spectrum
+from .overview import label_modes as label_modes
 from .overview import plot_amplitudes as plot_amplitudes
 from .overview import plot_energies as plot_energies
 from .overview import plot_phase_plane as plot_phase_plane

@@ -16,6 +16,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import Normal, Stroke
+from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
 
 from frictionlab.analysis.motion_scales import (
@@ -35,13 +37,16 @@ from frictionlab.plotting.appearance import (
     BLUE,
     DASHED,
     ENERGY_COLOURS,
+    HALO_WIDTH,
     LEGEND_SHADE,
     SPARE_COLOURS,
     VERMILLION,
     WORK_COLOURS,
+    background,
     crowding,
     font_size,
     in_print,
+    ink,
     legible,
     line_width,
     marker_size,
@@ -78,7 +83,7 @@ from frictionlab.plotting.time_histories import (
 )
 from frictionlab.plotting.turns import cut_at_turns, tick_turns, turning_angles
 from frictionlab.presentation import output_unit, unit_of_state
-from frictionlab.validation import check_choice, check_number, explains_keywords
+from frictionlab.validation import abbreviate, check_choice, check_number, explains_keywords
 
 if TYPE_CHECKING:
     from frictionlab.analysis.energy_audit import EnergyAudit
@@ -90,6 +95,8 @@ DECADES = 5
 SPECTROGRAM_DECADES = 4  # 80 dB
 SIZE, FONT_SIZE = (12.0, 7.0), 9.0  # inches, points
 MOST_IN_LEGEND = 6  # modes on sides of the borders of laws in pieces
+SHORTEST_LABELLED = 0.02  # of the size of a panel
+LABEL_DISTANCE = 5.0  # points between a line and its name
 LONGEST_TITLE = 400  # characters of a model that are shown
 
 
@@ -151,6 +158,83 @@ def plot_phase_plane(
     if isinstance(ax.xaxis.get_major_locator(), MaxNLocator):
         ax.locator_params(axis="x", nbins=round(6 / crowding()))  # small numbers have long labels
     return restyle(lines, line)
+
+
+def label_modes(ax: Axes) -> list[Annotation]:
+    """Write the name of each mode, as stick and slip, beside its line in a phase plane, in place of a legend.
+
+    A name stands once, at the longest stretch of its line.  A mode whose longest stretch is shorter than a
+    fiftieth of the panel, as the flights of chatter, gets none.
+
+    Parameters
+    ----------
+    ax : Axes
+        With the lines of :func:`plot_phase_plane`, or of an orbit or a steady state.
+
+    Returns
+    -------
+    list of Annotation
+
+    Examples
+    --------
+    >>> import frictionlab as fl
+    >>> orbit = fl.periodic_orbit(fl.MassOnBelt(), fl.simulate(fl.MassOnBelt(), 30.0))
+    >>> [text.get_text() for text in fl.label_modes(orbit.plot())]
+    ['stick', 'slip+']
+    """
+    if not isinstance(ax, Axes):
+        raise TypeError(
+            f"ax must be axes of matplotlib, got {abbreviate(ax)}: write fl.label_modes(orbit.plot())"
+        )
+    ax.autoscale_view()  # else matplotlib finds the limits when they are first asked for
+    curves = {line: _longest_stretch(line) for line in ax.lines if not str(line.get_label()).startswith("_")}
+    curves = {line: way for line, way in curves.items() if _length(way) > SHORTEST_LABELLED}
+    if not curves:
+        return []
+    middle = np.nanmean(np.concatenate(list(curves.values())), axis=0)
+    texts = [_label_inside(line, way, middle) for line, way in curves.items()]
+    figure: Any = ax.figure
+    for legend in (ax.get_legend(), *(figure.legends if figure.axes == [ax] else ())):
+        if legend is not None:
+            legend.remove()
+    return texts
+
+
+def _longest_stretch(line: Line2D) -> Array:
+    """Points (N, 2) of the longest part of a line without a break, as shares of the panel."""
+    ax: Any = line.axes
+    points = ax.transAxes.inverted().transform(ax.transData.transform(line.get_xydata()))
+    breaks = np.flatnonzero(np.isnan(points).any(axis=1))
+    return max(np.split(points, breaks), key=_length, default=points)
+
+
+def _length(points: Array) -> float:
+    steps = np.diff(points[~np.isnan(points).any(axis=1)], axis=0)
+    return float(np.hypot(*steps.T).sum())
+
+
+def _label_inside(line: Line2D, way: Array, middle: Array) -> Annotation:
+    """The label of a line at the middle of a stretch of it, on the side of the middle of all lines."""
+    way = way[~np.isnan(way).any(axis=1)]
+    along = np.append(0.0, np.hypot(*np.diff(way, axis=0).T).cumsum())
+    place = np.array([np.interp(0.5 * along[-1], along, column) for column in way.T])
+    i = min(int(np.searchsorted(along, 0.5 * along[-1])), len(way) - 1)
+    direction = way[i] - way[max(i - 1, 0)]
+    inwards = np.array([-direction[1], direction[0]]) / (np.hypot(*direction) or 1.0)
+    inwards *= 1.0 if inwards @ (middle - place) >= 0 else -1.0
+    ax: Any = line.axes
+    return ax.annotate(
+        line.get_label(),
+        place,
+        xycoords="axes fraction",
+        xytext=font_size(LABEL_DISTANCE) * inwards,
+        textcoords="offset points",
+        ha="left" if inwards[0] > 0.3 else "right" if inwards[0] < -0.3 else "center",
+        va="bottom" if inwards[1] > 0.3 else "top" if inwards[1] < -0.3 else "center",
+        color=ink(ax),
+        path_effects=[Stroke(linewidth=2.0 * HALO_WIDTH, foreground=background(ax)), Normal()],
+        annotation_clip=False,
+    )
 
 
 def label_phase_plane(run: Trajectory, ax: Axes, name: str, title: str) -> None:

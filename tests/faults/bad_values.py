@@ -255,6 +255,7 @@ def doors() -> dict[str, Door]:
             {"run": _run(), "f_max": 20.0, "window": 0.25},
             names=("run", "name", "f_max", "window"),
         ),
+        "label_modes": Door(fl.label_modes, {"ax": fl.plot_run(_run()).axes[1]}),
         "animate": Door(fl.animate, {"run": _run()}),
         "watch": Door(fl.watch, {"run": _run()}),
         "listen": Door(fl.listen, {"run": _run()}),

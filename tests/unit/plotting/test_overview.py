@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 import frictionlab as fl
 from frictionlab import plotting
+from tests.helpers.results import result
 
 MODEL = fl.SliderOnBelt(mu_k=1.4)
 
@@ -82,6 +83,28 @@ def test_a_cyclic_coordinate_whose_rate_has_any_name_has_the_spectrum_of_that_ra
     turning = fl.HybridAutomaton((phi, omega), (fl.Mode("on", (omega, -sp.sin(phi))),), {}, 1, ("phi",))
     run = fl.solve(turning, 60.0, x0=[0.0, 3.0], progress=False)
     assert fl.plot_run(run).axes[3].get_ylabel() == "amplitude of $omega$"
+
+
+def test_names_of_modes_stand_beside_their_lines_in_place_of_a_legend():
+    ax = result("orbit").plot()
+    texts = fl.label_modes(ax)
+    lines = {str(line.get_label()): line for line in ax.lines}
+    assert {text.get_text() for text in texts} == {"stick", "slip+"}
+    assert not ax.figure.legends
+    assert ax.get_legend() is None
+    FigureCanvasAgg(ax.figure).draw()
+    for text in texts:
+        points = ax.transAxes.inverted().transform(
+            ax.transData.transform(lines[text.get_text()].get_xydata())
+        )
+        assert np.nanmin(np.hypot(*(points - text.xy).T)) < 0.01
+        assert ax.get_window_extent().contains(*text.get_window_extent().get_points().mean(axis=0))
+
+
+def test_labels_of_modes_need_axes_and_lines():
+    assert fl.label_modes(Figure().add_subplot()) == []
+    with pytest.raises(TypeError, match=r"ax must be axes of matplotlib, got None: write fl.label_modes"):
+        fl.label_modes(None)
 
 
 def test_states_of_an_automaton_have_no_unit_that_nobody_states():
