@@ -85,19 +85,21 @@ def equilibrium_problem(
 def _problem_within(
     model: ModelOrAutomaton, within: Mapping[str, Sequence[float] | Array]
 ) -> EquilibriumProblem | None:
-    """The problem at the nearest values that have an equilibrium; None where that of the model's own values
-    can be followed, or there is no other.
+    """The problem at the model's own values, or where it cannot be followed, at the nearest that have an
+    equilibrium; None where none has.
 
-    They are at shares of the ranges that are not round: an equilibrium at a fold could not be followed.
+    These are at shares of the ranges that are not round: an equilibrium at a fold could not be followed.
     """
     automaton, sliding = automaton_at_rest(model), is_sliding(model)
     own = np.array([automaton.values[name] for name in within])
     spans = np.array([np.ptp(values) or 1.0 for values in within.values()])
     if first_mode_equilibria(automaton, sliding).points.size:
-        beside = own[:, None] + BESIDE_SHARES * spans[:, None]
         problem = equilibrium_problem(model)
+        if problem.flow.linear:  # it has no fold
+            return problem
+        beside = own[:, None] + BESIDE_SHARES * spans[:, None]
         if np.isfinite(problem.solve(*problem.at(dict(zip(within, beside))))).all(axis=0).any():
-            return None
+            return problem
     some = [np.unique(np.min(values) + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))
