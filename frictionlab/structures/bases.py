@@ -314,7 +314,7 @@ def _statically_held(K: Matrix, rigid: Array) -> tuple[Product, Array]:
     parts: Any = linalg.qr(rigid.T, mode="r", pivoting=True)
     order = parts[1]
     others, held = np.sort(order[rigid.shape[1] :]), order[: rigid.shape[1]]
-    solve_others = static_solver(K[others][:, others])
+    solve_others = static_solver(K[others][:, others]) if len(others) else np.copy
 
     def solve(f: Array) -> Array:
         q = np.zeros_like(f)

@@ -232,20 +232,20 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
 
     path: Any = track_modes(modes(at), modes)
     n = structure.size
-    values, unstable = path.values, path.unstable
+    values, unstable, known = path.values, path.unstable, np.ones(path.values.shape, dtype=bool)
     if np.isnan(values).all():
         check_settling(structure, parameter, at)
     if structure.order > 2 * n:
-        values[spectra.of_open_contacts({parameter: at}, path.right)] = complex(np.nan, np.nan)
-    shapes, shares = mode_shapes(path.right, n), participation_factors(path.left, path.right, n)
+        known = ~spectra.of_open_contacts({parameter: at}, path.right)
     if structure.window is not None:
         low, high = structure.window
         frequencies = values.imag / (2 * np.pi)
-        inside = (low <= frequencies) & (frequencies <= high)
-        chosen = inside.any(axis=0)
-        values = np.where(inside, values, complex(np.nan, np.nan))[:, chosen]
-        shapes, shares = shapes[:, :, chosen], shares[:, :, chosen]
+        known &= (low <= frequencies) & (frequencies <= high)
         unstable = np.array([Sample.of(structure, {parameter: float(p)}).growing for p in at])
+    chosen = known.any(axis=0)
+    values = np.where(known, values, complex(np.nan, np.nan))[:, chosen]
+    right, left = path.right[:, :, chosen], path.left[:, chosen]
+    shapes, shares = mode_shapes(right, n), participation_factors(left, right, n)
     return RootLocus(structure, parameter, at, values, structure.coordinates, shapes, shares, unstable)
 
 
