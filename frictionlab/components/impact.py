@@ -153,7 +153,7 @@ class FrictionalImpact(RestitutionImpact):
 
     The tangential impulse stops the sliding where the friction cone allows it, and opposes it otherwise.  The
     normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
-    from those before it; the two differ only in proportion to the belt's angle, which couples the impulses.
+    from those before it; the two differ where the belt's angle, or the masses, couple the impulses.
     At stops and in structures both impulses are found together, in the cone and without gain of energy.  A
     law with a :meth:`friction` of its own is asked for it everywhere.
 

@@ -17,6 +17,7 @@ from scipy.sparse import linalg as sparse_linalg
 
 from frictionlab.presentation import count, in_units_of
 from frictionlab.stability.equilibrium_points.equilibria import Equilibrium
+from frictionlab.stability.equilibrium_points.newton import solve_matrices
 from frictionlab.stability.state_matrices import inverse_of
 from frictionlab.structures.parametric_matrix import Matrix
 from frictionlab.structures.quadratic_pencil import factorised
@@ -237,8 +238,7 @@ def newton_of_many(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Equilibria (N, n) of structures with full K (N, n, n) from one start (n,), and which were found (N,).
 
-    Newton's method with whole steps; one that does not lower the residual, opens all contacts or meets a
-    singular tangent ends it.
+    Newton's method with whole steps; one that does not lower the residual or opens all contacts ends it.
     """
     q, columns = np.tile(start, (len(K), 1)), {name: each[:, None] for name, each in values.items()}
     found, going = np.zeros((2, len(K)), dtype=bool)
@@ -257,11 +257,7 @@ def newton_of_many(
             if not going.any():
                 break
             tangents = K + sum(one.steady_stiffness(f) for one, f in zip(contacts, forces, strict=True))
-            try:
-                steps = np.linalg.solve(tangents[going], left_over[going][..., None])
-            except np.linalg.LinAlgError:  # one of them is singular, and the others are not
-                going &= np.linalg.slogdet(tangents)[0] != 0.0
-                steps = np.linalg.solve(tangents[going], left_over[going][..., None])
+            steps = solve_matrices(tangents[going], left_over[going][..., None])
             q[going] -= steps[..., 0]
             size = new
     return q, found
