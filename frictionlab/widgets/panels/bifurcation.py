@@ -8,8 +8,8 @@ once; the coarse diagram; the values between; then longer runs of motions that h
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Container, Mapping, Sequence
+from operator import itemgetter
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.sweeps.bifurcation import bifurcation, steady_state_task
-from frictionlab.analysis.sweeps.tasks import run_tasks
+from frictionlab.analysis.sweeps.bifurcation import bifurcation
 from frictionlab.components.component import Parameter
 from frictionlab.models.model import automaton_of, check_parameter_name, parameters_about, values_of
 from frictionlab.pages.scene import Data, Shown, last_value, number, slider_range
@@ -37,8 +36,7 @@ from frictionlab.widgets.update_scheduler import running_loop
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
-WINDOWS_PER_EXTENSION = 10  # windows by which a motion that has not settled is extended at a time
-MAX_EXTENSIONS = 20  # most such extensions of a motion
+EXTENSIONS = 40, 200  # windows that motions get which have not settled, at stages 2 and 3
 # The transient of a preview is one window.  There are previews only where the full transient has at least so
 # many windows: otherwise they would take hardly less time than the results.
 LEAST_WINDOWS_OF_TRANSIENT = 4
@@ -52,26 +50,18 @@ SELECTED_VALUE_LINE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder"
 
 
 class SteadyStatePoints(NamedTuple):
-    """Kind of motion, and section points (K, 2n)."""
+    """Kind of motion, and section points (K, 2n), as they are known after a stage of the computation."""
 
     kind: str
     states: Array
-
-
-class UnsettledMotion(NamedTuple):
-    """A motion that has not settled: the state (2n,) and mode from which it goes on, and its extensions."""
-
-    final: list[float]
-    mode: str
-    times: int
+    stage: int
 
 
 class ProgressiveSweep:
     """Steady states of a model, those of :func:`frictionlab.bifurcation`, found a few at a time.
 
-    First the motion at every value gets one window after the transient; then those that have not settled go
-    on, window by window as with `t_max`, the least advanced first.  A preview is the result of a short
-    transient.
+    Stage 0 is a preview, of a short transient.  Stage 1 gives every value one window after the transient.
+    Motions that have not settled then get more of them, as with `t_max`.
 
     Parameters
     ----------
@@ -82,93 +72,59 @@ class ProgressiveSweep:
 
     Attributes
     ----------
-    steady_states : dict of float to SteadyStatePoints
-    previews : dict of float to SteadyStatePoints
-        Values that have a preview; what is found replaces it.
-    unsettled : dict of float to UnsettledMotion
-        Motions that are to be extended.
+    known : dict of float to SteadyStatePoints
+        What is known at values of the parameter.
     """
 
     def __init__(self, model: Shown, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
-        self.steady_states: dict[float, SteadyStatePoints] = {}
-        self.previews: dict[float, SteadyStatePoints] = {}
-        self.unsettled: dict[float, UnsettledMotion] = {}
+        self.known: dict[float, SteadyStatePoints] = {}
+        self.has_previews = options.transient >= LEAST_WINDOWS_OF_TRANSIENT * options.window
 
-    def left(self, values: Sequence[float]) -> list[float]:
-        """The values still to be computed: first those without a result, then those to be extended."""
-        missing = [value for value in _coarse_to_fine(values) if value not in self.steady_states]
-        open_ones = [value for value in values if value in self.unsettled]
-        return missing + sorted(open_ones, key=lambda value: self.unsettled[value].times)
+    @property
+    def steady_states(self) -> dict[float, SteadyStatePoints]:
+        """What is more than a preview."""
+        return {value: found for value, found in self.known.items() if found.stage}
 
-    def shown(self, value: float) -> SteadyStatePoints | None:
-        """What is known of a value so far."""
-        return self.steady_states.get(value) or self.previews.get(value)
+    def left(self, values: Sequence[float], previews: Container[float] = ()) -> list[tuple[int, float]]:
+        """The stages still to be computed, the first ones first; some values have previews before them."""
+        stages = ((self._next_stage(value, value in previews), value) for value in _coarse_to_fine(values))
+        return sorted(((stage, value) for stage, value in stages if stage is not None), key=itemgetter(0))
 
-    def preview(self, values: Sequence[float]) -> bool:
-        """Preview some values of which nothing is known; False if there are none or it would save no time."""
-        new = [value for value in _coarse_to_fine(values) if self.shown(value) is None]
-        options = self.options
-        if not new or options.transient < LEAST_WINDOWS_OF_TRANSIENT * options.window:
-            return False
-        results = self._compute(new[:PREVIEW_BATCH_SIZE], replace(options, transient=options.window))
-        self.previews |= {value: _points(result) for value, result in results.items()}
-        return True
+    def _next_stage(self, value: float, previewed: bool) -> int | None:
+        found = self.known.get(value)
+        if found is None:
+            return 0 if previewed and self.has_previews else 1
+        goes_on = not found.stage or (found.kind == MotionKind.NOT_SETTLED and found.stage <= len(EXTENSIONS))
+        return found.stage + 1 if goes_on else None
 
-    def work(self, values: Sequence[float]) -> None:
+    def work(self, values: Sequence[float], previews: Container[float] = ()) -> None:
         """Compute results for about as long as there is between two pictures."""
         end = perf_counter() + TIME_SLICE
-        while (left := self.left(values)) and perf_counter() < end:
-            new = [value for value in left[:BATCH_SIZE] if value not in self.steady_states]
-            if new:
-                self._start(new)
-            else:
-                self._extend(left[:BATCH_SIZE])
+        while (left := self.left(values, previews)) and perf_counter() < end:
+            stage = left[0][0]
+            size = BATCH_SIZE if stage else PREVIEW_BATCH_SIZE
+            self._compute(stage, [value for its, value in left[:size] if its == stage])
 
-    def _start(self, values: list[float]) -> None:
-        for value, result in self._compute(values, self.options).items():
-            self._keep(value, result, 0)
-
-    def _compute(self, values: list[float], options: SteadyStateOptions) -> dict[float, Any]:
+    def _compute(self, stage: int, values: list[float]) -> None:
+        transient, window, t_max = self.options.transient, self.options.window, None
+        if not stage:
+            transient = window
+        elif stage > 1:  # half a window more, so that rounding does not lose one
+            t_max = transient + (EXTENSIONS[stage - 2] + 0.5) * window
         done = bifurcation(
             self.model,
             self.parameter,
             values,
             self.x0,
-            transient=options.transient,
-            window=options.window,
-            method=options.method,
+            transient=transient,
+            window=window,
+            t_max=t_max,
+            method=self.options.method,
             progress=False,
         )
-        return {value: done.results[i] for i, value in enumerate(values)}
-
-    def _extend(self, values: list[float]) -> None:
-        # Half a window more, so that rounding does not lose one.
-        longest = (WINDOWS_PER_EXTENSION + 0.5) * self.options.window
-        options = replace(self.options, transient=0.0, t_max=longest)
-        models = [self.model.replace(**{self.parameter: value}) for value in values]
-        ends = [self.unsettled[value] for value in values]
-        names = [f"{self.parameter} = {value:g}" for value in values]
-
-        def keep(i: int, result: Any) -> None:
-            self._keep(values[i], result, self.unsettled[values[i]].times + 1)
-
-        run_tasks(
-            steady_state_task,
-            [(m, np.array(end.final), options, end.mode) for m, end in zip(models, ends)],
-            keep=keep,
-            name=names.__getitem__,
-        )
-
-    def _keep(self, value: float, result: Any, times: int) -> None:
-        self.steady_states[value] = _points(result)
-        self.unsettled.pop(value, None)
-        if result["kind"] == MotionKind.NOT_SETTLED and times < MAX_EXTENSIONS:
-            self.unsettled[value] = UnsettledMotion(result["final"], result["mode"], times)
-
-
-def _points(result: Mapping[str, Any]) -> SteadyStatePoints:
-    return SteadyStatePoints(result["kind"], np.array(result["section"]).reshape(-1, len(result["final"])))
+        for value, kind, states in zip(values, done.kinds, done.sections, strict=True):
+            self.known[value] = SteadyStatePoints(kind, states, stage)
 
 
 def _coarse_to_fine(values: Sequence[float]) -> list[float]:
@@ -241,7 +197,7 @@ class BifurcationPanel:
         waiting = kinds.count(MotionKind.NOT_SETTLED)
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
         note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
-        previews = sum(value not in sweep.steady_states for value in inside)
+        previews = sum(not steady.stage for steady in inside.values())
         note += f"\n{previews} of a short transient" if previews else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
@@ -252,17 +208,15 @@ class BifurcationPanel:
         all are there."""
         low, high = limits
         fine = np.linspace(low, high, GRID_VALUES)
-        coarse = fine[::GRID_STEP]
         # In a script nobody watches the diagram fill: it gets the coarse one only, without a preview.
-        watched = running_loop() is not None
-        grid = (fine if watched else coarse).tolist()
+        watched, coarse = running_loop() is not None, fine[::GRID_STEP].tolist()
+        grid = fine.tolist() if watched else coarse
         values = [*grid, *(v for v in sweep.steady_states if low <= v <= high and v not in grid)]
         # After a change by a slider or a click the present diagram is shown before more is computed.
-        begun = bool(sweep.steady_states or sweep.previews)
-        if (result is self._shown or not begun) and not (watched and sweep.preview(coarse.tolist())):
-            sweep.work(values)
+        if result is self._shown or not sweep.known:
+            sweep.work(values, coarse if watched else ())
         self._shown, left = result, len(sweep.left(values))
-        inside = {value: known for value in values if (known := sweep.shown(value))}
+        inside = {value: sweep.known[value] for value in values if value in sweep.known}
         return inside, len(values), (len(values) - left, len(values)) if left else None
 
     def _sweep_for(self, result: Any) -> ProgressiveSweep:
@@ -281,7 +235,7 @@ class BifurcationPanel:
 
 
 def _section_curve(steady: Mapping[float, SteadyStatePoints], kind: str, column: int) -> Curve:
-    chosen = [(value, states[:, column]) for value, (its, states) in steady.items() if its == kind]
+    chosen = [(value, states[:, column]) for value, (its, states, _) in steady.items() if its == kind]
     x = [np.full(len(states), value) for value, states in chosen]
     y = [states for _, states in chosen]
     style = {"linestyle": "none", **MOTION_STYLES[kind]}

@@ -112,6 +112,11 @@ def block():
     return explorer
 
 
+def waiting(panel):
+    """Values whose motions have not settled."""
+    return {value for value, found in panel.steady_states.items() if found.kind == "not settled yet"}
+
+
 def shown(explorer):
     curves = explorer.drawings["bifurcation"].curves
     return np.unique(np.concatenate([np.asarray(c.x) for label, c in curves.items() if label != "_here"]))
@@ -140,7 +145,7 @@ def test_the_points_are_those_of_the_analysis(diagram):
     model = FLAT.replace(mu_s=4.0)
     options = {"transient": 5.0, "window": 10.0, "t_max": LONGEST, "method": method, "progress": False}
     expected = fl.bifurcation(model, "mu_k", [0.6], **options)
-    kind, states = found[0.6]
+    kind, states, _ = found[0.6]
     assert kind == expected.kinds[0]
     assert np.array_equal(states, expected.sections[0])
 
@@ -160,9 +165,9 @@ def test_the_slider_of_the_parameter_selects_a_value_and_computes_no_diagram(blo
 def test_another_parameter_means_another_diagram(diagram):
     panel = diagram.panels["bifurcation"]
     assert diagram.widget.scene["settles"] == "mu_k"  # only this one is followed while it moves
-    before = panel.steady_states
+    before = panel.sweep
     diagram.controls["F"].value = 250.0
-    assert panel.steady_states is not before
+    assert panel.sweep is not before
     assert len(panel.steady_states) == 24
 
 
@@ -176,7 +181,7 @@ def filled():
         for value in (4.0, 4.5, 5.0):
             explorer.controls["transient"].value = value  # another diagram, before the first is done
         while explorer.progress:
-            done = len(panel.steady_states) - len(panel.sweep.unsettled)
+            done = len(panel.steady_states) - len(waiting(panel))
             seen.append((dict(panel.steady_states), done, explorer.widget.picture["progress"]))
             await asyncio.sleep(0.02)
         return explorer, seen
@@ -194,7 +199,7 @@ def test_in_an_event_loop_the_diagram_fills_while_newer_values_are_heard(filled)
     assert explorer.drawings["bifurcation"].note == "300 values"
     assert explorer.error is None
     assert panel.sweep.options.transient == 5.0
-    assert not panel.sweep.previews  # they would take as long
+    assert not panel.sweep.has_previews  # they would take as long
 
 
 @pytest.mark.slow
@@ -220,23 +225,23 @@ def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
         while len(sweep.steady_states) < 12:
             await asyncio.sleep(0.02)
             note = explorer.drawings["bifurcation"].note
-            seen.append((len(sweep.previews), len(sweep.steady_states), note, len(shown(explorer))))
+            seen.append((len(sweep.known), len(sweep.steady_states), note, len(shown(explorer))))
         explorer.close()
         return sweep, seen
 
     sweep, seen = asyncio.run(browser())
-    at_first = [previews for previews, found, *_ in seen if not found]
+    at_first = [known for known, found, *_ in seen if not found]
     assert at_first == sorted(at_first)
     assert at_first[-1] == 24
-    for previews, found, note, drawn in seen:
-        assert note.startswith(f"{previews} of 300 values")
-        assert note.endswith(f"{previews - found} of a short transient")
-        assert drawn == previews
+    for known, found, note, drawn in seen:
+        assert note.startswith(f"{known} of 300 values")
+        assert note.endswith(f"{known - found} of a short transient")
+        assert drawn == known
     assert (sweep.options.transient, sweep.options.window) == (100.0, 10.0)
     options = {"transient": 10.0, "window": 10.0, "method": sweep.options.method, "progress": False}
-    value = max(sweep.previews)
+    value = max(value for value, found in sweep.known.items() if not found.stage)
     alone = fl.bifurcation(sweep.model, "mu_k", [value], **options)
-    kind, states = sweep.previews[value]
+    kind, states, _ = sweep.known[value]
     assert kind == alone.kinds[0]
     assert np.array_equal(states, alone.sections[0])
 
@@ -306,28 +311,27 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
         while explorer.progress:
             await asyncio.sleep(0.02)
             note = explorer.drawings["bifurcation"].note
-            notes.append((len(panel.steady_states), note, set(panel.sweep.unsettled)))
+            notes.append((len(panel.steady_states), note, waiting(panel)))
         return explorer, notes
 
     explorer, notes = asyncio.run(browser())
-    filled = [(note, waiting) for count, note, waiting in notes if count == 300]
+    filled = [(note, left) for count, note, left in notes if count == 300]
     assert filled[0][0] == f"300 values, {len(filled[0][1])} not settled yet"
     assert len(filled[0][1]) > 12
-    assert [len(waiting) for _, waiting in filled] == sorted((len(w) for _, w in filled), reverse=True)
+    assert [len(left) for _, left in filled] == sorted((len(left) for _, left in filled), reverse=True)
     assert filled[-1] == ("300 values", set())
     panel, value = explorer.panels["bifurcation"], max(filled[0][1])
     options = {"transient": 40.0, "window": 10.0, "t_max": LONGEST}
     options["method"] = panel.sweep.options.method
     alone = fl.bifurcation(FULL, "mu_k", [value], progress=False, **options)
-    kind, states = panel.steady_states[value]
+    kind, states, _ = panel.steady_states[value]
     assert kind == alone.kinds[0] == "periodic"
     assert np.array_equal(states, alone.sections[0])
 
 
 @pytest.mark.slow
 def test_what_never_settles_is_left_as_it_is_and_no_picture_waits_for_it(monkeypatch):
-    monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.MAX_EXTENSIONS", 2)
-    monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.WINDOWS_PER_EXTENSION", 1)
+    monkeypatch.setattr("frictionlab.widgets.panels.bifurcation.EXTENSIONS", (1, 2))
 
     async def browser():
         explorer = watched(fl.explore_bifurcation(FULL))
