@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from frictionlab.pages.scene import Shown, slider_range
 from frictionlab.plotting.appearance import BLACK, BLUE, VERMILLION
 from frictionlab.plotting.figure import Curve, Drawing
 from frictionlab.plotting.labels import parameter_label
-from frictionlab.stability import CriticalCurve
 from frictionlab.stability.boundaries.stability_changes import curve_and_gaps
 from frictionlab.widgets.panels.standard import apart_from
 from frictionlab.widgets.update_scheduler import running_loop
@@ -46,7 +44,10 @@ class CriticalValuePanel:
         self.parameter, self.over = parameter, over
         self.bounds, self.sides = (slider_range(about[n], values[n]) for n in (parameter, over))
         self.pick = over, parameter  # what a click sets: the model moves there
-        self._curves: dict[Any, _CurveInParts] = {}
+        # At the ends there may be no contact force, or a mass may be zero.
+        at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
+        self.parts = [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)]
+        self._curves: dict[Any, dict[float, float]] = {}  # critical values over the other parameter
         self._shown: Any = None
 
     def __call__(self, result: Result) -> Drawing:
@@ -57,51 +58,33 @@ class CriticalValuePanel:
         curve = self._curve_of(model)
         # After a change the present curve is shown before more is computed; a script gets its first part.
         watched = running_loop() is not None
-        if not curve.at.size or (result is self._shown and watched):
-            curve.work()
+        if not curve or (result is self._shown and watched):
+            self._compute_more(model, curve)
         self._shown = result
+        at = sorted(curve)
         here = [values_of(model)[self.over]], [values_of(model)[self.parameter]]
         stable = eigenvalues is not None and eigenvalues.stable
         curves = {
-            "critical": Curve(curve.at, curve.values, {"color": BLACK}),
+            "critical": Curve(at, [curve[x] for x in at], {"color": BLACK}),
             "here, stable": _operating_point(here, stable, BLUE, "o"),
             "here, unstable": _operating_point(here, eigenvalues is not None and not stable, VERMILLION, "^"),
         }
         x, y = (parameter_label(model, name) for name in (self.over, self.parameter))
-        progress = (curve.at.size, CURVE_POINTS) if curve.left and watched else None
+        progress = (len(at), CURVE_POINTS) if len(at) < CURVE_POINTS and watched else None
         return Drawing(x, y, curves, xlim=self.sides, ylim=self.bounds, progress=progress)
 
-    def _curve_of(self, model: Shown) -> _CurveInParts:
+    def _curve_of(self, model: Shown) -> dict[float, float]:
         key = apart_from(model, (self.parameter, self.over))
-        if key in self._curves:
-            return self._curves[key]
-        if len(self._curves) == MAX_CACHED_CURVES:
+        if key not in self._curves and len(self._curves) == MAX_CACHED_CURVES:
             self._curves.clear()
-        # At the ends there may be no contact force, or a mass may be zero.
-        at = np.linspace(*self.sides, CURVE_POINTS + 2)[1:-1]
+        return self._curves.setdefault(key, {})
 
-        def compute(part: Any) -> CriticalCurve:
-            return curve_and_gaps(model, self.parameter, self.bounds, over=(self.over, part))[0]
-
-        curve = _CurveInParts(compute, [at[i - 1 :: CURVE_PARTS] for i in (4, 2, 1, 3)])
-        return self._curves.setdefault(key, curve)
-
-
-class _CurveInParts:
-    """The parts of a critical curve that are computed so far, (at, values), and those that are left."""
-
-    def __init__(self, compute: Callable[[Any], CriticalCurve], parts: list[Any]) -> None:
-        self.at = self.values = np.zeros(0)
-        self.left, self._compute = parts, compute
-
-    def work(self) -> None:
-        """Compute one more part, if one is left."""
-        if not self.left:
-            return
-        part, self.left = self._compute(self.left[0]), self.left[1:]
-        at, values = np.append(self.at, part.at), np.append(self.values, part.values)
-        order = np.argsort(at)
-        self.at, self.values = at[order], values[order]
+    def _compute_more(self, model: Shown, curve: dict[float, float]) -> None:
+        """Compute one more part of a curve, if one is left."""
+        part = next((part for part in self.parts if part[0] not in curve), None)
+        if part is not None:
+            found, _ = curve_and_gaps(model, self.parameter, self.bounds, over=(self.over, part))
+            curve |= zip(found.at.tolist(), found.values.tolist(), strict=True)
 
 
 def _operating_point(here: Any, there: bool, colour: str, marker: str) -> Curve:
