@@ -18,6 +18,7 @@ from frictionlab.analysis.motion_scales import time_of_rest
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.hybrid.outputs import evaluate_outputs
 from frictionlab.hybrid.trajectory import Trajectory
+from frictionlab.models.kept_structures import derivations_of
 from frictionlab.models.model import Model, automaton_of, values_of
 from frictionlab.pages.export import FRONT_END, script_text, text_of
 from frictionlab.pages.page_data import friction_formulas
@@ -42,8 +43,6 @@ MARKERS = {".": "o", "_": "_", "o": "o", "s": "s", "^": "^", "D": "D", "+": "+",
 SOLID = "-", "solid"
 TURN_OF_FORCE = "period"  # the event at each period of a force in time, which is no impact
 NO_LINE = "none", "None", "", " "
-_QUANTITIES: dict[Any, Data] = {}  # by what they depend on
-MOST_QUANTITIES = 64
 FRICTION_REACH, FRICTION_SAMPLES = 1.1, 200  # of a friction curve; as in pages/scripts/browser_engine.js
 
 
@@ -146,23 +145,21 @@ def result_data(
 
 
 def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
-    """What `quantity_data` says of a model, and the modes of a run with how they look.
+    """What `quantity_data` says of a model, and the modes that a run knows, with how they look.
 
-    It depends on the structure, and on the modes that the run knows.
+    The last of a structure is kept: it changes where a run comes to know a further mode.
     """
-    key = None if isinstance(model, HybridAutomaton) else (model.structure_key, run and run.mode_names)
-    if key in _QUANTITIES:
-        return _QUANTITIES[key]
+    kept = {} if isinstance(model, HybridAutomaton) else derivations_of(model.structure_key).objects
+    modes = None if run is None else run.mode_names
+    if "quantities" in kept and kept["quantities"][0] == modes:
+        return kept["quantities"][1]
     found = quantity_data(model, automaton_of(model) if run is None else run.automaton)
     if run is not None:
         names, looks, wholes = run.mode_names, mode_looks(run), whole_names(run)
         found |= {"modes": list(names), "wholes": [wholes[name] for name in names]}
         found |= {"colours": [looks[name].colour for name in names]}
         found |= {"dashes": [list(looks[name].dashes) for name in names]}
-    if len(_QUANTITIES) == MOST_QUANTITIES:  # runs with modes on demand come to know ever more of them
-        _QUANTITIES.clear()
-    if key is not None:  # of an automaton it is found at once, and its modes are not kept alive
-        _QUANTITIES[key] = found
+    kept["quantities"] = modes, found
     return found
 
 
