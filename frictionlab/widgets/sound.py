@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from frictionlab.hybrid.trajectory import Trajectory
 
 PEAK_LEVEL = 0.9  # of full scale: no player clips it
-FADE_TIME = 0.01  # seconds at both ends, at most a tenth of the sound: a cut waveform clicks
+FADE_TIME, MOST_FADED = 0.01, 0.1  # s and share of the sound at each end: a cut waveform clicks
 # oversampling: stick-slip has corners and impacts are jumps, whose high harmonics must not be aliased
 OVERSAMPLING = 8
 SILENCE_LEVEL = 1e-9  # a signal that varies by less than this share of its size is rounding, not sound
@@ -133,7 +133,7 @@ def listen(
     >>> fl.listen(run, "friction_force")
     Sound(friction_force, 0 s to 4 s of the run in 0.2 s, pitch 20 times that of the motion, 44100 Hz)
     """
-    from scipy.signal import resample_poly
+    from scipy.signal import resample_poly, windows
 
     check_run(run)
     usual: Tone = getattr(run.source, "sound", None) or tone_of(run.automaton, period_of_run(run))
@@ -156,7 +156,7 @@ def listen(
         )
     fine = start + np.arange(count * OVERSAMPLING) * (pitch / rate / OVERSAMPLING)
     samples = resample_poly(_signal_samples(run, signal, np.minimum(fine, stop)), 1, OVERSAMPLING)
-    faded = _fade(samples, rate)
+    faded = samples * windows.tukey(count, 2 * min(FADE_TIME * rate / count, MOST_FADED))
     scaled = PEAK_LEVEL * faded / (np.abs(faded).max() or 1.0)
     return Sound(scaled, rate, signal, pitch, (start, stop))
 
@@ -171,10 +171,3 @@ def _signal_samples(run: Trajectory, signal: str, t: Array) -> Array:
 
 def _signal_at(run: Trajectory, signal: str, t: Array) -> Array:
     return run(t)[:, run.names.index(signal)] if signal in run.names else run.output(signal, t)
-
-
-def _fade(x: Array, rate: int) -> Array:
-    """The samples with both ends faded by half a cosine."""
-    n = max(1, min(round(FADE_TIME * rate), len(x) // 10))
-    ramp = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / n)
-    return x * np.concatenate([ramp, np.ones(len(x) - 2 * n), ramp[::-1]])
