@@ -174,7 +174,7 @@ class Explorer:
         with self.widget.hold_sync():
             self.widget.error, self.widget.picture, self.widget.computing = "", picture, False
             if self.widget.state == asked:  # else the browser has moved on, and an update follows
-                self.widget.state = self._sent = self.values()
+                self._sent = self.widget.state = self.values()  # in this order: it is heard at once
         if self.progress and (self.widget.shown or not running_loop()):
             self.scheduler.request_later(PAUSE_AFTER_CHANGE if moved else 0.0)
 
