@@ -39,15 +39,11 @@ from frictionlab.pages.page_data import (
 )
 from frictionlab.pages.scene import (
     Shown,
-    controls_of_models,
-    formula_controls,
-    law_control,
     name_of,
     panels_of,
-    run_controls,
+    scene_controls,
     scene_data,
     shown_model,
-    switch_control,
     usual_duration,
 )
 from frictionlab.tape.formulas import ELEMENTARY
@@ -56,7 +52,7 @@ from frictionlab.validation import check_path, check_t_end, check_text
 
 BUILD_COMMAND = "python -m frictionlab.compilation --web"
 CURE = f'in a clone, run `pip install -e ".[pages]"` and `{BUILD_COMMAND}` once'
-LAWS_HINT = "the law of friction; fl.explore in Python has further ones, and those of contact and impact"
+MORE_LAWS = "; fl.explore in Python has further ones, and those of contact and impact"
 # In the order of loading: while it loads, each needs only those before it.
 EQUILIBRIUM = "vendor/ml-matrix", "linear_algebra", "displaced_equilibrium"
 SOLVER_SCRIPTS = ("functions", "assembler", "jets", "solver", "sampling", *EQUILIBRIUM)
@@ -176,15 +172,15 @@ def model_page(
     names, with_laws = switch_names(model, switches), page_laws(model, laws)
     models, period = [model, *with_laws.values()], oscillation_period(model, start)
     t_end = usual_duration(model, period) if t_end is None else float(check_t_end(t_end))
-    chosen, ranges = chosen_sliders(model, sliders)
     about = ". ".join(filter(None, (getattr(model, name, "") for name in ("about", "reference"))))
-    controls = [
-        *(switch_control(model, name) for name in names),
-        *([law_control(model, "friction", with_laws) | {"hint": LAWS_HINT}] if with_laws else []),
-        *formula_controls(models),
-        *controls_of_models(models, chosen, ranges),
-        *run_controls(model, period, t_end, start),
-    ]
+    controls = scene_controls(
+        models,
+        names,
+        {"friction": with_laws} if with_laws else {},
+        (period, t_end, start),
+        sliders=chosen_sliders(model, sliders),
+        more_laws=MORE_LAWS,
+    )
     scene = scene_data(model, controls, panels_of(model), period, title=title) | {
         "about": f"{about or 'exact solver, in your browser'}; frictionlab {__version__}",
         "switches": names,

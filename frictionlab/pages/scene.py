@@ -121,6 +121,7 @@ TAKEN = frozenset(
     "without".split()
 )
 SWITCH = "switch-"  # begins the names of switches
+DURATION = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
 OF_COORDINATE = "coordinate of the phase plane and the spectrum"
 MARK = "\0"  # encloses the place of a value in a text
 NOTHING_SAID = str, bool, type(None)  # where a field of a picture is empty, false or missing
@@ -268,6 +269,27 @@ def challenge_data(model: Shown) -> list[Data]:
     ]
 
 
+def scene_controls(
+    models: Sequence[Any],
+    switches: Iterable[str],
+    laws: Mapping[str, Iterable[str]],
+    about_run: tuple[float, float, str | tuple[float, ...]],
+    *,
+    sliders: tuple[Any, Any] = (None, None),
+    more_laws: str = "",
+) -> list[Data]:
+    """The controls of the first of these models: its switches and menus of laws, the parameters of all models
+    that these lead to, and how it is run, by a period (s), a length (s) and a start."""
+    model = models[0]
+    return [
+        *(switch_control(model, name) for name in switches),
+        *(law_control(model, role, names, more_laws) for role, names in laws.items()),
+        *formula_controls(models),
+        *controls_of_models(models, *sliders),
+        *run_controls(model, *about_run),
+    ]
+
+
 def number(name: str, about: Parameter, value: float, group: str, bounds: Any = None) -> Data:
     """A number with its unit and the range of its slider; `bounds` take the place of the parameter's own."""
     low, high = bounds or slider_range(about, value)
@@ -343,9 +365,9 @@ def _takes(model: Model, role: str, law: Component) -> bool:
     return True
 
 
-def law_control(model: Any, role: str, names: Iterable[str]) -> Data:
-    """A menu of the laws of a role, by these names."""
-    hint = LAW_HINTS.get(model.roles[role], f"the law of {role}")
+def law_control(model: Any, role: str, names: Iterable[str], more: str = "") -> Data:
+    """A menu of the laws of a role, by these names; `more` is added to its hint."""
+    hint = LAW_HINTS.get(model.roles[role], f"the law of {role}") + more
     return choice(role, names, own_law(model, role), "main", hint=hint) | {"text": f"{role} law"}
 
 
@@ -409,7 +431,6 @@ def run_controls(
     count = 2 * automaton.coordinates if is_model else 0  # further states of a model begin as at rest
     needed = automaton.state_names[: count or None]
     numbers = ", ".join(["0"] * len(needed) if isinstance(x0, str) else map(repr, x0))
-    duration = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
     ends = tuple(periods * round_down_1_2_5(period) for periods in (LEAST_DURATION, USUAL_DURATION))
     own = {
         "name": "own",
@@ -425,7 +446,7 @@ def run_controls(
     return [
         choice("start", starts, start, "run", starts.values(), "initial state"),
         own,
-        number("duration", duration, t_end, "run", ends),
+        number("duration", DURATION, t_end, "run", ends),
         choice("window", windows(period), "what moves", "run", hint="part of the run that the panels show"),
         choice("coordinate", names, automaton.shown_state, "run", map(label_of, names), OF_COORDINATE),
     ]

@@ -1,7 +1,6 @@
 """Controls of an explorer: the values of its state, each of which can be observed and linked to any widget.
 
-`model_controls` has a control for every parameter, nonlinearity and law of a model, `run_choices`
-those of a run.  The front end shows them; their data are those of `frictionlab.pages.scene`.
+`controls_of` makes them of the data of `frictionlab.pages.scene`, which the front end shows.
 """
 
 from __future__ import annotations
@@ -24,16 +23,13 @@ from frictionlab.models.model import (
     parameters_about,
 )
 from frictionlab.pages.scene import (
+    DURATION,
     Data,
     Shown,
     choice,
-    controls_of_models,
-    formula_controls,
-    law_control,
     law_menus,
     number,
-    run_controls,
-    switch_control,
+    scene_controls,
     windows,
 )
 from frictionlab.validation import abbreviate, check_number, did_you_mean
@@ -141,34 +137,32 @@ class Control(traitlets.HasTraits):
 
 def controls_of(settings: Settings) -> dict[str, Control]:
     """All controls of an explorer that begins with these settings."""
-    return {control.name: control for control in (*model_controls(settings.model), *run_choices(settings))}
-
-
-def model_controls(model: Shown) -> Iterator[Control]:
-    """A switch for each nonlinearity, a menu of laws for each role, a number for each parameter of these
-    models."""
-    for name in nonlinearities_in(model):
-        yield Control(switch_control(model, name))
-    for role, laws in law_menus(model).items():
-        yield Control(law_control(model, role, laws), laws)
-    rules: dict[str, Parameter] = {}
-    models = list(_reachable(model))
+    model, menus = settings.model, law_menus(settings.model)
+    models = list(_reachable(model, menus))
+    about_run = settings.period, settings.t_end, settings.x0
+    method = next(option for option, value in METHODS.items() if value == settings.method)
+    step = number("step", STEP, DEFAULT_STEP, "run", (MIN_STEP, MAX_STEP))
+    abouts = [
+        *scene_controls(models, nonlinearities_in(model), menus, about_run),
+        choice("method", METHODS, method, "run", hint=METHOD_HINT),
+        step | {"when": ["method", "paper's (RK4)"]},
+    ]
+    values = {**menus, "window": windows(settings.period), "method": METHODS}
+    rules = {"duration": DURATION, "step": STEP}
     for each in models:
         rules = {**parameters_about(each, model), **rules}
-    for about in formula_controls(models):
-        yield Control(about)
-    for about in controls_of_models(models):
-        yield Control(about, rule=rules[about["name"]])
+    made = (Control(about, values.get(about["name"]), rules.get(about["name"])) for about in abouts)
+    return {control.name: control for control in made}
 
 
-def _reachable(model: Shown) -> Iterator[Shown]:
+def _reachable(model: Shown, menus: Mapping[str, Mapping[str, Any]]) -> Iterator[Shown]:
     """The model, and those that its switches and its menus of laws lead to, for their parameters."""
     yield model
     if isinstance(model, HybridAutomaton):
         return
     full = composed(model)
     yield full
-    for role, laws in law_menus(model).items():
+    for role, laws in menus.items():
         for law in laws.values():
             yield full.replace(**{role: law})
 
@@ -203,19 +197,6 @@ def chosen_model(model: Shown, controls: Mapping[str, Control]) -> Shown:
     laws = tuple((role, controls[role].value) for role in model.roles if role in controls)
     chosen = composed(model, off, laws)
     return chosen.replace(**{name: controls[name].value for name in chosen.parameters})
-
-
-def run_choices(settings: Settings) -> Iterator[Control]:
-    """How a model is run, and what is shown of it."""
-    model = settings.model
-    for about in run_controls(model, settings.period, settings.t_end, settings.x0):
-        rule = Parameter("", "s", "seconds that are simulated", exclusive_minimum=0.0)
-        values = windows(settings.period) if about["name"] == "window" else None
-        yield Control(about, values, rule if about["kind"] == "number" else None)
-    method = next(option for option, value in METHODS.items() if value == settings.method)
-    yield Control(choice("method", METHODS, method, "run", hint=METHOD_HINT), METHODS)
-    about = number("step", STEP, DEFAULT_STEP, "run", (MIN_STEP, MAX_STEP))
-    yield Control(about | {"when": ["method", "paper's (RK4)"]}, rule=STEP)
 
 
 def chosen_settings(model: Shown, controls: Mapping[str, Control], period: float) -> Settings:
