@@ -42,6 +42,7 @@ from frictionlab.pages.scene import (
     has_friction_curve,
     law_menus,
     main_parameters,
+    mode_data,
     name_of,
     own_law,
     quantity_data,
@@ -83,6 +84,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         )
     automaton = automaton.derived()
     modes = tuple(automaton.modes)
+    wholes = {mode.name: mode.name if mode.whole is None else mode.whole.name for mode in modes}
     program, _ = program_of(automaton)
     parameters = tuple(automaton.parameters)
     known = values_of(model)
@@ -90,10 +92,8 @@ def structure_data(model: Shown) -> dict[str, Any]:
         "parameters": [symbol.name for symbol in parameters],
         "fixed": {s.name: float(v) for s, v in automaton.parameters.items() if s.name not in known},
         **quantity_data(model, automaton),
-        "modes": list(program.modes),
+        **mode_data(looks_by_whole(list(enumerate(program.modes)), wholes), wholes),
         "guards": list(program.guards),
-        "wholes": (wholes := [mode.name if mode.whole is None else mode.whole.name for mode in modes]),
-        **_looks(program, wholes),
         "affine": bool(is_affine(program)),
         "order": method.order_of(program),
         "constants": len(program.code.ops),
@@ -152,12 +152,6 @@ def friction_formulas(key: StructureKey, names: tuple[str, ...]) -> Formulas:
         return Formulas(slope.tape, (formulas.outputs[0], *slope.outputs))
 
     return kept_formulas(derivations_of(key), f"friction of {', '.join(names)}", derive)
-
-
-def _looks(program: Program, wholes: Sequence[str]) -> dict[str, Any]:
-    names = program.modes
-    looks = looks_by_whole(list(enumerate(names)), dict(zip(names, wholes, strict=True))).values()
-    return {"colours": [look.colour for look in looks], "dashes": [list(look.dashes) for look in looks]}
 
 
 def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:

@@ -53,6 +53,7 @@ from frictionlab.models.model import (
     tone_of,
     values_of,
 )
+from frictionlab.plotting.appearance import ModeLook
 from frictionlab.plotting.labels import state_label
 from frictionlab.plotting.time_histories import force_axis_label, force_outputs
 from frictionlab.plotting.turns import turning_angles
@@ -547,6 +548,16 @@ def quantity_data(model: Shown, automaton: HybridAutomaton) -> Data:
         "sliding_units": {"speed": speed, "damper": "N m s" if speed == "rad/s" else "N s/m"},
         "slides": can_slide_steadily(model, automaton),
         "points": friction_points(model),
+    }
+
+
+def mode_data(looks: Mapping[str, ModeLook], wholes: Mapping[str, str]) -> Data:
+    """Modes in the order of their numbers: names, those without pieces of laws, and how they look."""
+    return {
+        "modes": list(looks),
+        "wholes": [wholes[name] for name in looks],
+        "colours": [look.colour for look in looks.values()],
+        "dashes": [list(look.dashes) for look in looks.values()],
     }
 
 

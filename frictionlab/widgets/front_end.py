@@ -30,6 +30,7 @@ from frictionlab.pages.scene import (
     friction_points,
     has_friction_curve,
     mechanism_data,
+    mode_data,
     quantity_data,
 )
 from frictionlab.plotting.appearance import DASHED, LINE_COLOURS, mode_looks, whole_names
@@ -155,10 +156,8 @@ def quantities_of(model: Shown, run: Trajectory | None = None) -> Data:
         return kept["quantities"][1]
     found = quantity_data(model, automaton_of(model) if run is None else run.automaton)
     if run is not None:
-        names, looks, wholes = run.mode_names, mode_looks(run), whole_names(run)
-        found |= {"modes": list(names), "wholes": [wholes[name] for name in names]}
-        found |= {"colours": [looks[name].colour for name in names]}
-        found |= {"dashes": [list(looks[name].dashes) for name in names]}
+        looks = mode_looks(run)
+        found |= mode_data({name: looks[name] for name in run.mode_names}, whole_names(run))
     kept["quantities"] = modes, found
     return found
 
