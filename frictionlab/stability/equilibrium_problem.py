@@ -61,6 +61,16 @@ class EquilibriumProblem:
         """Name -> value."""
         return dict(zip(self.parameter_names, self.values, strict=True))
 
+    @property
+    def further(self) -> list[int]:
+        """Places, without `following`, of states that are neither coordinates nor velocities of such."""
+        n, m = len(self.names), self.flow.size
+        if 2 * n > m:  # the names of all states
+            return [*range(m - len(self.following))]
+        pairs = {i for i in range(n) if not {i, n + i} & {*self.following}}
+        left = [i for i in range(m) if i not in self.following]
+        return [place for place, i in enumerate(left) if i >= 2 * n or i % n not in pairs]
+
     def at(self, changes: Mapping[str, Any]) -> tuple[tuple[Any, ...], int]:
         """The values with some changed to arrays (N,), and N."""
         values: list[Any] = list(self.values)

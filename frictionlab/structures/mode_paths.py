@@ -21,7 +21,8 @@ from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
-from frictionlab.stability.eigenproblems.root_locus import Modes, RootLocus, modes_of_matrices, track_modes
+from frictionlab.stability.eigenproblems.root_locus import RootLocus
+from frictionlab.stability.eigenproblems.root_locus import follow_modes as follow_modes_of_matrices
 from frictionlab.stability.equilibrium_problem import check_path
 from frictionlab.stability.state_matrices import eigenvalues_of_matrices
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
@@ -226,12 +227,9 @@ def _eigenvalues(matrices: Array) -> Any:
 def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     """The root locus of a small structure, with shapes and participation."""
     spectra = SmallSpectra(structure)
-
-    def modes(points: Array) -> Modes:
-        return modes_of_matrices(points, spectra.matrices({parameter: points}))
-
-    path: Any = track_modes(modes(at), modes)
     n = structure.size
+    further = range(2 * n, structure.order)
+    path: Any = follow_modes_of_matrices(at, lambda points: spectra.matrices({parameter: points}), further)
     values, unstable, known = path.values, path.unstable, np.ones(path.values.shape, dtype=bool)
     if np.isnan(values).all():
         check_settling(structure, parameter, at)

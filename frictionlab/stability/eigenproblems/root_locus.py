@@ -9,7 +9,7 @@ finds alike.  If they do not, the step is halved.  So the result does not depend
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,6 +53,7 @@ class Modes:
     """One eigenvalue of every mode at N points of a path.
 
     Of a conjugate pair it is the one with Im > 0, of an overdamped mode's two real ones the less stable one.
+    Where two modes that do not oscillate elsewhere are a pair, the second one has that with Im < 0.
 
     Parameters
     ----------
@@ -88,39 +89,63 @@ class Modes:
         )
 
 
-def modes_of_matrices(at: Array, matrices: Array) -> Modes:
-    """The modes of state matrices (N, m, m), by ascending frequency; NaN where a matrix is not finite."""
-    finite = np.isfinite(matrices).all(axis=(1, 2))
-    m, k = matrices.shape[1], (matrices.shape[1] + 1) // 2
-    empty: Any = (np.full((len(at), *shape), NO_EIGENVALUE) for shape in ((k,), (m, k), (k, m)))
-    modes = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
-    if finite.any():
-        values, right = eigenpairs_of_matrices(matrices[finite])
-        modes.unstable[finite] = unstable_pairs(values)
-        order = _upper_half(values, k)
-        modes.values[finite] = np.take_along_axis(values, order, axis=1)
-        modes.right[finite] = np.take_along_axis(right, order[:, None, :], axis=2)
-        left = left_eigenvectors(matrices[finite], values, right)
-        modes.left[finite] = np.take_along_axis(left, order[:, :, None], axis=1)
+def follow_modes(at: Array, matrices: Callable[[Array], Array], further: Sequence[int]) -> Modes:
+    """The modes of state matrices (N, m, m) at points (N,) of a path, each in one column throughout.
+
+    Parameters
+    ----------
+    at : array (N,)
+    matrices : callable
+        Gives them at any points; NaN where there are no modes.
+    further : sequence of int
+        Places of the states that are neither coordinates nor their velocities.  Each makes a mode more.
+    """
+    path = _modes_of_matrices(at, matrices(at), further)
+    k = path.values.shape[1]
+    modes: Any = _track_modes(path, lambda points: _modes_of_matrices(points, matrices(points), further, k))
+    modes.values[modes.values.imag < 0.0] = NO_EIGENVALUE
     return modes
 
 
-def _upper_half(values: ComplexMatrices, k: int) -> NDArray[np.intp]:
-    """Indices (N, k) of one eigenvalue of each mode, by ascending frequency.
+def _modes_of_matrices(at: Array, matrices: Array, further: Sequence[int], k: int = 0) -> Modes:
+    """The modes of state matrices (N, m, m), by ascending frequency; NaN where a matrix is not finite.
 
-    Those with Im > 0 are taken, then every second real one, from the largest on.  A pair that becomes two
-    real eigenvalues gives two neighbours.  One of them is taken, so all other columns stay the same.
+    There are k of them, or as many as at the point that has most.
     """
-    kind = np.where(values.imag > 0, 0, np.where(values.imag == 0, 1, 3))
-    order = np.lexsort((-values.real, kind), axis=-1)
-    kind = np.take_along_axis(kind, order, axis=1)
-    kind[(kind == 1) & (np.cumsum(kind == 1, axis=1) % 2 == 0)] = 2
-    upper = np.take_along_axis(order, np.argsort(kind, axis=1, kind="stable"), axis=1)[:, :k]
-    frequency = np.take_along_axis(values.imag, upper, axis=1)
-    return np.take_along_axis(upper, np.argsort(frequency, axis=1, kind="stable"), axis=1)
+    finite, m = np.isfinite(matrices).all(axis=(1, 2)), matrices.shape[1]
+    values, right = eigenpairs_of_matrices(matrices[finite])
+    left = left_eigenvectors(matrices[finite], values, right)
+    parts = np.abs(left * right.swapaxes(1, 2))
+    shown = _is_shown(values, parts[..., further].sum(axis=-1) / parts.sum(axis=-1), len(further))
+    k = k or int(shown.sum(axis=1).max(initial=0)) or (m + len(further)) // 2
+    empty: Any = (np.full((len(at), *shape), NO_EIGENVALUE) for shape in ((k,), (m, k), (k, m)))
+    modes = Modes(at, *empty, unstable=np.zeros(len(at), dtype=int))
+    modes.unstable[finite] = unstable_pairs(values)
+    # the others with Im < 0 and the lowest frequencies fill up
+    order = np.lexsort((-values.real, -values.imag, values.imag == 0.0, ~shown), axis=-1)[:, :k]
+    frequency = np.take_along_axis(values.imag, order, axis=1)
+    order = np.take_along_axis(order, np.argsort(frequency, axis=1, kind="stable"), axis=1)
+    modes.values[finite] = np.take_along_axis(values, order, axis=1)
+    modes.right[finite] = np.take_along_axis(right, order[:, None, :], axis=2)
+    modes.left[finite] = np.take_along_axis(left, order[:, :, None], axis=1)
+    return modes
 
 
-def track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
+def _is_shown(values: ComplexMatrices, of_further: Array, further: int) -> NDArray[np.bool_]:
+    """Which eigenvalues (N, m) stand for a mode: those with Im > 0, and real ones.
+
+    Of these every second one is left out, from the largest on, beside those in which further states have the
+    largest shares (N, m).  A pair that becomes two real eigenvalues gives two neighbours, and one of them
+    stands for the mode.
+    """
+    rank = np.argsort(np.argsort(-of_further, axis=1, kind="stable"), axis=1)
+    others = (values.imag == 0.0) & (rank >= further)
+    order = np.lexsort((-values.real, ~others), axis=-1)
+    number = np.argsort(order, axis=1)
+    return (values.imag >= 0.0) & ~(others & (number % 2 == 1))
+
+
+def _track_modes(path: Modes, sample: Callable[[Array], Modes]) -> Modes:
     """The same points with each mode in one column throughout; `sample` gives modes at further points."""
     parted = _separate_equal(path, sample)
     least = NARROWEST_STEP_RTOL * float(np.abs(path.at).max(initial=0.0))
@@ -223,11 +248,12 @@ def _may_have_met(a: Modes, b: Modes) -> Any:
     nearest = np.abs(start + share * (end - start))
     mixed = a.left @ b.right
     own = np.einsum("...ii->...i", mixed)
-    mixing = np.abs(mixed * np.swapaxes(mixed, 1, 2) / (own[:, :, None] * own[:, None, :])) ** 0.5
+    with np.errstate(divide="ignore", invalid="ignore"):  # 0 where two coalesce: they have met
+        mixing = np.abs(mixed * np.swapaxes(mixed, 1, 2) / (own[:, :, None] * own[:, None, :])) ** 0.5
     coupling = mixing * np.abs(start) * np.abs(end) / way
     largest = np.abs(a.values).max(axis=1, initial=0.0)[:, None, None]
-    return (nearest < ENCOUNTER_SHARE * way) & (
-        coupling > np.maximum(UNCOUPLED_RTOL * largest, WEAK_COUPLING * nearest)
+    return (nearest < ENCOUNTER_SHARE * way) & ~(
+        coupling <= np.maximum(UNCOUPLED_RTOL * largest, WEAK_COUPLING * nearest)
     )
 
 
@@ -242,7 +268,10 @@ def _match_eigenvalues(a: ComplexMatrices, b: ComplexMatrices) -> NDArray[np.int
 
 @dataclass(frozen=True, eq=False)
 class RootLocus(Drawable):
-    """Eigenvalues of n modes at N values of a parameter, each mode in one column.
+    """Eigenvalues of k modes at N values of a parameter, each mode in one column.
+
+    There is one for each of n coordinates, and one for each further state; two of these that are a pair at
+    all values are one mode.
 
     Parameters
     ----------
@@ -250,13 +279,14 @@ class RootLocus(Drawable):
     parameter : str
     at : array (N,)
         Its values.
-    values : complex array (N, n)
+    values : complex array (N, k)
         1/s, with Im >= 0; NaN where there is no equilibrium, outside the window of a structure, and for
         states of its open contacts.  Of an overdamped mode's two real eigenvalues it is the less stable one.
+        Where two further states are a pair, one of two columns has NaN.
     coordinates : tuple of str
-    shapes : complex array (N, n, n)
+    shapes : complex array (N, n, k)
         Mode shapes: ``shapes[i, :, j]`` are the coordinates in mode j, the largest of them 1.
-    participation : array (N, n, n)
+    participation : array (N, n, k)
         Share of each coordinate in each mode: ``participation[i, :, j]`` sums to 1.
     unstable : int array (N,)
         Number of growing pairs of eigenvalues; two real ones count as a pair, one alone too.
@@ -361,13 +391,11 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     at = check_path(model, parameter, values)
     problem = equilibrium_problem(model, within={parameter: at})
 
-    def sample(points: Array) -> Modes:
-        matrices = problem.linearised({parameter: points})[1]
-        return modes_of_matrices(points, problem.without_following(matrices))
+    def matrices(points: Array) -> Array:
+        return problem.without_following(problem.linearised({parameter: points})[1])
 
-    path: Any = sample(at)
+    path: Any = follow_modes(at, matrices, problem.further)
     _refuse_nothing(path, parameter)
-    path = track_modes(path, sample)
     return RootLocus(
         model,
         parameter,

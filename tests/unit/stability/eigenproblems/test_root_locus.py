@@ -121,6 +121,34 @@ def test_modes_become_overdamped_one_by_one(number):
     assert either.all()
 
 
+@fl.model
+class Filtered(fl.MechanicalModel):
+    """An oscillator, whose pair is -d +- sqrt(d^2 - 1), beside a filter of -2 +- sqrt(1 - p)."""
+
+    p: float = 0.5
+    d: float = 0.1
+    coordinates = ("x",)
+    states = ("a", "b")
+
+    def mechanics(self, q, v, s):
+        rates = {"a": -s.a + self.p * s.b, "b": -s.a - 3 * s.b}
+        return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, loads={"x": -2 * self.d * v.x}, rates=rates)
+
+
+@pytest.mark.parametrize("d", [0.1, 20.0])
+def test_each_further_state_has_a_mode(d):
+    """Two columns where they do not oscillate, and one where they do."""
+    at = np.linspace(0.5, 2.0, 7)
+    locus = fl.root_locus(Filtered(d=d), "p", at)
+    root = np.sqrt((1.0 - at).astype(complex))
+    either = np.array([-2.0 + root, np.where(root.imag, np.nan, -2.0 - root)])
+    own = np.full(7, -d + np.sqrt(complex(d**2 - 1.0)))
+    expected = np.array([own, *either]).T
+    assert locus.values.shape == expected.shape
+    for row, known in zip(locus.values, expected, strict=True):
+        np.testing.assert_allclose(np.sort_complex(row), np.sort_complex(known), rtol=1e-7)
+
+
 def test_a_damper_in_the_slider_that_overdamps_it():
     locus, fine = (fl.root_locus(S(mu_k=1.0), "c1", np.geomspace(0.1, 1e4, n)) for n in (401, 6401))
     assert (locus.values[-1].imag == 0).sum() == 1
