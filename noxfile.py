@@ -38,6 +38,7 @@ NOT_PYTHON = (  # in the wheel
     *("__init__.pyi", "py.typed", "pages/scripts/page.html", "pages/scripts/page.js"),
     *("tutorials/00-index.ipynb", "tutorials/diagrams.py", "tutorials/diagrams/stiff.jsonl"),
     *("plotting/animation/drawing.js", "pages/scripts/explorer.js", "pages/scripts/explorer.css"),
+    *("pages/scripts/explorer.html", "pages/scripts/vendor/ml-matrix.js"),
 )
 # In a wheel: machine code of the solver for all systems and browsers, and what was derived of the models.
 MOST_BYTES = {"/objects/": 1_800_000, "/structures.zip": 200_000}

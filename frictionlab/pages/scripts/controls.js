@@ -118,33 +118,32 @@ function numberControl(about, changed) { // it counts positions: a browser that 
   return control;
 }
 
-function switchControl(about, changed) {
-  const box = html("input", { type: "checkbox" }),
-    node = row(about, [html("label", {}, [box, ` ${about.text}`])], "switch");
-  box.onchange = () => changed(about.name, box.checked, false);
-  return { name: about.name, about, node, show: (value) => { box.checked = value; } };
+function fieldControl(about, changed, field, kind, children, property = "value") { // one that has its value by itself
+  let shown;
+  field.onchange = () => changed(about.name, field[property], false);
+  const show = (value) => {
+    if (value !== shown || !isTyped(field)) field[property] = value;
+    shown = value;
+  };
+  return { name: about.name, about, node: row(about, [html("label", {}, children)], kind), show };
 }
+
+function switchControl(about, changed) {
+  const box = html("input", { type: "checkbox" });
+  return fieldControl(about, changed, box, "switch", [box, ` ${about.text}`], "checked");
+}
+
+const textOfControl = ({ text }) => html("span", { className: "fl-text", textContent: text });
 
 function choiceControl(about, changed) {
   const labels = about.labels ?? about.options,
-    options = about.options.map((value, i) => html("option", { value, textContent: plainLabel(labels[i]) }));
-  const list = html("select", {}, options);
-  list.onchange = () => changed(about.name, list.value, false);
-  return { name: about.name, about,
-    node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), list])],
-    "choice"), show: (value) => { list.value = value; } };
+    list = html("select", {}, about.options.map((value, i) => new Option(plainLabel(labels[i]), value)));
+  return fieldControl(about, changed, list, "choice", [textOfControl(about), list]);
 }
 
 function textControl(about, changed) {
   const field = html("input", { type: "text", spellcheck: false });
-  let shown = about.value;
-  field.onchange = () => changed(about.name, field.value, false);
-  return { name: about.name, about,
-    node: row(about, [html("label", {}, [html("span", { className: "fl-text", textContent: about.text }), field])],
-    "text-field"), show: (value) => {
-      if (value !== shown || !isTyped(field)) field.value = value;
-      shown = value;
-    } };
+  return fieldControl(about, changed, field, "text-field", [textOfControl(about), field]);
 }
 
 function formulaControl(about, changed) { // a text that is taken only where it can be read

@@ -335,25 +335,22 @@ class Explorer {
       { className: "fl-image", src: panel.drawing.image, alt: panel.name }));
     const [c, width, height] = fit(panel.canvas);
     if (!width) return;
-    const [drawing, , , kept] = this.compared(panel.name, look, panel.memory), before = panel.axes;
+    const [drawing, kept] = this.compared(panel.name), before = panel.axes;
     panel.axes = layoutOf(c, width, height, drawing, look, panel.memory, kept);
     if (panel.axes !== before) paintFrame(fit(panel.frame)[0], panel.axes);
     paintCurves(c, panel.axes, drawing, kept, !this.result.complete);
   }
 
-  compared(name, look, memory) { // what is painted: of two scenes with many coordinates, the chosen one
+  compared(name) { // what is painted, and over which drawing: of two scenes with many coordinates, the chosen one
     const { drawing } = this.panels[name], kept = this.kept?.drawings[name], { coordinate, structure } = this.result;
-    const other = kept && PANELS[name]?.ofCoordinate && this.kept.result.coordinate !== coordinate;
-    if (other) return [drawing, look, memory, null];
-    const few = shownStates(structure).length <= MOST_COMPARED;
-    if (!kept || name !== "response" || few) return [drawing, look, memory, kept];
-    const chosen = structure.labels[coordinate], strip = ({ axis }) => axis === "strip";
-    const only = ({ curves, ...one }) => {
-      const left = curves.filter(({ label }) => label === chosen).map((curve) => ({ ...curve, axis: "left" }));
-      const ylabel = axisLabel(this.result, coordinate);
-      return { ...one, curves: [...left, ...curves.filter(strip)], ylabel, right: "" };
-    };
-    return [only(drawing), look, memory, only(kept)];
+    if (PANELS[name]?.ofCoordinate && this.kept?.result.coordinate !== coordinate) return [drawing, null];
+    if (!kept || name !== "response" || shownStates(structure).length <= MOST_COMPARED) return [drawing, kept];
+    return [drawing, kept].map(({ curves, ...one }) => {
+      const left = curves.filter(({ label }) => label === structure.labels[coordinate]),
+        strip = curves.filter(({ axis }) => axis === "strip");
+      return { ...one, curves: [...left.map((curve) => ({ ...curve, axis: "left" })), ...strip],
+        ylabel: axisLabel(this.result, coordinate), right: "" };
+    });
   }
 
   showModes() {
@@ -549,7 +546,10 @@ class Explorer {
     shown.forEach(({ name, memory }, i) => {
       c.save();
       c.translate(width * (i % columns), height * Math.floor(i / columns));
-      paintDrawing(c, width, height, ...this.compared(name, look, { ...memory }));
+      const [drawing, kept] = this.compared(name);
+      const layout = layoutOf(c, width, height, drawing, look, { ...memory }, kept);
+      paintFrame(c, layout);
+      paintCurves(c, layout, drawing, kept);
       c.restore();
     });
     return c.text();

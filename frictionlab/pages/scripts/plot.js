@@ -183,14 +183,8 @@ function paintLegend(c, rows, left, size, look) {
   }));
 }
 
-// Paint a drawing, over one that is kept for comparison, dotted.  `memory` keeps the limits of the axes.
-function paintDrawing(c, width, height, drawing, look, memory, kept = null) {
-  const layout = layoutOf(c, width, height, drawing, look, memory, kept);
-  paintFrame(c, layout);
-  paintCurves(c, layout, drawing, kept);
-}
-
-// Where axes, ticks and legend of a drawing are; the layout of the last drawing, where nothing of that has changed.
+// Where axes, ticks and legend of a drawing are, with room for one that is kept for comparison; the layout of the last
+// drawing, where nothing of that has changed. `memory` keeps it, and the limits of the axes.
 function layoutOf(c, width, height, drawing, look, memory, kept = null) {
   const all = [...drawing.curves, ...(kept?.curves ?? [])], { xlabel, ylabel, right: label, log } = drawing;
   const of = (axis) => dataRange(all.filter((curve) => (curve.axis ?? "left") === axis).map(({ y }) => y));

@@ -1,6 +1,12 @@
 // The front end as a widget: its engine is the Python process. The state goes there, and the result comes back, now
 // or later.
 const floats = (view) => new Float64Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
+const decoded = (data) => { // arrays of bytes as numbers, wherever they are
+  if (ArrayBuffer.isView(data)) return floats(data);
+  if (Array.isArray(data)) return data.map(decoded);
+  if (data === null || typeof data !== "object") return data;
+  return Object.fromEntries(Object.entries(data).map(([name, part]) => [name, decoded(part)]));
+};
 
 const LONGEST_WAIT = 60000; // ms for an answer of Python
 
@@ -35,20 +41,16 @@ class PythonEngine {
   python() { return this.text; }
 
   result() { // the picture, with its arrays as numbers
-    const picture = this.model.get("picture"), { samples, spectrum, drawings } = picture,
-      result = { ...picture, highest: this.model.get("scene").highest };
+    const { structure, drawings, ...picture } = this.model.get("picture"), { highest } = this.model.get("scene");
+    const result = { ...decoded(picture), structure, highest };
     this.parameters = picture.parameters;
     this.text = picture.python ?? this.text;
-    if (samples) result.samples = samplesByName(floats(samples.times), floats(samples.modes),
-      Object.keys(samples.columns), Object.values(samples.columns).map(floats));
-    if (picture.friction) result.friction = { ...picture.friction, speeds: floats(picture.friction.speeds),
-      mu: floats(picture.friction.mu) };
-    if (spectrum) result.spectrum = { ...spectrum, frequencies: floats(spectrum.frequencies),
-      amplitudes: floats(spectrum.amplitudes) };
+    if (result.samples) {
+      const { times, modes, columns } = result.samples;
+      result.samples = samplesByName(times, modes, Object.keys(columns), Object.values(columns));
+    }
     result.drawings = Object.fromEntries(Object.entries(drawings).map(([name, drawing]) =>
-      [name, drawing.image ? { image: this.imageOf(name, drawing.image) }
-      : { ...drawing, curves: drawing.curves.map((curve) =>
-      ({ ...curve, x: floats(curve.x), y: floats(curve.y) })) }]));
+      [name, drawing.image ? { image: this.imageOf(name, drawing.image) } : decoded(drawing)]));
     return result;
   }
 
