@@ -42,8 +42,7 @@ function linkText(state, scene, { challenge = null, lesson = null } = {}) {
   changed.filter(isParameter).forEach(add);
   if (changed.some(isSwitch)) parts.push(["without", switchesOff(state).join(",")]);
   changed.filter((name) => !isParameter(name) && !isSwitch(name)).forEach(add);
-  return parts.map(([name, text]) =>
-    `${encodeURIComponent(name)}=${encodeURIComponent(text).replaceAll("%2C", ",").replaceAll("%20", "+")}`).join("&");
+  return String(new URLSearchParams(parts)).replaceAll("%2C", ","); // commas need no code, and are easier to read
 }
 
 const isSwitch = (name) => name.startsWith("switch-");
@@ -52,29 +51,22 @@ const switchesOff = (state) => Object.keys(state).filter((name) => isSwitch(name
 
 // {state, scene, plays, challenge, steps, step}; what no control can be set to is left out
 function readLink(text, scene) {
-  const state = { ...scene.initial },
-    words = Object.fromEntries(Object.keys(LINK_WORDS).map((name) => [linkWord(name, scene), name]));
-  const found = { state, scene: "", plays: false, challenge: null, steps: [], step: 0, given: {} };
-  for (const [word, value] of new URLSearchParams(text.replace(/^#/, ""))) {
-    if (word === "scene") found.scene = value;
-    else if (word === "lesson") {
-      try { found.steps = lessonSteps(JSON.parse(value), scene); } catch { found.steps = []; }
-    } else if (word === "step") found.step = Math.max(0, Number.parseInt(value, 10) - 1 || 0);
-    else if (word === "challenge") found.challenge = scene.challenges.find(({ name }) => name === value) ?? null;
-    // it plays as soon as it is loaded, for pages embedded in others
-    else if (word === "play") found.plays = value === "1";
-    else found.given[word] = value;
-    const about = scene.controls.find(({ name }) => name === (words[word] ?? word)), number = Number(value);
-    if (word === "without") {
-      const off = value.split(",").map((name) => `switch-${name}`);
-      for (const name of Object.keys(state).filter(isSwitch)) state[name] = !off.includes(name);
-    } else if (about?.kind === "number" && value !== "" && Number.isFinite(number)
-      && (about.name !== "duration" || number > 0)) state[about.name] = number;
-    else if (about?.kind === "choice" && about.options.includes(value)
-      || about?.kind === "text" || about?.kind === "formula") state[about.name] = value;
-    else if (about?.kind === "range") state[about.name] = value.split(",").map(Number);
+  const given = new URLSearchParams(text.replace(/^#/, "")), state = { ...scene.initial };
+  const off = given.get("without")?.split(",").map((name) => `switch-${name}`);
+  for (const { name, kind, options } of scene.controls) {
+    const value = given.get(linkWord(name, scene)) ?? given.get(name), number = Number(value);
+    if (kind === "switch") state[name] = off ? !off.includes(name) : state[name];
+    else if (value === null) continue;
+    else if (kind === "range") state[name] = value.split(",").map(Number);
+    else if (kind !== "number") state[name] = kind !== "choice" || options.includes(value) ? value : state[name];
+    else if (value !== "" && Number.isFinite(number) && (name !== "duration" || number > 0)) state[name] = number;
   }
-  return found;
+  let steps = [];
+  try { steps = lessonSteps(JSON.parse(given.get("lesson")), scene); } catch {} // it is none
+  return { state, steps, step: Math.max(0, Number.parseInt(given.get("step"), 10) - 1 || 0),
+    scene: given.get("scene") ?? "",
+    challenge: scene.challenges.find(({ name }) => name === given.get("challenge")) ?? null,
+    plays: given.get("play") === "1" }; // as soon as it is loaded, for pages embedded in others
 }
 
 function stateText(state, scene) {

@@ -51,7 +51,7 @@ LINK = """
 const controls = [{ name: "switch-cubic", kind: "switch" }, { name: "mu_k", kind: "number", parameter: true },
   { name: "start", kind: "choice", options: ["rest", "near"] }, { name: "duration", kind: "number" }];
 const initial = { "switch-cubic": true, mu_k: 0.3, start: "rest", duration: 2 };
-const scene = { name: "two fates", initial, controls };
+const scene = { name: "two fates", initial, controls, challenges: [] };
 const state = { "switch-cubic": false, mu_k: 1.5, start: "near", duration: 5 }, link = linkText(state, scene);
 const back = readLink(`#${link}`, scene), odd = readLink("#mu_k=abc&start=sideways&t_end=-1&other=3", scene);
 console.log(JSON.stringify([link, back.scene, back.state, odd.state]));
