@@ -26,6 +26,7 @@ from frictionlab.compilation.targets import WEB
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
+from frictionlab.hybrid.methods.base import STATUS_OF_CODE
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.models.model import ModelOrAutomaton
 from frictionlab.pages.javascript import JavaScript
@@ -204,6 +205,7 @@ def method_data() -> dict[str, Any]:
         "elementary": [function.__name__ for function in ELEMENTARY.values()],
         "least_ratio": LOG2_LEAST_RATIO,
         "exp2": EXP2_COEFFICIENTS,
+        "endings": {code: status.value for code, status in STATUS_OF_CODE.items()},
         "kinds": {function.name: function.kind for function in FUNCTIONS},
     }
 

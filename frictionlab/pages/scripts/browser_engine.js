@@ -89,9 +89,10 @@ class BrowserEngine {
   }
 
   statusText(run) {
-    const how = run.status === RUNNING
-      ? `stopped at ${run.end.toPrecision(4)} s: the run is long; take an earlier end` : STATUS[run.status];
-    return `${sentence(how)}. ${run.steps} steps, ${run.events} events${this.eventNames(run)}, `
+    const end = shortNumber(run.end, 4), how = run.status === FINISHED ? "The end was reached"
+      : run.status === RUNNING ? `Stopped at ${end} s: the run is long; take an earlier end`
+      : `The run ended at ${end} s: ${SCENE.method.endings[run.status]}`;
+    return `${how}. ${run.steps} steps, ${run.events} events${this.eventNames(run)}, `
       + `solved in ${run.milliseconds.toFixed(1)} ms`;
   }
 

@@ -1,9 +1,7 @@
 // The solver: calls of the kernels, compiled to WebAssembly, and the loop that goes on whenever a record is full, as
 // in methods/taylor.py. Every kernel takes the address of a table of 64-bit words: places for its results, then its
 // arguments; those of an array are its address and its lengths.
-const [RUNNING, FINISHED] = [0, 1];
-const STATUS = ["stopped", "the end was reached", "no admissible mode: no mode could be entered after the last event",
-  "stalled: time no longer advances", "accumulation of events", "not finite: a state overflowed"];
+const [RUNNING, FINISHED, NO_ADMISSIBLE_MODE] = [0, 1, 2];
 const [MODE, STEPS, EVENTS, POINTS] = [0, 1, 2, 3];
 const RECORDS = 24; // there is room for so many records at first, each of 2048 steps and as many events
 const MOST_RECORDS = 768; // for one and a half million steps, some 160 MB
@@ -95,7 +93,6 @@ class Solver {
     return table;
   }
 
-
   load(structure) { // make the arrays of a structure
     if (this.structure === structure) return;
     this.reset();
@@ -152,16 +149,10 @@ class Solver {
     arrays["run.sizes"].view.set(state.map(Math.abs));
     arrays["run.times"].view.set([0, end, 0, chatter, 0]);
     arrays["scratch.ended"].view[0] = NO_MODE;
-    const found = this.call("select_mode",
-      { z: arrays["run.state"], "rounding.sizes": arrays["run.state"], "rounding.share": SCENE.method.rounding,
-      ...this.rounding(arrays["run.state"]) });
+    const start = arrays["run.state"], rounding = { "rounding.sizes": start, "rounding.share": SCENE.method.rounding };
+    const found = this.call("select_mode", { z: start, ...rounding });
     arrays["run.counts"].view[MODE] = found.integers[0];
     return found.integers[0] >= 0n;
-  }
-
-  rounding(sizes) { // the fields of select_mode's argument `rounding`, by their names
-    const names = SOLVER.tables.select_mode.arguments.filter(([name]) => name.startsWith("rounding."));
-    return Object.fromEntries(names.map(([name, , axes]) => [name, axes ? sizes : SCENE.method.rounding]));
   }
 
   advance(record) {
@@ -182,7 +173,7 @@ class Solver {
     this.load(structure);
     const { arrays } = this, began = performance.now(), capacity = arrays["record.step_modes"].shape[0];
     const length = patience < HASTE ? Math.min(capacity, FEW_STEPS) : capacity; // between two looks at the clock
-    let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : 2, 0, 0];
+    let [status, steps, events] = [this.begin(values, state, end) ? RUNNING : NO_ADMISSIBLE_MODE, 0, 0];
     const full = (kind, count) => count + length > this.room[kind] * capacity && !this.makeRoom(kind);
     while (status === RUNNING && !full("step", steps) && !full("event", events)) {
       const counts = arrays["run.counts"].view; // taken again each time, as the memory may have grown
