@@ -7,6 +7,10 @@ const withMinus = (v) => shortNumber(v, 3).replace(/^-/, "−");
 
 const FUNCTIONS = ["exp", "log", "sqrt", "abs", "sin", "cos", "tan", "tanh", "atan"];
 const NUMBERS = { pi: Math.PI, e: Math.E };
+const SIGN_RANK = 3, POWER_RANK = 4;
+/** @type {Map<string, any[]>} */
+const OPERATORS = new Map([["+", [1, (a, b) => a + b]], ["-", [1, (a, b) => a - b]], ["*", [2, (a, b) => a * b]],
+  ["/", [2, (a, b) => a / b]], ["^", [POWER_RANK, (a, b) => a ** b]], ["**", [POWER_RANK, (a, b) => a ** b]]]);
 
 // A text such as "0.3 + 0.1*exp(-abs(v)/0.2)" as a function of v; an error in words where it is none. Names other than
 // those above mean nothing, so that no text can do more than compute.
@@ -16,29 +20,19 @@ function readFormula(text) {
   const fail = (rule) => { throw new RangeError(`the formula must ${rule}: write for example ${EXAMPLE}`); };
   const said = () => (at < parts.length ? `'${parts[at]}'` : "its end"), next = (...some) =>
     (some.includes(parts[at]) ? parts[at++] : null);
-  const sum = () => chain(product, { "+": (a, b) => a + b, "-": (a, b) => a - b });
-  const product = () => chain(signed, { "*": (a, b) => a * b, "/": (a, b) => a / b });
-  function chain(operand, operations) {
+  function sum(least = 1) { // of operands between which stand operators of this rank at least
     let left = operand();
-    for (let sign = next(...Object.keys(operations)); sign; sign = next(...Object.keys(operations))) {
-      const before = left, after = operand(), operation = operations[sign];
-      left = (v) => operation(before(v), after(v));
+    for (;;) {
+      const [rank, compute] = OPERATORS.get(parts[at]) ?? [0];
+      if (rank < least) return left;
+      at += 1;
+      const before = left, after = sum(rank === POWER_RANK ? SIGN_RANK : rank + 1);
+      left = (v) => compute(before(v), after(v));
     }
-    return left;
   }
-  function signed() {
-    if (next("+")) return signed();
-    if (!next("-")) return power();
-    const inner = signed();
-    return (v) => -inner(v);
-  }
-  function power() {
-    const base = atom();
-    if (!next("^", "**")) return base;
-    const exponent = signed();
-    return (v) => base(v) ** exponent(v);
-  }
-  function atom() {
+  function operand() {
+    if (next("+")) return sum(SIGN_RANK);
+    if (next("-")) { const inner = sum(SIGN_RANK); return (v) => -inner(v); }
     const part = parts[at] ?? "";
     if (/^[\d.]/.test(part) && Number.isFinite(Number(part))) { at += 1; return () => Number(part); }
     if (next("(")) return closed();
