@@ -83,6 +83,10 @@ class EquilibriumProblem:
             values[self.parameter_names.index(name)] = at
         return tuple(values), max(lengths, default=1)
 
+    def states(self, changes: Mapping[str, Any]) -> Array:
+        """Equilibria (m, N); NaN where there is none."""
+        return self.solve(*self.at(changes))
+
     def linearised(self, changes: Mapping[str, Any]) -> tuple[Array, Array]:
         """Equilibria (m, N) and state matrices (N, m, m); NaN where there is no equilibrium."""
         values, count = self.at(changes)

@@ -164,11 +164,7 @@ class SmallSpectra:
 
     # What `changes_on_lines` asks where a growth rate jumps: whether the equilibrium goes on there.
 
-    def at(self, changes: Mapping[str, Array]) -> tuple[Mapping[str, Array]]:
-        """The points."""
-        return (changes,)
-
-    def solve(self, changes: Mapping[str, Array]) -> Array:
+    def states(self, changes: Mapping[str, Array]) -> Array:
         """Static displacements (n, N)."""
         return np.stack([one.find_equilibrium().q for one in self._structures(changes)], axis=1)
 

@@ -121,8 +121,7 @@ def _ends(
 
     def at(points: Any) -> Array:
         values_at = {name: np.full(len(points), value) for name, value in fixed.items()}
-        values, count = problem.at({**values_at, parameter: np.array(points)})
-        return problem.solve(values, count)
+        return problem.states({**values_at, parameter: np.array(points)})
 
     points = np.linspace(*bounds, SCAN_POINTS)
     states = at(points)

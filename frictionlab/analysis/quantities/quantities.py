@@ -128,8 +128,7 @@ class EquilibriumCoordinate(Quantity):
 
     def values(self, model: ModelOrAutomaton, changes: Mapping[str, Array]) -> Array:
         problem = equilibrium_problem(model)
-        values, count = problem.at(changes)
-        return problem.solve(values, count)[self._index(problem)]
+        return problem.states(changes)[self._index(problem)]
 
     def gradient(self, model: ModelOrAutomaton) -> Gradient:
         problem = equilibrium_problem(model)

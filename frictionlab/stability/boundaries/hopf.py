@@ -21,7 +21,6 @@ from frictionlab.stability.equilibrium_points.equilibria import (
     equilibrium_branches,
     equilibrium_problem,
 )
-from frictionlab.stability.equilibrium_points.sliding import sliding_equations
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
 from frictionlab.stability.flow import EquilibriumDerivatives
 from frictionlab.stability.state_matrices import (
@@ -252,7 +251,13 @@ def hopf(
     >>> point.criticality
     'subcritical'
     """
-    problems, (low, high) = _problems(model, parameter, bounds, equilibrium)
+    if isinstance(model, MovingSystem):
+        check_varied(model, parameter)
+    low, high = check_bounds(model, parameter, bounds)
+    if equilibrium is None:
+        problems = equilibrium_branches(model, parameter, (low, high))
+    else:
+        problems = [equilibrium_problem(model, equilibrium)]
     candidates = [
         (change, problem)
         for problem in problems
@@ -267,19 +272,6 @@ def hopf(
     alike = first + SAME_VALUE_RTOL * max(abs(first), high - low)
     change, problem = next(pair for pair in flutter if pair[0].value <= alike)
     return _hopf_point(problem, parameter, change)
-
-
-def _problems(
-    model: ModelOrAutomaton, parameter: str, bounds: Any, equilibrium: Equilibrium | None
-) -> tuple[list[EquilibriumProblem], tuple[float, float]]:
-    """The equilibria to follow, and the bounds, checked."""
-    if isinstance(model, MovingSystem):
-        check_varied(model, parameter)
-    if equilibrium is not None or sliding_equations(model) is not None:
-        problem = equilibrium_problem(model, equilibrium)
-        return [problem], check_bounds(problem.model, parameter, bounds)
-    limits = check_bounds(model, parameter, bounds)
-    return equilibrium_branches(model, parameter, limits), limits
 
 
 def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityChange]) -> str:

@@ -435,7 +435,7 @@ def _goes_on(lines: Lines, line: Any, value: float) -> bool:
     step = END_RTOL * max(abs(value), np.ptp(lines.bounds))
     sides = np.clip(value + step * np.array([-1.0, 1.0]), *lines.bounds)
     fixed = {name: column[[line, line]] for name, column in lines.fixed.items()}
-    x = lines.problem.solve(*lines.problem.at({**fixed, lines.parameter: sides}))
+    x = lines.problem.states({**fixed, lines.parameter: sides})
     return bool(np.abs(x[:, 1] - x[:, 0]).max() <= BORDER_RTOL * np.abs(x).max())
 
 

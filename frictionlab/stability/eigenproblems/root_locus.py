@@ -27,6 +27,7 @@ from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.stability.state_matrices import (
     eigenpairs_of_matrices,
+    eigenvalue_distances,
     equal_eigenvalues,
     left_eigenvectors,
     unstable_pairs,
@@ -205,7 +206,7 @@ def _match_modes(
 
 def _distance_to_next(values: ComplexMatrices) -> Array:
     """Distance of each eigenvalue (N, k) to the nearest other one."""
-    distances = np.abs(values[:, :, None] - values[:, None, :])
+    distances = eigenvalue_distances(values, values)
     return np.where(np.eye(values.shape[1], dtype=bool), np.inf, distances).min(axis=2)
 
 

@@ -98,7 +98,7 @@ def _problem_within(
         if problem.flow.linear:  # it has no fold
             return problem
         beside = own[:, None] + BESIDE_SHARES * spans[:, None]
-        if np.isfinite(problem.solve(*problem.at(dict(zip(within, beside))))).all(axis=0).any():
+        if np.isfinite(problem.states(dict(zip(within, beside)))).all(axis=0).any():
             return problem
     some = [np.unique(np.min(values) + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
@@ -241,7 +241,7 @@ def equilibrium_branches(
                 continue
             modes.append(mode)
             problems.append(_problem_from_equilibrium(model, automaton, mode, x, **change))
-            branch_states.append(problems[-1].solve(*problems[-1].at({parameter: at})))
+            branch_states.append(problems[-1].states({parameter: at}))
     if not problems:
         raise _no_equilibrium_error(model)
     return problems
