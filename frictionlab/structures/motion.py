@@ -20,7 +20,6 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, Reset
-from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_rows
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
@@ -44,7 +43,6 @@ from frictionlab.models.mechanical.modes import (
     Solution,
     conditions_of_regime,
     contact_suffix,
-    expressions_of,
     mode_of,
 )
 from frictionlab.models.mechanical.stored_energies import Energies, energies_of_bristles
@@ -175,13 +173,6 @@ def _system_of(of: _Identity) -> StructureSystem:
 @lru_cache(maxsize=16)
 def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
     structure, system = of.structure, _system_of(of)
-    pieces = module_of_pieces()
-    if pieces is not None and pieces.has_pieces(list(expressions_of(system))):
-        laws = ", ".join(dict.fromkeys(repr(law) for one in structure.contacts for law in one.laws))
-        raise ValueError(
-            f"laws of contacts must be one formula each for a structure to move, got {laws}, one of which is "
-            "in pieces: give another law, or state the system as a fl.MechanicalModel"
-        )
 
     def derive(combination: Combination) -> Mode:
         return mode_of(system, combination, system.hold)
@@ -213,7 +204,7 @@ def structure_system(structure: Structure) -> StructureSystem:
         Mechanics(0, contacts=tuple(contacts)),
         states[:n],
         states[n:],
-        (),
+        None,
         (),
         (),
         of_laws=_checked_states(contacts, structure),

@@ -611,24 +611,6 @@ def test_what_cannot_move_is_refused(M, K, what):
         fl.simulate(fl.Structure(M, K), 1.0)
 
 
-class Bilinear(fl.LinearContact):
-    def force(self, penetration):
-        return self.k2 * penetration + fl.functions.maximum(self.k2 * (penetration - 0.1), 0.0)
-
-
-class Limited(fl.Coulomb):
-    def kinetic(self, normal_force, speed):
-        return fl.functions.minimum(self.mu_k * normal_force, 1.0)
-
-
-@pytest.mark.parametrize("laws", [{"contact": Bilinear()}, {"friction": Limited()}])
-def test_laws_in_pieces_are_refused_where_a_structure_moves(laws):
-    pads = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], penetration=0.01, **laws)
-    structure = fl.Structure(np.eye(2), np.eye(2), contacts=pads)
-    with pytest.raises(ValueError, match=f"one formula each.* got .*{type(*laws.values()).__name__}.*pieces"):
-        fl.simulate(structure, 1.0)
-
-
 def test_the_energy_balance_of_impacts_closes():
     structure = slider_on_belt(FLAT.replace(impact=fl.RestitutionImpact(e=0.3), mu_k=2.5))
     audit = fl.energy_audit(fl.simulate(structure, 0.5, progress=False))
