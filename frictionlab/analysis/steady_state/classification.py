@@ -108,13 +108,14 @@ def find_recurrence(t: Array, states: Array, size: Array, tolerance: float) -> R
     """
     shares = states / np.where(size > 0, size, 1.0)
     lags = range(1, min(len(t) // MIN_PERIODS_SEEN, MAX_LAG) + 1)
-    recurrences = [_recurrence_at_lag(t, shares, lag) for lag in lags]
-    repeating = next((r for r in recurrences if is_periodic(r, tolerance)), None)
-    if repeating is None:
-        return min(recurrences, key=lambda r: r.deviation, default=NO_RECURRENCE)
-    # A motion that spirals inwards first repeats within the tolerance at a long lag, but the deviation at a
-    # shorter one decays too.
-    return next((r for r in recurrences[: repeating.lag] if r.shrinking > MIN_SETTLING_FACTOR), repeating)
+    recurrences: list[Recurrence] = []
+    for lag in lags:
+        recurrences.append(_recurrence_at_lag(t, shares, lag))
+        if is_periodic(recurrences[-1], tolerance):
+            # A motion that spirals inwards first repeats within the tolerance at a long lag, but its
+            # deviation at a shorter one decays too.
+            return next((r for r in recurrences if r.shrinking > MIN_SETTLING_FACTOR), recurrences[-1])
+    return min(recurrences, key=lambda r: r.deviation, default=NO_RECURRENCE)
 
 
 def is_periodic(recurrence: Recurrence, tolerance: float) -> bool:
