@@ -31,7 +31,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 )
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, system_of
 from frictionlab.models.mechanical.friction_in_plane import STOP
-from frictionlab.models.mechanical.impulses import impulse_terms, impulses_of_contacts
+from frictionlab.models.mechanical.impulses import impulse_terms
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.mechanical.stored_energies import (
@@ -140,7 +140,7 @@ class Balance:
 
     def __init__(self, model: MechanicalModel, automaton: HybridAutomaton, mode_names: Sequence[str]) -> None:
         self.automaton, self.mode_names, self._values = automaton, mode_names, structure_values(model)
-        self._model, self._terms = model, terms_of(model.structure_key)
+        self._terms = terms_of(model.structure_key)
         self._striking = impulse_terms(model.structure_key).contacts
         self._bristles = Bristles(self._terms.bristles, automaton, mode_names)
 
@@ -208,10 +208,10 @@ class Balance:
     def _work_of_moved_contacts(self, run: Trajectory) -> Array:
         """Work (J) that each event's impulses do because contacts move with time."""
         work = np.zeros(len(run.events))
-        impulses = impulses_of_contacts(self._model, run.events, run.states)
-        for one, (normal, _) in zip(self._striking, impulses, strict=True):
+        for one in self._striking:
             rate = self._terms.contacts[one.place].moved
-            work += 0.0 if rate is None else normal * self._at(rate, run.events.before)
+            if rate is not None:
+                work += run.events["impulse" + one.suffix] * self._at(rate, run.events.before)
         return work
 
     def _at(self, function: Any, states: Array) -> Array:

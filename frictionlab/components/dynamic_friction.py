@@ -217,9 +217,9 @@ class Iwan(FrictionLaw):
 
     They slip one after the other, and the contact passes from stick through partial slip to slip, where
     F_T = mu_k F_N along v_r.  By default all have the stiffness k_i = k_t/n, and the forces at which they
-    slip are evenly spread, F_i = (2 i - 1)/n^2 mu_k F_N.  The first loading is then that of Iwan's
-    uniform distribution, F_T = k_t x - (k_t x)^2/(4 mu_k F_N) up to x = 2 mu_k F_N/k_t, at n places between
-    which it is straight but for one slip.
+    slip are evenly spread, F_i = (2 i - 1)/n^2 mu_k F_N.  The first loading then follows Iwan's
+    uniform distribution, F_T = k_t x - (k_t x)^2/(4 mu_k F_N) up to x = 2 mu_k F_N/k_t, in straight lines.
+    They bend where an element slips, and touch this parabola halfway between.
 
     A mode's name has the regime of each element, as in "contact | slip+ | stick | stick".  There is no limit
     mode of chatter: of impacts that accumulate, as those of `SliderOnBelt`, each flight is computed, which
@@ -281,7 +281,7 @@ class Iwan(FrictionLaw):
         if any(isclose(one, following) for one, following in pairwise(ratios)):
             raise ValueError(
                 "strengths must be in different ratios to stiffnesses, as elements that slip together are "
-                f"one, got {self.strengths} and {self.stiffnesses}: add up those of such elements"
+                f"one, got {self._f} and {self._k}: add up those of such elements"
             )
 
     def force(self, normal_force: Any, relative_velocity: Any, *z: Any) -> Any:

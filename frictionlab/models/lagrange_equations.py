@@ -38,6 +38,7 @@ from frictionlab.models.mechanical.contact_regimes import (
 )
 from frictionlab.models.mechanical.dynamic_laws import (
     LawValues,
+    limits_of_law,
     limits_of_states,
     values_of_law,
     values_on_one_side,
@@ -390,7 +391,7 @@ def _conditions(write: TimeDependentSystem, mode: str, regime: ContactRegime, i:
         return pressed
     if contact.in_plane:
         return (*_conditions_in_plane(system, regime, i), *pressed)
-    if limits := limits_of_states(replace(contact, normal_force=normal, damper=0)):
+    if limits := limits_of_law(contact.law, normal):
         pairs, held = zip(system.of_laws[i], limits, strict=True), sympy.Tuple(*regime.constraints)
         sticks = ((write(state), limit) for state, limit in pairs if not held.has(state))
         return (*(sympy.Le(sympy.Abs(state), limit, evaluate=False) for state, limit in sticks), *pressed)

@@ -83,9 +83,7 @@ def impulses_of_contacts(model: MechanicalModel, events: Any, states: Array) -> 
     sides = [at((*one.normal, *one.rubbing), before[rows]) for one in terms.contacts]
     gaps = [np.abs(one.gap(*before[rows].T, *numbers)) * np.ones(len(rows)) for one in terms.contacts]
     widest = [np.abs(one.gap(*states.T, *numbers)).max(initial=0.0) for one in terms.contacts]
-    reach = np.abs(states[:, :n]).max(
-        axis=0, initial=0.0
-    )  # gaps of what never parts are their rounding errors
+    reach = np.abs(states[:, :n]).max(axis=0, initial=0.0)  # a gap that never opens is rounding of these
     sizes = [np.maximum(wide, np.abs(side[:, 0]) @ reach) for wide, side in zip(widest, sides, strict=True)]
     for k, e in enumerate(rows):
         fired = [guards[e] in (one.guard, CHATTER_FLIGHT) for one in terms.contacts]

@@ -103,7 +103,8 @@ def _dampers(key: StructureKey) -> tuple[dict[str, Any], Formulas]:
 def _about_dampers(key: StructureKey) -> dict[str, Any]:
     """Coordinates all of whose dampers depend on parameters only, together; each of the others alone.
 
-    None where the dissipation is a sum of squares whose coefficients have a bound of 0 or above.
+    No block, and no place, where the dissipation is a sum of squares whose coefficients are bound to be at
+    least 0.
     """
     from .equations_of_motion import system_of
 
