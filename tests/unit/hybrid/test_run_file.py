@@ -41,6 +41,15 @@ def changed(path, target, **changes):
     return target
 
 
+def test_the_same_automaton_gives_the_same_run(saved):
+    run, path = saved
+    again = fl.load(path, model=oscillator())
+    t = np.linspace(0.0, 5.0, 41)
+    np.testing.assert_array_equal(again(t), run(t))
+    assert again.events.source.tolist() == run.events.source.tolist()
+    assert again.problem.x0.tolist() == [-1.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("other", "word"),
     [

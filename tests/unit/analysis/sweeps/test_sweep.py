@@ -41,6 +41,16 @@ def test_initial_states_are_the_last_axis():
     assert found.to_dataframe().loc[(0.2, "state 2"), "result"] == 1e-3
 
 
+def test_the_number_of_workers_changes_nothing():
+    def wait_and_see(model):
+        time.sleep(0.02 * (model.mu_k < 0.15))  # so that the first ends last
+        return {"mu_k": model.mu_k, "thread": None}
+
+    values = {"mu_k": np.linspace(0.1, 1.0, 10)}
+    one, five = (fl.sweep(MODEL, wait_and_see, values, workers=n, **QUIET) for n in (1, 5))
+    assert one.results.tolist() == five.results.tolist()
+
+
 def test_tables():
     def several(model):
         return {"work": product(model), "large": model.F > 150}

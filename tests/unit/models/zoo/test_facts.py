@@ -388,24 +388,22 @@ def test_rate_and_state_has_the_critical_stiffness_of_rice_and_ruina(speed, c):
     assert change.value == pytest.approx(model.critical_stiffness, rel=1e-9)
 
 
-def test_a_jenkins_element_takes_the_work_of_its_loop():
-    model = fl.JenkinsOscillator()
+@pytest.mark.parametrize(
+    ("model", "limits"),
+    [
+        (fl.JenkinsOscillator(), [0.3 / fl.JenkinsOscillator().k_t]),
+        (fl.BoltedJoint(k_t=1.3, mu_k=0.25), 0.25 / 1.3 * np.array([1, 3, 5]) / 3),
+    ],
+    ids=["Jenkins", "Iwan"],
+)
+def test_elements_take_the_energy_of_their_loops(model, limits):
+    """At the amplitude X each takes 4 k d (X - d), where d is the deflection at which it slips."""
     orbit = fl.periodic_orbit(model, fl.simulate(model, 400.0, progress=False))
-    run = fl.simulate(model, orbit.period, x0=orbit.state, progress=False)
-    t = np.linspace(0.0, orbit.period, 4001)
-    z = run(t)
-    X = np.ptp(z[:, 0]) / 2
-    taken = -fl.energy_audit(run, progress=False).works["friction"][-1]
-    assert taken == pytest.approx(4 * 0.3 * (X - 0.3 / model.k_t), rel=1e-6)
-
-
-def test_a_bolted_joint_takes_the_energy_of_the_loops_of_its_elements():
-    model = fl.BoltedJoint(k_t=1.3, mu_k=0.25)
-    orbit = fl.periodic_orbit(model, fl.simulate(model, 300.0, progress=False))
     run = fl.simulate(model, orbit.period, x0=orbit.state, sections={"turn": "x'"}, progress=False)
-    X, limits = np.ptp(run.sections["turn"].state[:, 0]) / 2, 0.25 / 1.3 * np.array([1, 3, 5]) / 3
+    X = np.ptp(run.sections["turn"].state[:, 0]) / 2
     taken = -fl.energy_audit(run, progress=False).works["friction"][-1]
-    assert taken == pytest.approx(4 * 1.3 / 3 * np.sum(limits * np.maximum(X - limits, 0)), rel=1e-9)
+    loops = 4 * model.k_t / len(limits) * np.sum(limits * np.maximum(X - np.array(limits), 0))
+    assert taken == pytest.approx(loops, rel=1e-9)
 
 
 # --- impacts
