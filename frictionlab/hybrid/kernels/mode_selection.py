@@ -214,11 +214,11 @@ def try_mode(system, mode, z, rounding, likely, order, scratch):
 
 
 @kernel
-def try_mode_by_values(system, mode, z, scratch):
+def try_mode_by_values(system, mode, z, rounding, scratch):
     """Whether the conditions of a mode hold at `z` by their values; those that the event made zero do."""
     code, J = system.code, scratch.jets
     mode_jets(code, system.numbers, mode, 0, z, J)
-    majorant(code, system.magnitudes, mode, 0, z, J, scratch.bounds)
+    majorant(code, system.magnitudes, mode, 0, rounding.sizes, J, scratch.bounds)
     if first_order_bounds(code, system.magnitudes, mode, J, scratch.bounds):
         return REFUSED
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
@@ -226,7 +226,7 @@ def try_mode_by_values(system, mode, z, scratch):
             return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)
-        if zeros == 0 and abs(J[slot, 0]) > COEFFICIENT_ROUNDING * scratch.bounds[slot, 0]:
+        if zeros == 0 and abs(J[slot, 0]) > rounding.share * scratch.bounds[slot, 0]:
             return REFUSED
     return ADMITTED
 
@@ -463,7 +463,7 @@ def next_allowed(queue, leading):
 def try_candidate(system, mode, z, rounding, order, scratch):
     """Whether a mode can be entered, by its series up to `order` or by the values of its conditions."""
     if order == BY_VALUES:
-        return try_mode_by_values(system, mode, z, scratch)
+        return try_mode_by_values(system, mode, z, rounding, scratch)
     return try_mode(system, mode, z, rounding, False, order, scratch)
 
 

@@ -72,21 +72,22 @@ def select_mode_by_values(system, queue, guard, run, scratch):
     """First target whose conditions hold by their values; those that the event made zero do.
 
     So slip is entered after a re-contact, whatever the penetration rate.  The guard itself is negative where
-    no reset makes it zero, as at a border: what it is a condition of does not go on.
+    no reset makes it zero, as at a border: what it is a condition of does not go on.  Where all comes to
+    rest, what is left is a rounding error of the states before.
     """
     z = run.state
     set_zeros_by_construction(system.code, guard, 0, scratch)
     if system.code.resets[guard, 0] < 0:
         scratch.structural_zeros[system.code.function_classes[guard]] = 0
+    rounding = Rounding(run.sizes, COEFFICIENT_ROUNDING)
     if queue is not None:
-        rounding = Rounding(z, COEFFICIENT_ROUNDING)
         scratch.impacts.guards[0] = guard
         keep_regimes_until_impacts(system, queue, 0.0, 1, run, scratch)
         selection = select_combination(system, queue, guard, z, rounding, BY_VALUES, scratch)
         queue.kept[:] = NO_REGIME
         return selection
     for mode in system.code.targets[guard]:
-        if try_mode_by_values(system, mode, z, scratch) == ADMITTED:
+        if try_mode_by_values(system, mode, z, rounding, scratch) == ADMITTED:
             return Selection(mode, NO_MODE)
     return Selection(NO_MODE, NO_MODE)
 
@@ -99,6 +100,8 @@ def change_mode(system, queue, event, run, record, scratch):
     record.event_times[row] = run.times[NOW]
     copy_vector(run.state, record.event_states[row, 0])
     apply_reset(system, system.code.resets[guard, 0], run.state, scratch.jets)
+    for i in range(run.state.shape[0]):
+        run.sizes[i] = max(run.sizes[i], abs(run.state[i]))
     mode, missing = select_mode_by_values(system, queue, guard, run, scratch)
     if missing != NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
@@ -152,6 +155,8 @@ def record_step(h, goal, new, run, record):
     record.step_times[row, 1] = h
     record.step_modes[row] = run.counts[MODE]
     copy_vector(run.state, record.step_states[row])
+    for i in range(new.shape[0]):
+        run.sizes[i] = max(abs(run.state[i]), abs(new[i]))
     run.counts[STEPS] += 1
     copy_vector(new, run.state)
     run.times[NOW] = goal

@@ -13,7 +13,7 @@ from frictionlab.hybrid.kernels.event_location import GuardZero
 from frictionlab.hybrid.kernels.jets import slot_gradients, state_rates
 from frictionlab.hybrid.kernels.step_length import STOP_SHARE, base_of_root
 from frictionlab.hybrid.methods.base import ActiveRun, Method
-from frictionlab.hybrid.methods.runge_kutta import guard_at_stop
+from frictionlab.hybrid.methods.runge_kutta import guard_at_stop, record_step
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
@@ -84,15 +84,16 @@ class Scipy(Method):
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 return run_state.NOT_FINITE
             length, guard = guards.first(solver)
+            goal = cursor.times[run_state.NOW] + length
+            new = solver.y if guard < 0 else solver.dense_output()(goal)
             if length > 0.0:
-                record_step(cursor, record, length)
+                record_step(length, goal, new, cursor, record)
                 cursor.counts[run_state.REPEATED] = 0
             elif guard < 0:  # at a singularity LSODA steps for ever without advancing time
                 cursor.counts[run_state.REPEATED] += 1
                 if event_handling.status_after_repeat(cursor.counts) != run_state.RUNNING:
                     return run_state.STALLED
-            cursor.times[run_state.NOW] += length
-            cursor.state[:] = solver.y if guard < 0 else solver.dense_output()(cursor.times[run_state.NOW])
+            cursor.state[:] = new
             if guard >= 0:
                 return self.handle_event(run, GuardZero(length, guard, 1), record)
         if solver.status == "running":
@@ -203,11 +204,3 @@ class Guards:
         parts = start + (end - start) * 0.5 ** np.arange(1, 40)
         left = next((t for t in parts if function(t) > 0.0), end)
         return start if left == end else float(brentq(function, left, end, xtol=1e-15, rtol=1e-15))
-
-
-def record_step(cursor: run_state.RunState, record: run_state.Record, length: float) -> None:
-    row = cursor.counts[run_state.STEPS]
-    record.step_times[row] = cursor.times[run_state.NOW], length
-    record.step_modes[row] = cursor.counts[run_state.MODE]
-    record.step_states[row] = cursor.state
-    cursor.counts[run_state.STEPS] += 1
