@@ -582,7 +582,7 @@ def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any
     explained = np.einsum("ij...,j...->i...", np.abs(ratios), size[bent])
     safe &= ((np.abs(next_step) <= quarter + explained) & np.isfinite(explained)).all(axis=(0, 1))
     small = (explained[bent] <= SAFE_CHANGE * size[bent]) & (size[bent] > 0)
-    unsure = safe & ~small.all(axis=(0, 1))
+    unsure = safe & (~small & ratios.any(axis=0)).any(axis=(0, 1))  # a column of zeros adds nothing
     radii = np.abs(np.linalg.eigvals(ratios[bent][..., unsure].transpose(2, 3, 0, 1))).max(axis=-1)
     safe[unsure] = (radii <= SAFE_CHANGE).all(axis=0)
     return step, safe
