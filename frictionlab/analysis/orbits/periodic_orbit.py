@@ -42,6 +42,7 @@ from frictionlab.validation import abbreviate, check_number, is_sequence
 MOST_PERIODS = 64  # of an orbit in a guess
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
+DECAYING_SHARE = 1e-3  # of its range: a state that misses its start by more does not belong to an orbit
 RETURN_XTOL = 1e-5  # share of a step to which the time of a return is located
 SHORTEST_STAY = 1e-6  # share of a run that a stay has to last for an orbit to begin in it
 MAX_ITERATIONS = 40
@@ -235,10 +236,19 @@ def _start_in_freest_mode(
     return OrbitGuess(run(middle), period, scales_of_orbit(run), mode_to_state(run, middle))
 
 
-def scales_of_orbit(run: Trajectory) -> Array:
+def scales_of_orbit(run: Trajectory, missed: Array | None = None) -> Array:
     """The unit (n,) of differences between states: that of one which but rounding moves is the motion of
-    others."""
-    scales = state_scales(run.states, run.automaton.coordinates)
+    others.
+
+    So is that of a state that misses (n,) its start, by which the orbit is closed: what is left of it decays.
+    """
+    states = run.states
+    if missed is not None:
+        ranges = state_ranges(states)
+        decays = np.abs(missed) > DECAYING_SHARE * ranges
+        decays &= ranges > AT_REST_RTOL * np.abs(states).max(axis=0)
+        states = np.where(decays, 0.0, states)
+    scales = state_scales(states, run.automaton.coordinates)
     return np.where(moved_by_rounding(run), motion_size(run), scales)
 
 

@@ -188,7 +188,7 @@ def _next_point(
 
 
 def _point_scale(shot: ShootingResult, period: float, span: float) -> Array:
-    return np.append(scales_of_orbit(shot.run)[:-1], [period, span])
+    return np.append(scales_of_orbit(shot.run, shot.missed)[:-1], [period, span])
 
 
 def _corrector_rows(shot: ShootingResult, period: float, scale: Array) -> Array:

@@ -449,3 +449,32 @@ def test_a_relay_returns_in_its_mode(rate):
     relay, period = automaton(on, off, states=(X,), coordinates=0, rate=rate), 2 * np.log(7 / 3) / rate
     orbit = fl.periodic_orbit(relay, fl.solve(relay, 10.3 * period, x0=[0.5]))
     assert orbit.period == pytest.approx(period, rel=1e-12)
+
+
+@fl.model
+class Beside(fl.MechanicalModel):
+    """Stick-slip on a belt beside a state that decays, s' = -s."""
+
+    v0: float = 0.5
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.5)
+    coordinates = ("x",)
+    states = ("s",)
+
+    def mechanics(self, q, v, s):
+        belt = fl.Friction(self.v0 - v.x, 1.0, self.friction)
+        return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, contacts=(belt,), rates={"s": -s.s})
+
+
+@pytest.mark.parametrize("s", [0.0, 1.0])
+def test_a_state_beside_that_decays_changes_no_branch(s):
+    """Period by its slip and its stick; s is 0, or what is left of it after a hundred periods."""
+    model = Beside()
+    branch = fl.continue_orbit(
+        fl.periodic_orbit(model, fl.simulate(model, 40.0, x0=[0.5, 0.5, s], progress=False)),
+        "v0", (0.4, 2.0), progress=False,
+    )  # fmt: skip
+    assert branch.ends == ("bound", "bound")
+    sliding = 2 * np.pi - 2 * np.arctan(0.2 / branch.values)  # from x = 0.5 back to the belt's speed
+    np.testing.assert_allclose(branch.periods, sliding + 2 * 0.2 / branch.values, rtol=1e-8)
+    smallest = np.exp(-branch.periods)
+    assert np.abs(branch.multipliers - smallest[:, None]).min(axis=1).max() < 1e-8
