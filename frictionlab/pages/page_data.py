@@ -8,7 +8,7 @@ name, such as ``code.ops``, a type, lengths, and its content where it is not all
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, islice
 from typing import Any
 
@@ -234,12 +234,15 @@ def switch_names(model: Any, switches: Sequence[str] | None) -> tuple[str, ...]:
     if switches is None:
         return tuple(name for name in known if _can_be_switched(model, name))
     switches = check_sequence("switches", switches, "give names of nonlinearities in a list")
-    for name in switches:
-        if not isinstance(name, str) or name not in known:
-            raise ValueError(
-                f"switches has no nonlinearity {abbreviate(name)}{did_you_mean_or_known(name, list(known))}"
-            )
+    _check_names("switches", "nonlinearity", switches, list(known))
     return switches
+
+
+def _check_names(where: str, kind: str, names: Iterable[Any], known: Sequence[str]) -> None:
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            hint = did_you_mean_or_known(name, known)
+            raise ValueError(f"{where} has no {kind} {abbreviate(name)}{hint}")
 
 
 def _can_be_switched(model: Any, name: str) -> bool:
@@ -270,10 +273,7 @@ def page_laws(model: Any, laws: Sequence[str] | None) -> dict[str, Model]:
         few = bool(menu) and len(model.automaton().modes) <= MODES_WITH_LAWS
         laws = [name for name in PAGE_LAWS if name in menu] if few else []
     names = check_sequence("laws", laws, "give names of laws in a list")
-    for name in names:
-        if name not in menu:
-            hint = did_you_mean_or_known(name, list(menu))
-            raise ValueError(f"laws has no law of friction {abbreviate(name)}{hint}")
+    _check_names("laws", "law of friction", names, list(menu))
     others = [name for name in names if name != own_law(model, "friction")]
     if not others:
         return {}
@@ -282,23 +282,14 @@ def page_laws(model: Any, laws: Sequence[str] | None) -> dict[str, Model]:
 
 def chosen_sliders(model: Shown, sliders: Any) -> tuple[list[str], dict[str, tuple[float, float]]]:
     """The parameters whose sliders are shown at first, and the ranges that were given for them."""
-    names = list(values_of(model))
     if sliders is None:
         return main_parameters(model), {}
-    if isinstance(sliders, Mapping):
-        chosen = list(sliders)
-    else:
-        chosen = list(check_sequence("sliders", sliders, "give names of parameters in a list"))
-    for name in chosen:
-        if not isinstance(name, str) or name not in names:
-            raise ValueError(
-                f"sliders has no parameter {abbreviate(name)}{did_you_mean_or_known(name, names)}"
-            )
-    if not isinstance(sliders, Mapping):
-        return chosen, {}
-    return chosen, {
+    ranged = isinstance(sliders, Mapping)
+    chosen = sliders if ranged else check_sequence("sliders", sliders, "give names of parameters in a list")
+    _check_names("sliders", "parameter", chosen, list(values_of(model)))
+    return list(chosen), {
         name: check_limits(f"the range of slider {name!r}", ends, "give (low, high)")
-        for name, ends in sliders.items()
+        for name, ends in (sliders.items() if ranged else ())
     }
 
 
@@ -315,10 +306,7 @@ def _preset(model: Shown, switches: Sequence[str], name: str, values: Any) -> di
     values = dict(values)
     off = values.pop("without", ())
     off = [off] if isinstance(off, str) else list(check_sequence("without", off, "give names in a list"))
-    for switch in off:
-        if not isinstance(switch, str) or switch not in switches:
-            hint = did_you_mean_or_known(switch, list(switches))
-            raise ValueError(f"presets[{abbreviate(name)}] has no switch {abbreviate(switch)}{hint}")
+    _check_names(f"presets[{abbreviate(name)}]", "switch", off, switches)
     model.replace(**values)  # raises for unknown names and values that break a rule
     state = {key: float(value) for key, value in values.items()}
     return {"name": name, "state": state | {f"switch-{switch}": False for switch in off}}
