@@ -8,7 +8,7 @@ name, such as ``code.ops``, a type, lengths, and its content where it is not all
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations, islice
 from typing import Any
 
@@ -159,32 +159,30 @@ def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
     code = program.code
     run = new_run_state(code.inputs, code.sections.shape[1])
     run.counts[JETS_READY], run.counts[STOPS_AT_ZENO] = 1, method.accumulation == "raise"
-    leaves: list[tuple[str, Any]] = []
-    _collect("code", code, leaves)
-    _collect("run", run, leaves)
-    _collect("record", new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0), leaves)
-    _collect("scratch", new_scratch(program.slots, code, method.order_of(program)), leaves)
-    _collect("candidates", program.initial, leaves)
+    parts: dict[str, Any] = {
+        "code": code,
+        "run": run,
+        "record": new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0),
+        "scratch": new_scratch(program.slots, code, method.order_of(program)),
+        "candidates": program.initial,
+    }
     if is_affine(program):
-        _collect("change", new_affine_map(code), leaves)
-    return [_array(name, value) for name, value in leaves]
+        parts["change"] = new_affine_map(code)
+    return [data for name, part in parts.items() for data in _arrays(name, part)]
 
 
-def _collect(name: str, value: Any, leaves: list[tuple[str, Any]]) -> None:
+def _arrays(name: str, value: Any) -> Iterator[dict[str, Any]]:
+    """The arrays and numbers of nested tuples; their fields are in the names."""
     if isinstance(value, tuple):
         for field, part in zip(getattr(value, "_fields", range(len(value))), value, strict=True):
-            _collect(f"{name}.{field}", part, leaves)
+            yield from _arrays(f"{name}.{field}", part)
+    elif isinstance(value, np.ndarray):
+        data = {"name": name, "type": value.dtype.str[1:], "shape": list(value.shape)}
+        if not name.startswith("record.") and value.any():  # a record holds nothing yet
+            data["data"] = base64.b64encode(np.ascontiguousarray(value).tobytes()).decode()
+        yield data
     else:
-        leaves.append((name, value))
-
-
-def _array(name: str, value: Any) -> dict[str, Any]:
-    if not isinstance(value, np.ndarray):
-        return {"name": name, "value": value}
-    data = {"name": name, "type": value.dtype.str[1:], "shape": list(value.shape)}
-    if name.startswith("record.") or not value.any():
-        return data
-    return data | {"data": base64.b64encode(np.ascontiguousarray(value).tobytes()).decode()}
+        yield {"name": name, "value": value}
 
 
 def _outputs(modes: tuple[Mode, ...], automaton: HybridAutomaton, parameters: Any) -> dict[str, Any]:

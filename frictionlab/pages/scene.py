@@ -255,17 +255,9 @@ def friction_points(model: Shown) -> list[list[str]]:
 
 def challenge_data(model: Shown) -> list[Data]:
     """The challenges about models of these laws; each begins with the parameters of its own model."""
-    fitting = (each for each in CHALLENGES if type(each.model) is type(model))
     return [
-        {
-            "name": each.name,
-            "question": each.question,
-            "state": {**each.model.parameters, "start": each.start},
-            "goal": dict(each.goal),
-            "may": list(each.may),
-            "most": each.most,
-        }
-        for each in fitting
+        each._asdict() | {"model": repr(each.model), "state": {**each.model.parameters, "start": each.start}}
+        for each in CHALLENGES
         if isinstance(model, Model) and each.model.structure_key == model.structure_key
     ]
 
