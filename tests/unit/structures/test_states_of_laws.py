@@ -252,6 +252,19 @@ def test_states_are_lost_with_their_contact(law):
     assert {*fl.simulate(structure, 0.1, x0="near", progress=False).mode} == {"slip+ | slip+ | slip+"}
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_elements_land_by_rk4_too(count):
+    """It found no mode after a landing, where their forces are zero but for rounding."""
+    rows, law = np.eye(4)[:3:2][:count], fl.Iwan(mu_k=0.4, k_t=30.0)
+    hops = fl.SlidingContacts(
+        rows, np.roll(rows, 1, axis=1), fl.LinearContact(50.0), law, 0.4, impact=fl.PlasticImpact()
+    )
+    structure = fl.Structure(M, K, 0.05 * np.eye(4), contacts=hops, load=LOAD)
+    x0, methods = [0.3, -0.1, 0.2, -0.1, 0.0, 2.0, 0.3, 1.0], (fl.RK4(step=1e-3), fl.Taylor())
+    ends = [fl.simulate(structure, 1.0, x0=x0, method=each, progress=False).final_state for each in methods]
+    np.testing.assert_allclose(*ends, atol=1e-9)
+
+
 def test_what_has_no_meaning_is_refused():
     rows, law = [[1.0]], fl.Jenkins()
     structure = fl.Structure([[1.0]], [[1.0]], contacts=fl.SlidingContacts(rows, N=1.0, friction=law))
