@@ -261,30 +261,10 @@ def test_elements_land_by_rk4_too(count):
     )
     structure = fl.Structure(M, K, 0.05 * np.eye(4), contacts=hops, load=LOAD)
     x0, methods = [0.3, -0.1, 0.2, -0.1, 0.0, 2.0, 0.3, 1.0], (fl.RK4(step=1e-3), fl.Taylor())
-    ends = [fl.simulate(structure, 1.0, x0=x0, method=each, progress=False).final_state for each in methods]
-    np.testing.assert_allclose(*ends, atol=1e-9)
-
-
-def test_elements_that_rest_let_steps_of_rk4_go_on():
-    """Two contacts with Iwan's elements come to rest with the belt: at 0.92 s no mode could be entered."""
-    rows = [[1, 0, 0, 0], [0, 0, 1, 0]], [[0, 1, 0, 0], [0, 0, 0, 1]]
-    hops = fl.SlidingContacts(
-        *rows,
-        fl.LinearContact(50.0),
-        fl.Iwan(mu_k=0.4, k_t=30.0),
-        0.4,
-        impact=fl.PlasticImpact(),
-        area=[1.0, 2.0],
+    one, other = (
+        fl.simulate(structure, 1.0, x0=x0, method=each, progress=False).final_state for each in methods
     )
-    rubs = fl.SlidingContacts([[1, 0, 0, 0]], N=1.0, friction=fl.Coulomb(0.2, 0.4), v=0.4, name="c")
-    structure = fl.Structure(M, K, 0.05 * np.eye(4), contacts=[hops, rubs], load=LOAD)
-    x0 = [0.3, -0.1, 0.2, 0.5, 0.0, 2.0, 0.3, -1.0]
-    run, steps = (
-        fl.simulate(structure, 2.0, x0=x0, method=each, progress=False)
-        for each in ("taylor", fl.RK4(step=1e-3))
-    )
-    assert steps.status.ok
-    np.testing.assert_allclose(steps.final_state, run.final_state, atol=1e-6)
+    np.testing.assert_allclose(one, other, atol=1e-9)
 
 
 def test_what_has_no_meaning_is_refused():
