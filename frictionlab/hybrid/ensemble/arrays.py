@@ -61,7 +61,7 @@ def new_batch(problems: Sequence[Problem], method: Taylor) -> Batch:
 
 def select_runs(group: Batch, which: np.ndarray) -> Batch:
     """A batch of some of the runs."""
-    shared = ("signs", "caps", "queue", "queued")
+    shared = ("signs", "caps", "queue", "first", "queued")
     rows = {name: array[which] for name, array in group.runs._asdict().items() if name not in shared}
     queue = np.zeros((len(group.runs.queued), len(rows["status"])), dtype=np.int64)
     alone = tuple(group.alone[i] for i in np.arange(len(group.runs.status))[which]) if group.alone else ()
@@ -91,6 +91,7 @@ def _new_runs(
         undefined=np.zeros(count, dtype=np.int64),
         zeros=np.zeros((count, most_guards(program.code))),
         queue=np.zeros((modes, count), dtype=np.int64),
+        first=np.zeros(modes, dtype=np.int64),
         queued=np.zeros(modes, dtype=np.int64),
     )
 
@@ -132,8 +133,9 @@ class BatchRuns(NamedTuple):
     status: np.ndarray
     undefined: np.ndarray  # (runs,) whether the base of a power may have been negative at a step
     zeros: np.ndarray  # (runs, guards of a mode) leading coefficients that count as zero in the next step
-    queue: np.ndarray  # (modes, runs)
-    queued: np.ndarray  # (modes,)
+    queue: np.ndarray  # (modes, runs), a ring for each mode
+    first: np.ndarray  # (modes,) place of the run that has waited longest
+    queued: np.ndarray  # (modes,) how many wait
 
 
 class Lanes(NamedTuple):

@@ -159,7 +159,7 @@ def _fill_queues(runs: BatchRuns, which: np.ndarray) -> None:
     for mode in range(len(runs.queued)):
         waiting = np.flatnonzero(which & (modes == mode))
         runs.queue[mode, : len(waiting)] = waiting
-        runs.queued[mode] = len(waiting)
+        runs.first[mode], runs.queued[mode] = 0, len(waiting)
 
 
 def batch_result(group: Batch) -> BatchResult:

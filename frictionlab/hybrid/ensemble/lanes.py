@@ -1,6 +1,7 @@
 """Kernels for many runs of one structure: runs in the same mode take their steps side by side.
 
-Runs wait in a queue for each mode.  As many as there are lanes are taken from the longest queue; a step of
+Runs wait in a queue for each mode.  As many as there are lanes are taken from the longest queue, in turn, so
+that all come to their ends at about the same time and few are left with empty lanes beside them; a step of
 all lanes is two calls of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  The first
 one computes the jets and the lengths of the steps.  Between the calls the kernels of single runs find the
 events, in the jets of the lanes.  The second call advances all states, up to the event where there is one.  A
@@ -59,7 +60,8 @@ from frictionlab.hybrid.kernels.step_length import function_step, has_negative_b
 from frictionlab.hybrid.kernels.taylor_steps import advance_taylor
 from frictionlab.tape.program import Numbers, System
 
-MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one
+MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one,
+LANES_PER_RUN = 3  # and fewer than one for so many lanes, whose step takes as long as that of a run alone
 SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
 MAX_CALLS = 1000  # most calls in one mode, after which the kernel looks for the longest queue again
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
@@ -96,10 +98,19 @@ def record_step_end(runs, i, status):
 
 @kernel
 def enqueue(runs, i):
-    """Put a run into the queue of its mode."""
+    """Put a run at the end of the queue of its mode."""
     mode = runs.counts[i, MODE]
-    runs.queue[mode, runs.queued[mode]] = i
+    runs.queue[mode, (runs.first[mode] + runs.queued[mode]) % runs.queue.shape[1]] = i
     runs.queued[mode] += 1
+
+
+@inlined
+def dequeue(runs, mode):
+    """The run that has waited longest in a mode, taken out of its queue."""
+    i = runs.queue[mode, runs.first[mode]]
+    runs.first[mode] = (runs.first[mode] + 1) % runs.queue.shape[1]
+    runs.queued[mode] -= 1
+    return i
 
 
 @kernel
@@ -192,8 +203,7 @@ def load_lanes(code, runs, lanes, mode):
     taken = 0
     for lane in range(lanes.runs.shape[0]):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
-            runs.queued[mode] -= 1
-            load_lane(code, runs, lanes, mode, lane, runs.queue[mode, runs.queued[mode]])
+            load_lane(code, runs, lanes, mode, lane, dequeue(runs, mode))
         if lanes.runs[lane] != FREE:
             taken += 1
             i = lanes.runs[lane]
@@ -337,6 +347,12 @@ def is_undecided(code, mode, order, scratch):
 
 
 @inlined
+def fewest_runs(lanes):
+    """Number of runs in a mode below which they are advanced one by one."""
+    return max(MIN_RUNS_FOR_LANES, -(-lanes.runs.shape[0] // LANES_PER_RUN))
+
+
+@inlined
 def longest_queue(runs):
     """The mode in which most runs wait."""
     mode = 0
@@ -357,7 +373,7 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
     while calls < MAX_CALLS:
         taken = load_lanes(code, runs, lanes, mode)
         others_fill_lanes = runs.queued[longest_queue(runs)] >= count
-        if taken < MIN_RUNS_FOR_LANES or (taken < count and others_fill_lanes):
+        if taken < fewest_runs(lanes) or (taken < count and others_fill_lanes):
             break
         calls += 1
         call_lane_step(code.lanes[mode], *arrays, MEASURE, truncation.order)
@@ -384,13 +400,11 @@ def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds)
             code.lanes[mode] != 0
             and not code.powers[mode]
             and lanes.jets.shape[1] == JET_COLUMNS
-            and runs.queued[mode] >= MIN_RUNS_FOR_LANES
+            and runs.queued[mode] >= fewest_runs(lanes)
         ):
             calls = advance_lanes(code, truncation, runs, lanes, mode, record, scratch)
             rounds -= lanes.runs.shape[0] * calls
         else:
-            runs.queued[mode] -= 1
-            i = runs.queue[mode, runs.queued[mode]]
-            advance_single(code, truncation, runs, i, SINGLE_STEPS, record, scratch)
+            advance_single(code, truncation, runs, dequeue(runs, mode), SINGLE_STEPS, record, scratch)
             rounds -= SINGLE_STEPS
     return True
