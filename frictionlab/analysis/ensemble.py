@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import wait
 from dataclasses import replace
+from multiprocessing import parent_process
 from typing import Any
 
 import numpy as np
 
 from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.options import Execution
+from frictionlab.analysis.sweeps.tasks import thread_count, worker_threads
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
-from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, integrate_batch
+from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, batch_result, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
+from frictionlab.hybrid.kernels.run_state import NOW
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import undefined_start
 from frictionlab.hybrid.solve import method_of, problem_of
-from frictionlab.interruption import Progress, interruption
+from frictionlab.interruption import POLL_TIME, STOP_SIGN, Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import unit_of_state
 from frictionlab.tape.arguments import check_automaton
 from frictionlab.tape.packing import program_of
-from frictionlab.validation import abbreviate, check_flag, check_t_end, explains_keywords, is_sequence
+from frictionlab.validation import abbreviate, check_t_end, explains_keywords, is_sequence
 
 __all__ = ["BatchResult", "ensemble"]
 
@@ -39,13 +44,14 @@ def ensemble(
     *,
     x0: Any = "rest",
     method: str | Taylor = "taylor",
+    workers: int | None = None,
     progress: bool = True,
 ) -> BatchResult:
-    """Run many models of one structure from 0 to `t_end`, side by side on one core.
+    """Run many models of one structure from 0 to `t_end`, side by side.
 
-    Runs that are in the same mode take their steps together, as lanes of vector instructions.  Each takes the
-    steps that it would take in :func:`simulate`, to the last bit, whatever the others do.  Only the final
-    states are kept.
+    Runs that are in the same mode take their steps together, as lanes of vector instructions.  The runs are
+    shared out to threads, which compute in parallel.  Each run takes the steps that it would take in
+    :func:`simulate`, to the last bit, whatever the others do.  Only the final states are kept.
 
     Parameters
     ----------
@@ -57,6 +63,9 @@ def ensemble(
     x0 : "rest", "near", mapping, array_like (2n,) or (N, 2n), or a sequence of the former
         One initial state for all runs, or one for each.
     method : "taylor" or Taylor
+    workers : int or None
+        Number of threads.  None takes one for each processor; within a task of a sweep, whose workers have
+        the processors, a single one.
     progress : bool
 
     Returns
@@ -82,7 +91,7 @@ def ensemble(
     >>> ends.states.shape
     (3, 8)
     """
-    check_flag("progress", progress)
+    execution = Execution(workers=workers, progress=progress)
     solver = method_of(method)
     if not isinstance(solver, Taylor):
         raise ValueError(
@@ -104,7 +113,7 @@ def ensemble(
                 "call ensemble for each kind, or use fl.sweep"
             )
     with Progress(t_end, progress, needs_compilation(advance_batch_kernel)) as bar:
-        ends = integrate_batch(problems, solver, bar)
+        ends = _run_in_threads(problems, solver, execution, bar)
     for i in np.flatnonzero((ends.steps == 0) & (np.array(ends.status) == Status.NOT_FINITE)):
         if words := undefined_start(automaton_of(models[i]), problems[i], int(ends.modes[i])):
             raise ValueError(f"x0 of models[{i}] {words}")
@@ -116,6 +125,50 @@ def ensemble(
     if bar.stopped:
         raise interruption(f"the ensemble was stopped at {result.t.mean():g} of {t_end:g} s", result)
     return result
+
+
+def _run_in_threads(
+    problems: Sequence[Problem], method: Taylor, execution: Execution, bar: Progress
+) -> BatchResult:
+    """Run problems to their ends, every so many-th in one thread, as the work of neighbours is alike."""
+    in_task = STOP_SIGN.get() is not None or parent_process() is not None
+    workers = execution.workers or (1 if in_task else None)
+    count = min(thread_count(workers), len(problems))
+    if count == 1:
+        return integrate_batch(problems, method, bar)
+    groups = [new_batch(problems[first::count], method) for first in range(count)]
+    with worker_threads(count) as (pool, stop):
+        running = [pool.submit(_advance_in_thread, group, problems[0].t_end) for group in groups]
+        while wait(running, POLL_TIME).not_done:
+            if bar.update(float(np.mean([group.runs.times[:, NOW].mean() for group in groups]))):
+                stop.set()
+        for thread in running:
+            thread.result()
+    return _in_turn([batch_result(group) for group in groups])
+
+
+def _advance_in_thread(group: Batch, t_end: float) -> None:
+    with Progress(t_end, False) as bar:
+        advance_batch(group, t_end, bar)
+
+
+def _in_turn(results: Sequence[BatchResult]) -> BatchResult:
+    """The runs of results in turn: the first run of each, then the second ones."""
+    rows = [first + len(results) * np.arange(len(result.t)) for first, result in enumerate(results)]
+    turns = np.argsort(np.concatenate(rows))
+
+    def merged(name: str) -> np.ndarray:
+        return np.concatenate([getattr(result, name) for result in results])[turns]
+
+    status = [how for result in results for how in result.status]
+    return BatchResult(
+        merged("t"),
+        merged("states"),
+        merged("modes"),
+        merged("steps"),
+        merged("events"),
+        tuple(status[i] for i in turns),
+    )
 
 
 def start_group(automaton: HybridAutomaton, states: np.ndarray, method: Taylor) -> Batch:

@@ -258,6 +258,25 @@ def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
         run.collect(POLL_TIME)
 
 
+def thread_count(workers: int | None) -> int:
+    """The number of threads: one for each processor where none is given."""
+    return workers or os.cpu_count() or 1
+
+
+@contextmanager
+def worker_threads(workers: int) -> Iterator[tuple[Executor, threading.Event]]:
+    """Threads, and the sign at which their runs stop.  An error sets it; no thread is awaited then."""
+    sign = threading.Event()
+    pool = ThreadPoolExecutor(workers, initializer=STOP_SIGN.set, initargs=(sign,))
+    try:
+        yield pool, sign
+    except BaseException:
+        sign.set()
+        raise
+    finally:
+        pool.shutdown(wait=not sign.is_set(), cancel_futures=True)
+
+
 @contextmanager
 def _executor(
     execution: Execution, interrupts: InterruptCounter
@@ -270,17 +289,11 @@ def _executor(
     if execution.executor is not None:
         yield execution.executor, _Workers(execution.executor, execution.workers), CHUNK_TIME
         return
-    sign, workers = threading.Event(), execution.workers or os.cpu_count() or 1
-    pool = ThreadPoolExecutor(workers, initializer=STOP_SIGN.set, initargs=(sign,))
-    try:
+    workers = thread_count(execution.workers)
+    with worker_threads(workers) as (pool, sign):
         yield pool, lambda: workers, 0.0
-    except BaseException:
-        sign.set()
-        raise
-    finally:
         if interrupts.count >= LEAVING_PRESS:
             sign.set()
-        pool.shutdown(wait=not sign.is_set(), cancel_futures=True)
 
 
 class _Workers:

@@ -198,9 +198,10 @@ def test_guards_that_begin_with_zeros_are_those_of_a_run_alone(powers):
 def test_the_grouping_makes_no_difference():
     compiled(FULL)
     models = [FULL.replace(mu_k=float(mu)) for mu in MU]
-    whole = fl.ensemble(models, 5.0, progress=False)
+    whole, shared = (fl.ensemble(models, 5.0, workers=n, progress=False) for n in (1, 3))
     parts = [fl.ensemble(models[i : i + 4], 5.0, progress=False).states for i in range(0, len(models), 4)]
     np.testing.assert_array_equal(whole.states, np.concatenate(parts))
+    np.testing.assert_equal(vars(shared), vars(whole))
 
 
 def test_many_initial_states_of_one_model():
