@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -101,16 +102,21 @@ def _new_lanes(program: Program, numbers: Numbers, method: Taylor, order: int) -
     control = aligned_zeros(CONTROL_ROWS + most_guards(program.code), count)
     control[TOL], control[LOG_TOL] = method.tol, step_length.log2_of_tolerance(method.tol)
     control[GUARD_TOL] = method.tol * step_length.FUNCTION_TOL_FACTOR
+    constants = aligned_zeros(numbers.constants.shape[1], count)
+    terms = aligned_zeros(numbers.terms.shape[1], count)
+    constants[:], terms[:] = numbers.constants[0, :, None], numbers.terms[0, :, None]
+    first_terms = np.cumsum([0, *(len(tape.terms) for tape in program.tapes)])
     return Lanes(
         runs=np.full(count, FREE),
         guards=np.zeros(count, dtype=np.int64),
         multiplicities=np.zeros(count, dtype=np.int64),
         needed=needed_slots(program),
-        first_terms=np.cumsum([0, *(len(tape.terms) for tape in program.tapes)]),
+        own_constants=_own_numbers(numbers.constants, program.code.mode_ops),
+        own_terms=_own_numbers(numbers.terms, first_terms),
         counts=np.zeros(run_state.COUNTS, dtype=np.int64),
         z=aligned_zeros(program.code.inputs, count),
-        constants=aligned_zeros(numbers.constants.shape[1], count),
-        terms=aligned_zeros(numbers.terms.shape[1], count),
+        constants=constants,
+        terms=terms,
         jets=aligned_zeros(program.slots, jet_columns(order), count),
         control=control,
     )
@@ -145,7 +151,8 @@ class Lanes(NamedTuple):
     guards: np.ndarray  # that end the steps, NO_GUARD where none does
     multiplicities: np.ndarray  # of these guards' zeros
     needed: np.ndarray  # (modes, slots) slots whose jets are needed besides those of guards, then FREE
-    first_terms: np.ndarray  # (modes + 1,) range of the terms of each mode
+    own_constants: np.ndarray  # (modes, most) those of each mode that differ among runs, then FREE
+    own_terms: np.ndarray
     counts: np.ndarray  # scratch: those of a run before its event
     z: np.ndarray
     constants: np.ndarray
@@ -169,6 +176,17 @@ def needed_slots(program: Program) -> np.ndarray:
                 slots |= {tape.inputs + i, a if kind == POWER else b}
         needed[mode, : len(slots)] = sorted(slots)
     return needed
+
+
+def _own_numbers(numbers: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """For each mode the numbers (runs, numbers), within its `bounds`, that are not the same in all runs."""
+    bits = numbers.view(np.int64)
+    differ = np.flatnonzero((bits != bits[0]).any(axis=0))
+    each = [differ[(first <= differ) & (differ < last)] for first, last in pairwise(bounds)]
+    own = np.full((len(each), 1 + max(map(len, each))), FREE)
+    for row, which in zip(own, each):
+        row[: len(which)] = which
+    return own
 
 
 def aligned_zeros(*shape: int) -> np.ndarray:

@@ -176,14 +176,18 @@ def begin_runs(code, truncation, runs, which, initial, scratch):
 
 
 @kernel
-def load_lane(code, runs, lanes, mode, lane, i):
-    """Load a run into a lane, with its numbers for its mode."""
+def load_lane(runs, lanes, mode, lane, i):
+    """Load a run into a lane, with its numbers for its mode; those of all runs are there."""
     lanes.runs[lane] = i
     copy_vector(runs.states[i], lanes.z[:, lane])
     copy_vector(runs.zeros[i], lanes.control[CONTROL_ROWS:, lane])
-    for k in range(code.mode_ops[mode], code.mode_ops[mode + 1]):
+    for k in lanes.own_constants[mode]:
+        if k == FREE:
+            break
         lanes.constants[k, lane] = runs.constants[i, k]
-    for k in range(lanes.first_terms[mode], lanes.first_terms[mode + 1]):
+    for k in lanes.own_terms[mode]:
+        if k == FREE:
+            break
         lanes.terms[k, lane] = runs.terms[i, k]
 
 
@@ -198,12 +202,12 @@ def unload_lane(runs, lanes, lane):
 
 
 @kernel
-def load_lanes(code, runs, lanes, mode):
+def load_lanes(runs, lanes, mode):
     """Load runs from the queue of the mode into free lanes; returns the number of occupied lanes."""
     taken = 0
     for lane in range(lanes.runs.shape[0]):
         if lanes.runs[lane] == FREE and runs.queued[mode] > 0:
-            load_lane(code, runs, lanes, mode, lane, dequeue(runs, mode))
+            load_lane(runs, lanes, mode, lane, dequeue(runs, mode))
         if lanes.runs[lane] != FREE:
             taken += 1
             i = lanes.runs[lane]
@@ -371,7 +375,7 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
     calls, count = 0, lanes.runs.shape[0]
     arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
     while calls < MAX_CALLS:
-        taken = load_lanes(code, runs, lanes, mode)
+        taken = load_lanes(runs, lanes, mode)
         others_fill_lanes = runs.queued[longest_queue(runs)] >= count
         if taken < fewest_runs(lanes) or (taken < count and others_fill_lanes):
             break
