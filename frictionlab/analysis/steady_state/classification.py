@@ -365,19 +365,19 @@ def _at_rest(of: Comparison) -> bool | None:
     if not only_phase_resets(run):
         return None
     verdicts = [_part_at_rest(run, x, least) for x, least in of.resting_parts(_even_samples(run))]
-    if of.drift is None and _decays_to_zero(of):
+    if of.drift is None and decays_to_zero(run, of.reach):
         return True
     return None if None in verdicts else all(verdicts)
 
 
-def _decays_to_zero(of: Comparison) -> bool:
-    """Whether a motion about zero decays, and is small beside what it was before the run.
+def decays_to_zero(run: Trajectory, reach: float) -> bool:
+    """Whether a motion about zero decays, and is small beside `reach`, the largest coordinate before the run.
 
     Where the equilibrium is at zero, as that of a structure without loads, coordinates are no measure.
     """
-    places = _even_samples(of.run)[:, : of.run.automaton.coordinates or None]
+    places = _even_samples(run)[:, : run.automaton.coordinates or None]
     about_zero = np.abs(places.mean(axis=0)).max() < ABOUT_ZERO * state_ranges(places).max()
-    return bool(about_zero and is_small_and_decays(of.run, of.reach))
+    return bool(about_zero and is_small_and_decays(run, reach))
 
 
 def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.initial_states import carried_state_of, initial_state_of, named_state
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
-from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
+from frictionlab.analysis.steady_state.classification import MotionKind, decays_to_zero
+from frictionlab.analysis.steady_state.steady_state import SteadyState, check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
-from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, failure, run_tasks
+from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, TaskFailure, failure, run_tasks, thread_count
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -40,7 +40,8 @@ from frictionlab.validation import check_choice, float_array
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
-ENSEMBLE_SIZE = 16  # runs side by side: two sets of lanes
+# values in a task, whose transients are run side by side: enough to fill lanes, few that are begun at once
+LEAST_GROUP_SIZE, MOST_GROUP_SIZE = 8, 32
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
@@ -300,62 +301,90 @@ def _run_independently(
 ) -> bool:
     """Compute the values (model, initial state, name) that are not done yet; True if all then are."""
     models, starts, names = zip(*values)
-    groups = _groups([i for i in range(len(models)) if i not in journal.results], models, options.solver)
 
-    def keep(task: int, results: list[dict[str, Any]]) -> None:
-        for i, result in zip(groups[task], results):
-            journal.keep(i, result)
+    def compute(groups: Sequence[Sequence[int]]) -> bool:
+        def keep(task: int, results: list[dict[str, Any]]) -> None:
+            for i, result in zip(groups[task], results):
+                journal.keep(i, result)
 
-    return run_tasks(
-        steady_states_task,
-        [([models[i] for i in group], [starts[i] for i in group], options) for group in groups],
-        keep=keep,
-        name=lambda task: ", ".join(names[i] for i in groups[task]),
-        execution=execution,
-        title=TITLE,
-    )
+        return run_tasks(
+            steady_states_task,
+            [([models[i] for i in group], [starts[i] for i in group], options) for group in groups],
+            keep=keep,
+            name=lambda task: ", ".join(names[i] for i in groups[task]),
+            execution=execution,
+            title=TITLE,
+        )
+
+    def left() -> list[int]:
+        return [i for i in range(len(models)) if i not in journal.results]
+
+    groups = _groups(left(), models, options.solver, thread_count(execution.workers))
+    try:
+        return compute(groups)
+    except TaskFailure:
+        if all(len(group) == 1 for group in groups):
+            raise
+    return compute([[i] for i in left()])  # which value of a group fails shows one by one
 
 
-def _groups(todo: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method) -> list[Sequence[int]]:
-    """Groups of values whose transients are run side by side, which is quicker for models without events.
+def _groups(
+    todo: Sequence[int], models: Sequence[ModelOrAutomaton], method: Method, workers: int
+) -> list[Sequence[int]]:
+    """Groups of values whose transients are run side by side, each with values from all of the range.
 
     The models of a group have the same modes; each value of a parameter in M of a structure has modes of its
-    own.
+    own.  Modes on demand stay underived.
     """
     automaton = automaton_of(models[0])
-    smooth = len(automaton.names) == 1 and not automaton.modes[0].events  # several modes are not derived
-    if not smooth or not isinstance(method, Taylor):
+    if not isinstance(method, Taylor) or (automaton.on_demand and len(automaton.names) > 1):
         return [[i] for i in todo]
     modes = {i: automaton_of(models[i]).modes for i in todo}
     alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]
-    return [group[i : i + ENSEMBLE_SIZE] for group in alike for i in range(0, len(group), ENSEMBLE_SIZE)]
+    most = max(LEAST_GROUP_SIZE, min(MOST_GROUP_SIZE, -(-len(todo) // workers)))
+    counts = [-(-len(group) // most) for group in alike]
+    return [group[first::count] for group, count in zip(alike, counts) for first in range(count)]
 
 
 def steady_states_task(
     models: Sequence[ModelOrAutomaton], starts: Sequence[np.ndarray], options: SteadyStateOptions
 ) -> list[dict[str, Any]]:
     """One task: the steady states of some models, the same as if each were computed alone."""
-    transient = options.transient
     method: Any = options.method  # a Taylor if there are several models
-    if len(models) == 1 or transient == 0.0:
+    if len(models) == 1 or options.transient == 0.0:
         return [steady_state_task(model, start, options) for model, start in zip(models, starts)]
-    ends = ensemble(models, transient, x0=np.array(starts), method=method, progress=False)
+    ends = ensemble(models, options.transient, x0=np.array(starts), method=method, workers=1, progress=False)
     after = replace(options, transient=0.0, t_max=None)
     results: list[dict[str, Any]] = []
-    for model, start, state, status in zip(models, starts, ends.states, ends.status):
-        result = steady_state_task(model, state, after) if status.ok else None
-        if result is None or result["kind"] == MotionKind.NOT_SETTLED:
-            # What has not settled is judged by its transient too, of which an ensemble keeps only the end.
-            result = steady_state_task(model, start, options)
-        results.append(result)
+    for i, model in enumerate(models):
+        steady = None
+        if ends.status[i].ok:
+            mode = ends.mode_names[ends.modes[i]]
+            steady = find_steady_state(model, ends.states[i], after, progress=False, mode=mode)
+        if steady is None or _depends_on_transient(steady, options):
+            results.append(steady_state_task(model, starts[i], options))
+        else:
+            results.append(_data_of(steady))
     return results
+
+
+def _depends_on_transient(steady: SteadyState, options: SteadyStateOptions) -> bool:
+    """Whether what came before the window may change the result: it is the measure of a motion that decays to
+    zero, and with `t_max` more windows follow."""
+    if steady.kind == MotionKind.NOT_SETTLED and options.t_max is not None:
+        return True
+    known = steady.kind in (MotionKind.EQUILIBRIUM, MotionKind.ENDED_EARLY)
+    return not known and decays_to_zero(steady.trajectory, np.inf)
 
 
 def steady_state_task(
     model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions, mode: str | None = None
 ) -> dict[str, Any]:
     """One task: the steady state from an initial state (n,), as data that JSON can hold."""
-    steady = find_steady_state(model, start, options, progress=False, mode=mode)
+    return _data_of(find_steady_state(model, start, options, progress=False, mode=mode))
+
+
+def _data_of(steady: SteadyState) -> dict[str, Any]:
     period = None if np.isnan(steady.period) else steady.period
     end, mode = end_of(steady.trajectory)
     return {
