@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
+from frictionlab.analysis.steady_state.steady_state import find_steady_state
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
 from frictionlab.automaton import HybridAutomaton, Mode
 from tests.helpers.cases import slow_but
@@ -125,22 +126,36 @@ def test_what_ends_early_is_said_and_hinders_nothing():
 
 
 @pytest.mark.parametrize(
-    ("smooth", "parameter", "x0", "transient"),
+    ("model", "parameter", "x0", "transient"),
     [
+        (fl.ImpactOscillator(), "Omega", "rest", 40.0),
         (fl.SliderOnBelt().without("nonsmooth", "geometry"), "mu_k", "near", 2.0),
         # modes of its own
         (fl.Structure([("m", [[1.0]])], [[1.0]], [[0.1]], parameters={"m": 2.0}), "m", "near", 2.0),
         (damped_oscillator(), "k", [1.0, 0.0], 200.0),  # at rest, judged by what it was in the transient
     ],
 )
-def test_values_side_by_side_give_what_each_gives_alone(smooth, parameter, x0, transient):
-    """Without events transients run in groups; whether a value is in one makes no difference."""
+def test_values_side_by_side_give_what_each_gives_alone(model, parameter, x0, transient):
+    """Transients run in groups; whether a value is in one makes no difference."""
     values = np.linspace(0.2, 1.0, 18)
     options = {"x0": x0, "transient": transient, "window": 20.0, "progress": False}
-    together = fl.bifurcation(smooth, parameter, values, **options)
+    together = fl.bifurcation(model, parameter, values, **options)
     for i in (0, 7, 17):
-        alone = fl.bifurcation(smooth, parameter, values[i : i + 1], **options)
+        alone = fl.bifurcation(model, parameter, values[i : i + 1], **options)
         assert alone.results[0] == together.results[i]
+
+
+def test_a_value_that_fails_among_others_is_named_and_the_others_are_kept(monkeypatch, tmp_path):
+    def fails_once(model, *arguments, **options):
+        if model.parameters["mu_k"] == 1.4:
+            raise ArithmeticError("by design")
+        return find_steady_state(model, *arguments, **options)
+
+    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.find_steady_state", fails_once)
+    options = {"transient": 2.0, "window": 2.0, "progress": False, "workers": 1}
+    with pytest.raises(RuntimeError, match=r"^mu_k = 1\.4 failed with ArithmeticError: by design"):
+        fl.bifurcation(FLAT, "mu_k", VALUES, resume=tmp_path / "sweep.jsonl", **options)
+    assert set(fl.load_bifurcation(tmp_path / "sweep.jsonl").results) >= {0, 1}
 
 
 @pytest.mark.slow
