@@ -30,8 +30,8 @@ KEPT_BYTES, KEPT_SECONDS = 500e6, 60 * 86400.0
 TOUCHED_AFTER = 86400.0  # seconds: a use is noted once a day, as that costs a write
 DIGEST_LENGTH = 16  # hexadecimal digits, also in the name of a version's folder
 VERSION_FOLDER = "[0-9a-f]" * DIGEST_LENGTH
-# Only such files are removed, as the folder may hold others; the last two are numba's, of earlier versions.
-SUFFIXES = ".kernel", ".o", ".structure", ".unfinished", ".nbi", ".nbc"
+# Only such files are removed, as the folder may hold others.
+SUFFIXES = ".kernel", ".o", ".structure", ".unfinished"
 
 
 def digest_folder(digest: str) -> str:

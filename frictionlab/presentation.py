@@ -9,6 +9,7 @@ do not import `frictionlab.plotting`, which draws their results; only `Drawable`
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from html import escape
@@ -182,10 +183,7 @@ def count(number: int, noun: str) -> str:
 
 def tally(names: Iterable[Any]) -> str:
     """How often each name occurs, the most frequent first."""
-    counts: dict[str, int] = {}
-    for name in map(str, names):
-        counts[name] = counts.get(name, 0) + 1
-    return shorten(f"{counts[name]} {name}" for name in sorted(counts, key=lambda name: -counts[name]))
+    return shorten(f"{count} {name}" for name, count in Counter(map(str, names)).most_common())
 
 
 def span(values: Any) -> str:

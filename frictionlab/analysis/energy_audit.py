@@ -41,7 +41,7 @@ from frictionlab.models.mechanical.stored_energies import (
     energy_of_spring,
 )
 from frictionlab.models.model import MovingSystem
-from frictionlab.models.symbols import parameter_symbols, structure_values
+from frictionlab.models.symbols import dot, parameter_symbols, structure_values
 from frictionlab.presentation import Drawable, FrozenMapping, in_units_of, shorten
 from frictionlab.tape.formulas import function_along_run
 from frictionlab.validation import check_flag
@@ -313,12 +313,12 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
     """The power of what moves masses; None where T is quadratic in the velocities and free of the phase."""
     kinetic = sp.sympify(system.mechanics.kinetic, strict=True)
     momenta = [system.at_rest(momentum) for momentum in system.gradient(kinetic, system.v)]
-    energy = _dot(momenta, system.v) + 2 * system.at_rest(kinetic)
+    energy = dot(momenta, system.v) + 2 * system.at_rest(kinetic)
     explicit = system.explicit_rate(kinetic)
     if energy == 0 and explicit == 0:
         return None
     free = [load - rest for load, rest in zip(system.loads, system.internal, strict=True)]
-    power = system.rate(energy) - explicit + _dot(momenta, system.accelerations(free))
+    power = system.rate(energy) - explicit + dot(momenta, system.accelerations(free))
     forces: list[tuple[str, Any]] = []
     for i, contact in enumerate(system.mechanics.contacts if any(momenta) else ()):
         of = contact_suffix(system, i)
@@ -335,7 +335,7 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
             forces += [("reaction" + of, system.direction(contact))]
             if contact.rubs:
                 forces += [("friction_force" + of, rubbing_direction(system, contact))]
-    shares = ((name, _dot(momenta, system.accelerations(list(along)))) for name, along in forces)
+    shares = ((name, dot(momenta, system.accelerations(list(along)))) for name, along in forces)
     return MovedMasses(
         compiled(energy), compiled(power), tuple((name, compiled(one)) for name, one in shares)
     )
@@ -344,9 +344,9 @@ def _moved_masses(system: LagrangeSystem, compiled: Callable[..., Any]) -> Moved
 def _powers(system: LagrangeSystem) -> dict[str, Any]:
     """The powers of dampers, of loads, and of potentials that depend on time."""
     damping = [sp.diff(system.mechanics.dissipation, rate) for rate in system.v]
-    powers = {"dampers": -_dot(damping, system.v), "impacts": sp.S.Zero}
+    powers = {"dampers": -dot(damping, system.v), "impacts": sp.S.Zero}
     if any(load != 0 for load in system.loads):
-        powers["loads"] = _dot(system.loads, system.v)
+        powers["loads"] = dot(system.loads, system.v)
     power = system.explicit_rate(system.mechanics.stored)
     return powers if power == 0 else powers | {"moving springs": power}
 
@@ -390,10 +390,6 @@ def _moved(system: LagrangeSystem, contact: AnyContact, compiled: Callable[..., 
     """How fast the gap of a contact closes by time alone; None where it does not move with time."""
     rate = system.explicit_rate(-contact.distance if isinstance(contact, Stop) else contact.penetration)
     return None if rate == 0 else compiled(rate)
-
-
-def _dot(one: Any, other: Any) -> Any:
-    return sum((a * b for a, b in zip(one, other, strict=True)), sp.S.Zero)
 
 
 @dataclass(frozen=True, eq=False)

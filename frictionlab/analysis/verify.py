@@ -157,9 +157,10 @@ def verify(
 
 def verification_of(run: Trajectory, motion: RunSetup, method: Method) -> Verification:
     """The verification of a run of a motion by a method."""
-    second = motion.run(_more_exact_method(method, run.samples.order), t_end=run.raw.t)
+    exact = _more_exact_method(method, run.samples.order)
+    second = motion.run(exact, t_end=run.raw.t)
     size = judged_size(second)
-    neighbour, end = motion.neighbouring_run(second), float(run.raw.t)
+    neighbour, end = motion.neighbouring_run(second, exact), float(run.raw.t)
     until, clear = (
         _end_of_agreement(neighbour, second, size, share, end)
         for share in (UNPREDICTABLE_DEVIATION, TRUSTED_DEVIATION)
@@ -198,13 +199,13 @@ class RunSetup:
             RunOptions(mode, progress=self._progress, source=source),
         )
 
-    def neighbouring_run(self, run: Trajectory) -> Trajectory:
+    def neighbouring_run(self, run: Trajectory, method: Taylor) -> Trajectory:
         """A run by the same method from a neighbouring state that keeps the constraints of its mode, as stick
         and closed rigid contacts have; the run itself where its mode cannot begin on either side.
         """
         if not len(run.raw.step_modes):
             return run
-        method, mode = Taylor(**_method_settings(run)), run.mode_names[int(run.raw.step_modes[0])]
+        mode = run.mode_names[int(run.raw.step_modes[0])]
         size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
         signs, n = np.where(np.arange(len(size)) % 2, -1.0, 1.0), self._automaton.coordinates
         signs[2 * n if n else len(size) :] = 0.0  # phases and states of laws stay
@@ -215,11 +216,7 @@ class RunSetup:
         return run
 
 
-def _method_settings(run: Trajectory) -> dict[str, Any]:
-    return {name: value for name, value in run.description["method"].items() if name != "name"}
-
-
-def _more_exact_method(method: Method, order: int) -> Method:
+def _more_exact_method(method: Method, order: int) -> Taylor:
     """A Taylor method with an order above that of the run and a tighter tolerance; for others, Taylor's."""
     if not isinstance(method, Taylor):
         return Taylor()

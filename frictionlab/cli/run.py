@@ -11,6 +11,7 @@ import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from . import parsing
@@ -105,11 +106,7 @@ def method_from_options(args: argparse.Namespace) -> Any:
         raise ValueError("--tol is no option of --method rk4, which has a fixed step: give --step instead")
     tolerance = "tol" if method.name == "taylor" else "rtol"
     options = {"step": args.step, tolerance: args.tol, "max_steps": args.max_steps}
-    return type(method)(**_method_settings(method) | {k: v for k, v in options.items() if v is not None})
-
-
-def _method_settings(method: Any) -> dict[str, Any]:
-    return {name: value for name, value in method.describe().items() if name != "name"}
+    return replace(method, **{name: value for name, value in options.items() if value is not None})
 
 
 def initial_state_from_options(args: argparse.Namespace, model: ModelOrAutomaton) -> Any:

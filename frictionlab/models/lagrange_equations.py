@@ -206,9 +206,7 @@ def _functions(system: LagrangeSystem) -> dict[Any, Any]:
 
 def _named_forces(system: LagrangeSystem) -> LagrangeSystem:
     def named(contact: AnyContact, force: Any) -> AnyContact:
-        if isinstance(contact, Friction):
-            return replace(contact, normal_force=force)
-        return replace(contact, force=force) if isinstance(contact, Contact) else contact
+        return contact if isinstance(contact, Stop) else replace(contact, normal_force=force)
 
     contacts = enumerate(system.mechanics.contacts)
     shown = tuple(named(contact, _contact_function(system, "F_N", i)) for i, contact in contacts)

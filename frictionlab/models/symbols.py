@@ -77,6 +77,11 @@ def gradient(expression: Any, x: Sequence[Any]) -> list[Any]:
     return [slopes.get(one, sympy.S.Zero) for one in x]
 
 
+def dot(one: Iterable[Any], other: Iterable[Any]) -> Any:
+    """The sum of products of two rows' entries."""
+    return sum((a * b for a, b in zip(one, other, strict=True) if a != 0), sympy.S.Zero)
+
+
 def _terms(
     arguments: Sequence[Any], symbols: Set[Any], term: Callable[[int, Any], Any]
 ) -> Iterable[tuple[Any, Any]]:

@@ -109,6 +109,15 @@ def distinguishing_labels(models: Sequence[ModelOrAutomaton], varied: Container[
     ]
 
 
+def check_compared(what: str, parameters: Sequence[str], labels: Sequence[str]) -> None:
+    """Raise ValueError unless all that is drawn together is over the same parameters and has a label."""
+    if len(names := sorted({*parameters})) != 1:
+        got = ", ".join(names) or "none"
+        raise ValueError(f"{what} must be over the same parameters, got {got}: draw them apart")
+    if len(labels) != len(parameters):
+        raise ValueError(f"there must be a label for each of {len(parameters)} {what}, got {len(labels)}")
+
+
 def superscript_exponents(unit: str) -> str:
     """A unit with its exponents raised: N/m^3 becomes N/m³."""
     return re.sub(r"\^(-?[\d.]+)", r"$^{\1}$", unit)

@@ -37,6 +37,7 @@ from frictionlab.plotting.appearance import (
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle, set_title, wrap_label
 from frictionlab.plotting.labels import (
+    check_compared,
     distinguishing_labels,
     parameter_label,
     parameter_value_text,
@@ -102,7 +103,7 @@ def plot_critical(
     """
     curves = [curves] if hasattr(curves, "over") else list(curves)
     labels = _curve_labels(curves) if labels is None else list(labels)
-    _check_same_parameters(curves, labels)
+    check_compared("curves", [f"{curve.parameter} over {curve.over}" for curve in curves], labels)
     ax = axes_or_new(ax)
     lines = []
     for i, (curve, label) in enumerate(zip(curves, labels)):
@@ -119,15 +120,6 @@ def plot_critical(
 def _curve_labels(curves: list[Any]) -> list[str]:
     varied = {name for curve in curves for name in (curve.parameter, curve.over)}
     return distinguishing_labels([curve.model for curve in curves], varied) if curves else []
-
-
-def _check_same_parameters(curves: list[Any], labels: list[str]) -> None:
-    pairs = sorted({f"{curve.parameter} over {curve.over}" for curve in curves})
-    if len(pairs) != 1:
-        got = ", ".join(pairs) or "no curve"
-        raise ValueError(f"curves must be of one parameter over one other, got {got}: draw them apart")
-    if len(labels) != len(curves):
-        raise ValueError(f"there must be a label for each of {len(curves)} curves, got {len(labels)}")
 
 
 class MapArtists(NamedTuple):

@@ -22,7 +22,7 @@ from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKey
 from frictionlab.analysis.sweeps.journal import read_journal, write_journal
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.taylor import Taylor
-from frictionlab.hybrid.solve import with_phase_in_turn
+from frictionlab.hybrid.solve import state_from_x0, with_phase_in_turn
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, shorten
 from frictionlab.validation import (
@@ -60,7 +60,7 @@ class LabelledStates(Drawable):
     @property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the coordinates that may turn for ever."""
-        return tuple(self.specification.get("cyclic", ()))  # older files have none
+        return tuple(self.specification["cyclic"])
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
@@ -380,13 +380,5 @@ def _initial_states(model: ModelOrAutomaton, names: Sequence[str], points: Array
     starts = np.repeat(base[None], len(points), axis=0)
     starts[:, [state_names.index(name) for name in names]] = points
     if own:
-        starts = np.array([_complete_state(x0(start.copy()), state_names) for start in starts])
+        starts = np.array([state_from_x0(automaton_of(model), x0(start.copy())) for start in starts])
     return with_phase_in_turn(automaton_of(model), starts)
-
-
-def _complete_state(x0: Any, names: tuple[str, ...]) -> Array:
-    rule, cure = f"a finite number for each of {', '.join(names)}", "return all of them"
-    state = float_array("what x0 gives", x0, f"return {rule}")
-    if state.shape != (len(names),) or not np.isfinite(state).all():
-        raise ValueError(f"x0 must give {rule}, got {abbreviate(x0)}: {cure}")
-    return state

@@ -18,7 +18,7 @@ from frictionlab.automaton.modes_on_demand import Combination, ModeNames
 from frictionlab.components.component import Component, StructureKey
 from frictionlab.components.contact import Interface
 from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
-from frictionlab.models.symbols import expand_products, gradient, symbol
+from frictionlab.models.symbols import dot, expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 
 from .common_directions import RUBBING, SLIP, CommonDirection, common_directions
@@ -360,16 +360,16 @@ class LagrangeSystem:
         """Time derivative of a function of all states but velocities and those of friction laws; of one of
         velocities too, the part of its time derivative that has no accelerations."""
         moving = (*self.q, *self.clocks, *self.further)
-        return _dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
+        return dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
     def rate_in_motion(self, expression: Any, accelerations: Sequence[Any]) -> Any:
         """Time derivative of a function of coordinates, velocities, clocks and further states."""
-        return self.rate(expression) + _dot(self.gradient(expression, self.v), accelerations)
+        return self.rate(expression) + dot(self.gradient(expression, self.v), accelerations)
 
     def explicit_rate(self, expression: Any) -> Any:
         """The part of a time derivative that is there with all coordinates and velocities at rest, of what
         does not depend on further states: that by the clocks."""
-        return _dot(self.gradient(expression, self.clocks), self.other_rates[: len(self.clocks)])
+        return dot(self.gradient(expression, self.clocks), self.other_rates[: len(self.clocks)])
 
     def varies(self, expression: Any) -> bool:
         """Whether an expression depends on the state."""
@@ -574,8 +574,8 @@ def with_dampers(about: Mechanics, q: Sequence[Any], v: Sequence[Any], time: Seq
     def damped(contact: AnyContact) -> AnyContact:
         if isinstance(contact, Stop) or (not callable(contact.damper) and contact.damper == 0):
             return contact
-        rate = _rate(contact.penetration, about, q, v)
-        return contact.damped(rate + sum(gradient(contact.penetration, time), sympy.S.Zero))
+        rate = sum(gradient(contact.penetration, time), _rate(contact.penetration, about, q, v))
+        return replace(contact, normal_force=contact.pressing + contact.damping * rate, damper=0)
 
     return replace(about, contacts=tuple(map(damped, about.contacts)))
 
@@ -597,7 +597,7 @@ def _rate(expression: Any, about: Mechanics, q: Sequence[Any], v: Sequence[Any])
     moving, rates = (*q,), (*v,)
     if about.frequency is not None:
         moving, rates = (*q, symbol(PHASE)), (*v, about.frequency)
-    return _dot(gradient(expression, moving), rates)
+    return dot(gradient(expression, moving), rates)
 
 
 def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
@@ -606,17 +606,13 @@ def _with_matrices(about: Mechanics, q: Sequence[Any], v: Sequence[Any]) -> Any:
     damping = _jacobian(gradient(about.dissipation, v), v)
     stiffness = _jacobian(slopes, q)
     constant = [slope.subs(dict.fromkeys(q, 0)) for slope in slopes]
-    return tuple(_dot(c, v) + _dot(k, q) + f for c, k, f in zip(damping, stiffness, constant, strict=True))
+    return tuple(dot(c, v) + dot(k, q) + f for c, k, f in zip(damping, stiffness, constant, strict=True))
 
 
 def _jacobian(gradient: Sequence[Any], x: Sequence[Any]) -> tuple[tuple[Any, ...], ...]:
     # Second derivatives of one function are symmetric, so half of them suffice.
     upper = {(i, j): sympy.diff(gradient[i], x[j]) for j in range(len(x)) for i in range(j + 1)}
     return tuple(tuple(upper[min(i, j), max(i, j)] for j in range(len(x))) for i in range(len(x)))
-
-
-def _dot(row: Sequence[Any], values: Sequence[Any]) -> Any:
-    return sum((a * b for a, b in zip(row, values, strict=True) if a != 0), sympy.S.Zero)
 
 
 def _coupled(rows: Sequence[Row]) -> list[list[Row]]:

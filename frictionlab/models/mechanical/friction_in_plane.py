@@ -28,7 +28,7 @@ import sympy
 
 from frictionlab.automaton import Reset
 from frictionlab.components.contact import Interface
-from frictionlab.models.symbols import expand_products, gradient
+from frictionlab.models.symbols import dot, expand_products, gradient
 from frictionlab.validation import abbreviate
 
 from .contact_regimes import (
@@ -94,12 +94,12 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
     def friction(holding: Any, rates: Any) -> tuple[Any, ...]:
         size = _size(holding)
         along = [one / size for one in holding]
-        speed = _dot(along, velocities)
+        speed = dot(along, velocities)
         largest = contact.law.kinetic(pressing, speed)
-        by_size = _dot(along, rates)
+        by_size = dot(along, rates)
         turning = [(rate - one * by_size) * speed / size for one, rate in zip(along, rates, strict=True)]
-        drive = [one - _dot(row, turning) for one, row in zip(holding, stiff, strict=True)]
-        inert = _dot(holding, [_dot(row, holding) for row in stiff]) + NO_FORCE * (stiff[0][0] + stiff[1][1])
+        drive = [one - dot(row, turning) for one, row in zip(holding, stiff, strict=True)]
+        inert = dot(holding, [dot(row, holding) for row in stiff]) + NO_FORCE * (stiff[0][0] + stiff[1][1])
         rate = size**2 * (size - largest) / inert
         (a, b), (c, d) = stiff
         direction = _solved(((rate * a + largest, rate * b), (rate * c, rate * d + largest)), drive)
@@ -107,7 +107,7 @@ def _breakaway(contact: Friction, system: LagrangeSystem) -> ContactRegime:
 
     def ends(holding: Any, rates: Any) -> tuple[RegimeEnd, ...]:
         holding, rates = components(holding), components(rates)
-        power, force = _dot(holding, velocities), _dot(holding, holding)
+        power, force = dot(holding, velocities), dot(holding, holding)
         excess = 1 - contact.law.kinetic(pressing, sympy.S.Zero) / _size(holding)
         full = _softness(contact, system)  # acceleration by a unit of the force alone
         least = 2 * NEARNESS * full * force * _size(holding)
@@ -125,10 +125,6 @@ def _solved(matrix: Any, right: Sequence[Any]) -> tuple[Any, ...]:
     (a, b), (c, d) = matrix
     determinant = a * d - b * c
     return (d * right[0] - b * right[1]) / determinant, (a * right[1] - c * right[0]) / determinant
-
-
-def _dot(one: Sequence[Any], other: Sequence[Any]) -> Any:
-    return sum(a * b for a, b in zip(one, other, strict=True))
 
 
 def _size(force: Any) -> Any:

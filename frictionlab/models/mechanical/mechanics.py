@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from frictionlab.automaton.mode import check_elements
@@ -20,8 +20,39 @@ if TYPE_CHECKING:
 SYMMETRY_RTOL = 1e-8  # share of a_ij, or of the root of a_ii a_jj: what elements and exports round
 
 
+class _PressedContact:
+    """A contact whose normal force is stated, as that of elastic bodies; a dataclass states the rest."""
+
+    normal_force: Any
+    penetration: Any
+    damper: Any
+    interface: Interface | None
+
+    @property
+    def pressing(self) -> Any:
+        """F_N (N) as an expression, without the damper."""
+        return self._at_penetration(self.normal_force)
+
+    @property
+    def damping(self) -> Any:
+        """Coefficient of the damper (N s/m) as an expression."""
+        return self._at_penetration(self.damper)
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the regimes, in the order in which they are tried."""
+        return (self.interface or StickSlipSeparation()).modes
+
+    def _at_penetration(self, function: Any) -> Any:
+        """A function as an expression; it may make a law of symbols, and return its force."""
+        if not callable(function):
+            return function
+        with laws_of_expressions([]):
+            return function(self.penetration)
+
+
 @dataclass(frozen=True, eq=False)
-class Friction:
+class Friction(_PressedContact):
     """A contact with dry friction; its modes are "stick", "slip+", "slip-" and, where the bodies can
     separate, "separation".  In the plane they are "stick", "slip", "breakaway" and "separation".
 
@@ -81,40 +112,21 @@ class Friction:
         """The components of v_r: one, or two in the plane."""
         return tuple(self.relative_velocity) if self.in_plane else (self.relative_velocity,)
 
-    @property
-    def pressing(self) -> Any:
-        """F_N (N) as an expression, without the damper."""
-        return _at_penetration(self, self.normal_force)
-
-    @property
-    def damping(self) -> Any:
-        """Coefficient of the damper (N s/m) as an expression."""
-        return _at_penetration(self, self.damper)
-
-    def damped(self, rate: Any) -> Friction:
-        """The contact with the damper's force in `normal_force`, at this rate of the penetration (m/s)."""
-        return replace(self, normal_force=self.pressing + self.damping * rate, damper=0)
-
-    @property
-    def modes(self) -> tuple[str, ...]:
-        """Names of the regimes, in the order in which they are tried."""
-        return (self.interface or StickSlipSeparation()).modes
-
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class Contact(_PressedContact):
     """An elastic contact without friction, with or without a damper; its modes are "contact" and
     "separation".
 
-    F_N = force(penetration) + damper d(penetration)/dt.  A contact does not pull: it ends where F_N comes to
-    zero.  With a damper this is before the gap opens; then it has the mode "relaxation" until the penetration
-    is zero: the surface, which has no mass, returns without a force.
+    F_N = normal_force(penetration) + damper d(penetration)/dt.  A contact does not pull: it ends where F_N
+    comes to zero.  With a damper this is before the gap opens; then it has the mode "relaxation" until the
+    penetration is zero: the surface, which has no mass, returns without a force.
 
     Parameters
     ----------
     penetration : Expr
         Penetration, m, positive in contact.
-    force : Expr or callable
+    normal_force : Expr or callable
         F_N without the damper (N) as :class:`Friction` has it: a function of the penetration, such as
         ``contact.force`` of a law.
     damper : Expr or callable
@@ -129,7 +141,7 @@ class Contact:
     """
 
     penetration: Any
-    force: Any
+    normal_force: Any
     damper: Any = 0
     interface: Interface | None = None
 
@@ -137,38 +149,6 @@ class Contact:
     impact: ClassVar[None] = None
     relative_velocity: ClassVar[Any] = None
     in_plane: ClassVar[bool] = False
-
-    @property
-    def pressing(self) -> Any:
-        """F_N (N) as an expression, without the damper."""
-        return _at_penetration(self, self.force)
-
-    @property
-    def normal_force(self) -> Any:
-        """`force`, by the name that it has in a contact with friction."""
-        return self.force
-
-    @property
-    def modes(self) -> tuple[str, ...]:
-        """Names of the regimes, in the order in which they are tried."""
-        return (self.interface or StickSlipSeparation()).modes
-
-    @property
-    def damping(self) -> Any:
-        """Coefficient of the damper (N s/m) as an expression."""
-        return _at_penetration(self, self.damper)
-
-    def damped(self, rate: Any) -> Contact:
-        """The contact with the damper's force in `force`, at this rate of the penetration (m/s)."""
-        return replace(self, force=self.pressing + self.damping * rate, damper=0)
-
-
-def _at_penetration(contact: Friction | Contact, function: Any) -> Any:
-    """A function of the penetration as an expression; it may make a law of symbols, and return its force."""
-    if not callable(function):
-        return function
-    with laws_of_expressions([]):
-        return function(contact.penetration)
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,8 +285,8 @@ class Mechanics:
             if isinstance(contact, Stop):
                 given.append(contact.distance)
             else:
-                given += [contact.pressing, contact.penetration, *(contact.normal or ())]
-                given += [contact.damping] if isinstance(contact, Contact) else contact.velocities
+                given += [contact.pressing, contact.damping, contact.penetration, *(contact.normal or ())]
+                given += contact.velocities if isinstance(contact, Friction) else ()
             parts = (getattr(contact, about.name) for about in fields(contact))
             given += [
                 each for law in parts if isinstance(law, Component) for each in expressions_of(law).values()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.automaton.modes_on_demand import JOINT
-from frictionlab.models.symbols import gradient
+from frictionlab.models.symbols import dot, gradient
 from frictionlab.tape.formulas import function_along_run
 
 from .mechanics import Friction
@@ -83,5 +83,4 @@ class Bristles:
         return values
 
     def _rate(self, energy: Any, mode: Mode) -> Any:
-        slopes = gradient(energy, self.automaton.states)
-        return sum(slope * rate for slope, rate in zip(slopes, mode.flow, strict=True) if slope != 0)
+        return dot(gradient(energy, self.automaton.states), mode.flow)

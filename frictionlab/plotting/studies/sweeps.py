@@ -36,7 +36,7 @@ from frictionlab.plotting.appearance import (
     pen,
 )
 from frictionlab.plotting.figure import axes_or_new, legend_beside, restyle
-from frictionlab.plotting.labels import parameter_label, state_label, state_with_unit
+from frictionlab.plotting.labels import check_compared, parameter_label, state_label, state_with_unit
 from frictionlab.presentation import unit_of_state
 from frictionlab.validation import abbreviate
 
@@ -174,7 +174,7 @@ def plot_intensity(
     """
     results = [results] if hasattr(results, "kinds") else list(results)
     labels = [_start_text(result) for result in results] if labels is None else list(labels)
-    _check_one_parameter(results, labels)
+    check_compared("results", [result.parameter for result in results], labels)
     ax = axes_or_new(ax)
     lines = []
     for i, (result, text) in enumerate(zip(results, labels)):
@@ -221,15 +221,6 @@ def _start_text(result: Bifurcation) -> str:
     return {"rest": "from rest", "near": "from near the equilibrium", "continue": "continued"}.get(
         x0 if isinstance(x0, str) else "", "from a state"
     )
-
-
-def _check_one_parameter(results: list[Any], labels: list[str]) -> None:
-    names = sorted({result.parameter for result in results})
-    if len(names) != 1:
-        got = ", ".join(names) or "no result"
-        raise ValueError(f"results must be over one parameter, got {got}: draw them apart")
-    if len(labels) != len(results):
-        raise ValueError(f"there must be a label for each of {len(results)} results, got {len(labels)}")
 
 
 def plot_orbit_branch(

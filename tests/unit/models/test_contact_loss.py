@@ -213,7 +213,7 @@ def test_what_is_no_contact_is_refused():
 
             def mechanics(self, q, v):
                 given_at = {name: make(q, v) for name, make in given.items()}
-                contact = fl.Contact(**{"penetration": -q.y, "force": -q.y, **given_at})
+                contact = fl.Contact(**{"penetration": -q.y, "normal_force": -q.y, **given_at})
                 return Mechanics(v.y**2 / 2, contacts=(contact,))
 
         return Wrong().automaton()
@@ -233,8 +233,8 @@ def test_what_is_no_contact_is_refused():
         stated(penetration=lambda q, v: None)
     with pytest.raises(ValueError, match=r"damper of Wrong must not depend on y'.*multiplies the rate"):
         stated(damper=lambda q, v: v.y)
-    with pytest.raises(TypeError, match="force of Wrong must be an expression"):
-        stated(force=lambda q, v: None)
+    with pytest.raises(TypeError, match="normal_force of Wrong must be an expression"):
+        stated(normal_force=lambda q, v: None)
     with pytest.raises(TypeError, match="nor has a damper without a penetration"):
         rubbed(damper=2.0)
 

@@ -167,6 +167,24 @@ def test_time_in_energies_and_distances():
     assert fl.verify(Pulled(), 3.0, progress=False).ok
 
 
+def test_time_in_the_damper_alone_of_a_contact_with_friction():
+    @fl.model
+    class Landed(fl.MechanicalModel):
+        coordinates = ("x", "y")
+        period = 6.0
+
+        def mechanics(self, q, v):
+            damper = fl.ramp(q.t, start=1.0, end=5.0, duration=2.0)
+            rubbing = fl.Friction(v.x - 1.0, -100 * q.y, fl.Coulomb(), penetration=-q.y, damper=damper)
+            return fl.Mechanics((v.x**2 + v.y**2) / 2, 20 * q.x**2, 0, (rubbing,), {"y": -5.0})
+
+    rates = lambda t, y: [y[1], -5.0 - 100 * y[0] - (1 + 2 * t) * y[1]]  # noqa: E731  one line of two formulas
+    run = fl.simulate(Landed(), 2.0, x0={"y": -0.03}, progress=False)
+    pressed = solve_ivp(rates, (0.0, 2.0), [-0.03, 0.0], method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert run.final_state[[1, 3]] == pytest.approx(pressed, abs=1e-10)
+    assert fl.energy_audit(run, progress=False).error < 1e-13
+
+
 def test_a_parameter_may_have_its_name():
     @fl.model
     class Named(fl.MechanicalModel):
