@@ -60,11 +60,11 @@ class IndependentMethod(Scipy):
             which, zero, guard = guards.first_of(steps, pieces)
             for step in steps[: which + 1]:
                 end = zero if step is steps[which] else step.end
+                new = step.state if end == step.end else step.dense(end)
                 if end > step.start:
-                    record_step(cursor, record, end - step.start)
+                    record_step(end - step.start, end, new, cursor, record)
                     cursor.counts[run_state.REPEATED] = 0
-                cursor.times[run_state.NOW] = end
-                cursor.state[:] = step.state if end == step.end else step.dense(end)
+                cursor.state[:] = new
             if guard >= 0:
                 return self.handle_event(run, GuardZero(zero - steps[which].start, guard, 1), record)
             if shorter and solver.status == "running":
