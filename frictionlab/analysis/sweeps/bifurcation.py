@@ -17,7 +17,14 @@ from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKey
 from frictionlab.analysis.steady_state.classification import MotionKind, decays_to_zero
 from frictionlab.analysis.steady_state.steady_state import SteadyState, check_section, find_steady_state
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
-from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, TaskFailure, failure, run_tasks, thread_count
+from frictionlab.analysis.sweeps.tasks import (
+    URGENT_PRESS,
+    ExecutorLost,
+    TaskFailure,
+    failure,
+    run_tasks,
+    worker_count,
+)
 from frictionlab.file_writing import name_written_file
 from frictionlab.hybrid.methods.base import Method
 from frictionlab.hybrid.methods.taylor import Taylor
@@ -40,8 +47,7 @@ from frictionlab.validation import check_choice, float_array
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
-# values in a task, whose transients are run side by side: enough to fill lanes, few that are begun at once
-LEAST_GROUP_SIZE, MOST_GROUP_SIZE = 8, 32
+MOST_GROUP_SIZE = 32  # values in a task, whose transients are run side by side; few that are begun at once
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
@@ -319,11 +325,11 @@ def _run_independently(
     def left() -> list[int]:
         return [i for i in range(len(models)) if i not in journal.results]
 
-    groups = _groups(left(), models, options.solver, thread_count(execution.workers))
+    groups = _groups(left(), models, options.solver, worker_count(execution))
     try:
         return compute(groups)
-    except TaskFailure:
-        if all(len(group) == 1 for group in groups):
+    except TaskFailure as error:
+        if isinstance(error, ExecutorLost) or all(len(group) == 1 for group in groups):
             raise
     return compute([[i] for i in left()])  # which value of a group fails shows one by one
 
@@ -333,6 +339,7 @@ def _groups(
 ) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, each with values from all of the range.
 
+    Every worker has one, where the values suffice: one that has none costs more than lanes save.
     The models of a group have the same modes; each value of a parameter in M of a structure has modes of its
     own.  Modes on demand stay underived.
     """
@@ -341,7 +348,7 @@ def _groups(
         return [[i] for i in todo]
     modes = {i: automaton_of(models[i]).modes for i in todo}
     alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]
-    most = max(LEAST_GROUP_SIZE, min(MOST_GROUP_SIZE, -(-len(todo) // workers)))
+    most = max(1, min(MOST_GROUP_SIZE, -(-len(todo) // workers)))
     counts = [-(-len(group) // most) for group in alike]
     return [group[first::count] for group, count in zip(alike, counts) for first in range(count)]
 

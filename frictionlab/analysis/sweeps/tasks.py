@@ -49,6 +49,10 @@ class TaskFailure(RuntimeError):
     """A task that failed, or an executor that was lost; what was done before is kept."""
 
 
+class ExecutorLost(TaskFailure):
+    """An executor that takes no more tasks, or whose workers have died."""
+
+
 def run_tasks(
     function: Callable[..., Any],
     tasks: Sequence[tuple[Any, ...]],
@@ -87,8 +91,9 @@ def run_tasks(
     Raises
     ------
     TaskFailure
-        Where a task fails, raised from its error, once those already begun are finished and kept; where the
-        executor is lost.
+        Where a task fails, raised from its error, once those already begun are finished and kept.
+    ExecutorLost
+        Where the executor is lost, raised from what it said.
     """
     waiting = deque(range(len(tasks)) if todo is None else todo)
     count = len(waiting)
@@ -105,7 +110,7 @@ def run_tasks(
             return False
     if run.executor_error is not None and not interrupts.count:
         what = f"{type(run.executor_error).__name__}: {run.executor_error}"
-        raise TaskFailure(
+        raise ExecutorLost(
             f"the executor was lost after {run.count} of {count} tasks ({what}): call again with a new one"
         ) from run.executor_error
     if run.errors and not interrupts.count:
@@ -261,6 +266,13 @@ def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
 def thread_count(workers: int | None) -> int:
     """The number of threads: one for each processor where none is given."""
     return workers or os.cpu_count() or 1
+
+
+def worker_count(execution: Execution) -> int:
+    """The number of tasks that are computed at once, as far as an executor tells."""
+    if execution.executor is None:
+        return thread_count(execution.workers)
+    return max(1, _Workers(execution.executor, execution.workers)())
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Sweeps of steady states: the same by whatever workers, hysteresis, tables, refusals."""
 
 import json
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 import numpy as np
@@ -156,6 +156,34 @@ def test_a_value_that_fails_among_others_is_named_and_the_others_are_kept(monkey
     with pytest.raises(RuntimeError, match=r"^mu_k = 1\.4 failed with ArithmeticError: by design"):
         fl.bifurcation(FLAT, "mu_k", VALUES, resume=tmp_path / "sweep.jsonl", **options)
     assert set(fl.load_bifurcation(tmp_path / "sweep.jsonl").results) >= {0, 1}
+
+
+class Pool(ThreadPoolExecutor):
+    """Counts what it is given, and is lost where it is given more."""
+
+    def __init__(self, workers, most=1000):
+        super().__init__(workers)
+        self.count, self.most = 0, most
+
+    def submit(self, *task):
+        if self.count == self.most:
+            raise BrokenExecutor("a worker died")
+        self.count += 1
+        return super().submit(*task)
+
+
+def test_each_worker_of_an_executor_has_values_to_compute():
+    with Pool(3) as pool:
+        found = fl.bifurcation(fl.MassOnBelt(), "mu_k", np.linspace(0.1, 0.4, 6), executor=pool, **SHORT)
+    assert (pool.count, len(found.results)) == (3, 6)
+
+
+def test_an_executor_that_is_lost_is_not_tried_again():
+    with (
+        Pool(2, 1) as pool,
+        pytest.raises(RuntimeError, match=r"executor was lost after \d of 2 tasks \(BrokenExecutor: a "),
+    ):
+        fl.bifurcation(fl.MassOnBelt(), "mu_k", np.linspace(0.1, 0.4, 40), executor=pool, **SHORT)
 
 
 @pytest.mark.slow
