@@ -138,12 +138,13 @@ def _run_in_threads(
         return integrate_batch(problems, method, bar)
     groups = [new_batch(problems[first::count], method) for first in range(count)]
     with worker_threads(count) as (pool, stop):
-        running = [pool.submit(_advance_in_thread, group, problems[0].t_end) for group in groups]
-        while wait(running, POLL_TIME).not_done:
+        left = {pool.submit(_advance_in_thread, group, problems[0].t_end) for group in groups}
+        while left:
+            done, left = wait(left, POLL_TIME)
+            for thread in done:
+                thread.result()  # an error ends the others too
             if bar.update(float(np.mean([group.runs.times[:, NOW].mean() for group in groups]))):
                 stop.set()
-        for thread in running:
-            thread.result()
     return _in_turn([batch_result(group) for group in groups])
 
 

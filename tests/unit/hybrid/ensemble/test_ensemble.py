@@ -1,5 +1,8 @@
 """Many runs side by side: each as it would be alone, to the last bit."""
 
+from threading import Event as Sign
+from time import sleep
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -202,6 +205,24 @@ def test_the_grouping_makes_no_difference():
     parts = [fl.ensemble(models[i : i + 4], 5.0, progress=False).states for i in range(0, len(models), 4)]
     np.testing.assert_array_equal(whole.states, np.concatenate(parts))
     np.testing.assert_equal(vars(shared), vars(whole))
+
+
+def test_an_error_in_one_thread_ends_the_others(monkeypatch):
+    stopped = Sign()
+
+    def advance(group, t_end, bar):
+        if group.runs.states[0, 0] == 0.0:
+            raise ArithmeticError("by design")
+        for _ in range(500):
+            if bar.stopped:
+                return stopped.set()
+            sleep(0.01)
+
+    monkeypatch.setattr("frictionlab.analysis.ensemble.advance_batch", advance)
+    states = [[0.0, 0.0], [1.0, 0.0]]
+    with pytest.raises(ArithmeticError, match="by design"):
+        fl.ensemble([fl.MassOnBelt()] * 2, 1.0, x0=states, workers=2, progress=False)
+    assert stopped.wait(10.0)
 
 
 def test_many_initial_states_of_one_model():
