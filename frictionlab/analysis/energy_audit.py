@@ -15,7 +15,6 @@ import sympy as sp
 
 from frictionlab.analysis.motion_scales import Array
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.components.component import StructureKey
 from frictionlab.hybrid.outputs import evaluate_outputs
@@ -37,6 +36,7 @@ from frictionlab.models.mechanical.modes import contact_suffix
 from frictionlab.models.mechanical.stored_energies import (
     Bristles,
     Energies,
+    borders_of_law,
     energies_of_bristles,
     energy_of_spring,
 )
@@ -375,15 +375,8 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         travel=None if contact.normal is None else compiled(travel),
         penetration=compiled(contact.penetration),
         law=function_along_run([GAP, *parameter_symbols(key)], force),
-        borders=tuple(function_along_run(parameter_symbols(key), one) for one in _borders_of_law(force)),
+        borders=tuple(function_along_run(parameter_symbols(key), one) for one in borders_of_law(force, GAP)),
     )
-
-
-def _borders_of_law(force: Any) -> set[Any]:
-    """The penetrations at which a law in pieces changes."""
-    pieces = module_of_pieces()
-    parts = () if pieces is None else sp.sympify(force, strict=True).atoms(pieces.Pieces)
-    return {border for part in parts if part.x == GAP for border in part.borders if not border.has(GAP)}
 
 
 def _moved(system: LagrangeSystem, contact: AnyContact, compiled: Callable[..., Any]) -> Any:

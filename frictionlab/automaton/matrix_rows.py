@@ -6,7 +6,7 @@ atom, whose numbers are an array: it neither sorts nor copies them.  A tape take
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import count
@@ -48,6 +48,13 @@ class MatrixProduct:
         first = len(self.factors) - len(factors)
         return MatrixProduct(self.matrix, (*self.factors[:first], *factors), len(factors), self)
 
+    def with_factors(self, factors: Iterable[Expr]) -> MatrixProduct:
+        """The product with these factors."""
+        own = tuple(factors)
+        if self.like is None or own[: -self.own] != self.like.factors[: -self.own]:
+            return MatrixProduct(self.matrix, own)
+        return self.like.with_own(own[-self.own :])
+
     @cached_property
     def count(self) -> int:
         """Number of entries that are not zero."""
@@ -69,9 +76,10 @@ class MatrixProduct:
 
     def rows(self) -> list[Expr]:
         """The rows as expressions; one with a single term is this term."""
-        return [self._row(i) for i in range(len(self.matrix))]
+        return [self.row(i) for i in range(len(self.matrix))]
 
-    def _row(self, i: int) -> Expr:
+    def row(self, i: int) -> Expr:
+        """A row as an expression."""
         if np.count_nonzero(self.matrix[i]) > 1:
             return MatrixRow(self, i)
         return sympy.Add(*(_times(*term) for term in self.terms(i)))

@@ -19,6 +19,7 @@ from typing import Any
 import sympy
 
 from frictionlab.automaton.expressions import multiply_out
+from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow
 from frictionlab.automaton.mode import Event, Mode, Reset
 from frictionlab.automaton.modes_on_demand import (
     JOINT,
@@ -449,7 +450,8 @@ def _on_demand(split: _Split, modes: Any, again: Any, origin: Any) -> ModesOnDem
         tuple(replace(one, conditions=_without_pieces(one.conditions)) for one in part) for part in parts
     )
     all_parts = (*smooth_parts, *map(_part, split.divisions))
-    on_demand = ModesOnDemand(all_parts, derive, names_of_parts(all_parts, allows), again, origin, modes)
+    names_of_all, products = names_of_parts(all_parts, allows), () if few else modes.products
+    on_demand = ModesOnDemand(all_parts, derive, names_of_all, again, origin, modes, products)
     names = _NamesOnDemand(on_demand.names, places.get if few else modes.names.combination_of, sides_of)
     for i, mode in enumerate(modes if few else ()):  # limit modes are tried in no other way
         for sides in product(*split.sides(mode)) if mode.limit else ():
@@ -488,7 +490,18 @@ def _equal(one: Any, other: Any) -> bool:
 
 @lru_cache(maxsize=4096)
 def _parts(expression: Any) -> frozenset[Any]:
-    return frozenset(expression.atoms(Pieces) if hasattr(expression, "atoms") else ())
+    """The functions in pieces of an expression, and of the factors of its matrix products."""
+    if not hasattr(expression, "atoms"):
+        return frozenset()
+    found = expression.atoms(Pieces, MatrixRow)
+    products = {one.product for one in found if isinstance(one, MatrixRow)}
+    own = (one for one in found if isinstance(one, Pieces))
+    return frozenset(own).union(*map(_parts_of_product, products))
+
+
+@lru_cache(maxsize=4096)
+def _parts_of_product(of: MatrixProduct) -> frozenset[Any]:
+    return frozenset[Any]().union(*map(_parts, of.factors))
 
 
 def _moves(part: Pieces, moving: frozenset[Any]) -> bool:
@@ -503,11 +516,21 @@ class _OnSides:
         self._moving = moving
         self._known = [(d, side) for d, side in zip(divisions, sides, strict=True) if side is not None]
         self._values: dict[Any, Any] = {}
+        self._products: dict[MatrixProduct, MatrixProduct] = {}
 
     def __call__(self, expression: Any) -> Any:
         """The expression there."""
-        parts = _parts(expression)
-        return expression.xreplace({part: self._value(part) for part in parts}) if parts else expression
+        if not _parts(expression):
+            return expression
+        rule = {row: self._row(row) for row in expression.atoms(MatrixRow)}
+        return expression.xreplace(rule | {part: self._value(part) for part in expression.atoms(Pieces)})
+
+    def _row(self, row: MatrixRow) -> Any:
+        if not _parts_of_product(row.product):
+            return row
+        if row.product not in self._products:
+            self._products[row.product] = row.product.with_factors(map(self, row.product.factors))
+        return self._products[row.product].row(row.index)
 
     def _value(self, part: Pieces) -> Any:
         if part not in self._values:

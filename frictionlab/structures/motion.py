@@ -20,6 +20,7 @@ import sympy
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode, Reset
+from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_rows
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
@@ -43,6 +44,7 @@ from frictionlab.models.mechanical.modes import (
     Solution,
     conditions_of_regime,
     contact_suffix,
+    expressions_of,
     mode_of,
 )
 from frictionlab.models.mechanical.stored_energies import Energies, energies_of_bristles
@@ -177,11 +179,15 @@ def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
     def derive(combination: Combination) -> Mode:
         return mode_of(system, combination, system.hold)
 
-    if len(system.parts) <= 1:
-        return system.states, tuple(map(derive, system.names.combinations()))
-    parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts)
     again = modes_of_structure, (structure,)
-    modes = ModesOnDemand(parts, derive, system.names, again, products=system.products)
+    if len(system.parts) <= 1:
+        modes: Any = tuple(map(derive, system.names.combinations()))
+    else:
+        parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts)
+        modes = ModesOnDemand(parts, derive, system.names, again, products=system.products)
+    pieces = module_of_pieces()
+    if pieces is not None and pieces.has_pieces(expressions := list(expressions_of(system))):
+        modes = pieces.split_modes(modes, system.states, expressions, again)
     return system.states, modes
 
 
@@ -204,7 +210,7 @@ def structure_system(structure: Structure) -> StructureSystem:
         Mechanics(0, contacts=tuple(contacts)),
         states[:n],
         states[n:],
-        None,
+        (),
         (),
         (),
         of_laws=_checked_states(contacts, structure),

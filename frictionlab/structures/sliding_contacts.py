@@ -19,7 +19,7 @@ from frictionlab.components.component import Component, parameters_of
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.models.mechanical.stored_energies import energy_of_spring
+from frictionlab.models.mechanical.stored_energies import borders_of_law, energy_of_spring
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.structures.steady_friction import (
@@ -384,7 +384,8 @@ class SlidingContacts:
         """The energy (N,) of the contacts at displacements (N, n), J: the integral of F_N, by Gauss' rule."""
         depth = np.maximum(q @ self.normal.toarray().T + self.penetration, 0.0)
         law, given = self._contact_formulas[0], self._values(self.contact, values)
-        energy = energy_of_spring(lambda one: _evaluated(law, [one, *given]), depth)
+        borders = sorted(one for one in self._borders_of_contact.numbers(*given) if one > 0.0)
+        energy = energy_of_spring(lambda one: _evaluated(law, [one, *given]), depth, borders)
         return energy @ self.area
 
     def on_structure(self, forces: ContactForces) -> Any:
@@ -456,6 +457,12 @@ class SlidingContacts:
         law = symbolic_copy(self.contact.structure_key).force(at)
         formulas = formulas_of([at, *map(symbol, self._names(self.contact))], [law])
         return formulas, formulas.jacobian([0])[1]
+
+    @cached_property
+    def _borders_of_contact(self) -> Formulas:
+        at = symbol("penetration")
+        law = symbolic_copy(self.contact.structure_key).force(at)
+        return formulas_of([*map(symbol, self._names(self.contact))], [*borders_of_law(law, at)])
 
     @cached_property
     def _friction_formulas(self) -> tuple[Formulas, Formulas, Formulas]:

@@ -93,7 +93,7 @@ def expressions_of(system: LagrangeSystem) -> Iterator[Any]:
             if isinstance(contact, Friction):
                 yield from contact.velocities
         for regime in regimes:
-            yield from (regime.force, regime.held, regime.limit, *regime.rates)
+            yield from (regime.force, regime.limit, *regime.constraints, *regime.rates)
             for end in regime.ends(sympy.S.Zero, sympy.S.Zero):
                 yield end.function
                 if end.jump == "impact":

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.automaton.hybrid_automaton import module_of_pieces
 from frictionlab.automaton.modes_on_demand import JOINT
 from frictionlab.models.symbols import dot, gradient
 from frictionlab.tape.formulas import function_along_run
@@ -35,6 +36,17 @@ def energy_of_spring(force: Callable[[Array], Any], depth: Array, borders: Seque
         half = np.maximum(np.minimum(depth, high) - low, 0.0) / 2.0
         energy = energy + half * sum(w * force(low + half * (1.0 + x)) for x, w in zip(NODES, WEIGHTS))
     return energy
+
+
+def borders_of_law(force: Any, penetration: Any) -> set[Any]:
+    """The penetrations at which a force in pieces changes its formula, of borders of a linear function."""
+    pieces, found = module_of_pieces(), set[Any]()
+    for x, border in () if pieces is None else pieces.borders_in(force):
+        beyond = x - border
+        (slope,) = gradient(beyond, [penetration])
+        if slope != 0 and not slope.has(penetration):
+            found.add(-beyond.subs(penetration, 0) / slope)
+    return found
 
 
 def energies_of_bristles(system: LagrangeSystem) -> Energies:

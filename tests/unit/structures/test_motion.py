@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,68 @@ def two_blocks() -> fl.Structure:
 
 def test_two_blocks_from_matrices_move_as_the_model():
     agree(fl.TwoBlocks(), two_blocks(), 20.0, [0.1, 0.3, 0.0, 0.1])
+
+
+@dataclass(frozen=True)
+class BilinearContact(fl.ContactLaw):
+    k2: float = fl.parameter(10.0)
+    d: float = fl.parameter(0.1)
+
+    def force(self, penetration):
+        return self.k2 * (penetration + 10 * fl.functions.maximum(penetration - self.d, 0.0))
+
+
+@dataclass(frozen=True)
+class BilinearFriction(fl.FrictionLaw):
+    mu: float = fl.parameter(0.4)
+
+    def kinetic(self, F_N, speed):
+        return F_N * (self.mu + fl.functions.maximum(speed - 0.2, 0.0))
+
+    def static_limit(self, F_N):
+        return 0.5 * F_N
+
+
+M, C, K = np.eye(4), 0.05 * np.eye(4), 23 * np.eye(4) - 3 * np.ones((4, 4))
+
+
+@fl.model
+class PadsOnBelt(fl.MechanicalModel):
+    contact: fl.ContactLaw = BilinearContact()
+    friction: fl.FrictionLaw = BilinearFriction()
+    v: float = 0.3
+    count: int = 1
+    coordinates = ("q0", "q1", "q2", "q3")
+
+    def mechanics(self, q, v):
+        depths = [one + 0.05 for one in q[2 : 2 + self.count]]
+        contacts = [
+            fl.Friction(self.v - rate, self.contact.force, self.friction, penetration=depth)
+            for rate, depth in zip(v, depths)
+        ]
+        kinetic, stored, lost = (fl.quadratic_form(one, x) / 2 for one, x in ((M, v), (K, q), (C, v)))
+        return fl.Mechanics(kinetic, stored, lost, tuple(contacts), {"q2": 1.0, "q3": 1.0})
+
+
+@pytest.mark.parametrize("count", [1, 2])  # all modes at once, and on demand
+@pytest.mark.parametrize(
+    "laws",
+    [
+        {"contact": BilinearContact(), "friction": fl.Coulomb(0.3, 0.5)},
+        {"contact": fl.LinearContact(10.0), "friction": BilinearFriction()},
+    ],
+    ids=lambda laws: type(laws["friction"]).__name__,
+)
+def test_laws_in_pieces_move_as_those_of_the_model(laws, count):
+    pads = fl.SlidingContacts(np.eye(4)[:count], np.eye(4)[2 : 2 + count], v=0.3, penetration=0.05, **laws)
+    structure = fl.Structure(M, K, C, contacts=pads, load=[0.0, 0.0, 1.0, 1.0])
+    x0 = [0.0, 0.1, 0.3, 0.2, 0.0, 0.0, 0.0, 0.0]
+    model, structure = PadsOnBelt(**laws, count=count), pickle.loads(pickle.dumps(structure))
+    agree(model, structure, 4.0, x0)
+    for each in (model, structure):
+        run = fl.simulate(each, 4.0, x0=x0, progress=False)
+        assert any(" = " in guard for guard in run.events.guard)
+        assert fl.energy_audit(run, progress=False).error < 1e-12
 
 
 def test_pads_on_one_body_share_its_friction():
