@@ -442,10 +442,14 @@ def whole_names(run: Trajectory) -> dict[str, str]:
 def looks_of_modes(places_and_names: Iterable[tuple[int, str]]) -> dict[str, ModeLook]:
     """How every mode looks: in its colour of MODE_COLOURS, or for other names in one of a palette.
 
-    The places of modes in the automaton choose from the palette, so that a mode looks the same in all runs.
-    After the last colour come the same ones in the next of ROUNDS: other shades, with dashes and hatching.
+    The places of modes in the automaton choose from what is left of the palette, so that a mode looks the
+    same in all runs.  After the last colour come the same ones in the next of ROUNDS: other shades, with
+    dashes and hatching.
     """
-    spare = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
+    places_and_names = list(places_and_names)
+    taken = {MODE_COLOURS[name] for _, name in places_and_names if name in MODE_COLOURS}
+    palette = (GREY, SKY, ORANGE, PURPLE, YELLOW, GREEN, BLUE, VERMILLION, BLACK)
+    spare = [colour for colour in palette if colour not in taken]
     return {
         name: _look(MODE_COLOURS[name], ROUNDS[0])
         if name in MODE_COLOURS

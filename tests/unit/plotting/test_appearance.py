@@ -208,6 +208,11 @@ def test_each_of_sixty_modes_has_a_line_and_an_area_of_its_own():
         assert all(abs(shade - lightness(look.colour)) > 5.0 for shade in shades)
 
 
+def test_a_mode_of_another_name_has_not_the_colour_of_stick():
+    looks = appearance.looks_of_modes(enumerate(["stick", "slip", "flight", "rest"]))
+    assert len({look.colour for look in looks.values()}) == 4
+
+
 @pytest.mark.parametrize("name", ["overview", "run"])
 def test_pictures_in_print_have_no_titles_and_one_font(name):
     with fl.style("book"):
