@@ -26,6 +26,7 @@ NAMES_OF_RUNS = {
     "distance",
     "reaction",
     "phase",
+    "t",
 }
 
 

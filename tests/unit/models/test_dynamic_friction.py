@@ -366,6 +366,7 @@ def own_law(states=("z",), **methods):
         (("z", "z"), "must be different names of letters, digits and _, got 'z'"),
         (("normal_force",), "must not have the name 'normal_force'"),
         (("phase",), "must not have the name 'phase'"),
+        (("t",), "must not have the name 't'"),  # a structure took it
         ("z", "must be a sequence such as a list, got 'z'"),
     ],
 )
