@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -86,7 +87,9 @@ def find_stability_changes(structure: Structure, parameter: str, bounds: Any) ->
         if change is not None and not any(_is_same(change, other, high - low) for other in changes):
             changes.append(change)
     changes.sort(key=lambda one: one.value)
-    growing = structure.count_growing(parameter, low)
+    if not changes:
+        check_settling(structure, parameter, np.linspace(low, high, FIRST_INTERVALS + 1))
+    growing = _growing_below(structure, parameter, changes, (low, high))
     # Growing modes that enter or leave the window are no changes of stability, but count.
     crossings = [one for one in candidates if not _is_inside(structure, one.frequency)]
     real = [one for one in candidates if not one.frequency]
@@ -108,10 +111,11 @@ def _check_counts(
     """
     if not all(one.frequency > 0.0 for one in changes):
         return
+    samples = sorted(samples, key=lambda one: [*one.point.values()])
     counts = [_count_at(structure, one) for one in samples]
     for sample, known in zip(samples[1:], counts[1:]):
         ((name, value),) = sample.point.items()
-        below = [one.direction for one in changes if one.value < value]
+        below = [one.direction for one in changes if samples[0].point[name] <= one.value < value]
         expected = counts[0] + below.count("loss") - below.count("regain")
         if known != expected:
             warnings.warn(
@@ -140,7 +144,21 @@ def changes_of_few_freedoms(
         return changes
     low, high = structure.window
     inside = [one for one in changes if one.frequency <= high and (one.frequency >= low or not low)]
-    return with_counts(inside, structure.count_growing(parameter, bounds[0]))
+    return with_counts(inside, _growing_below(structure, parameter, inside, bounds))
+
+
+def _growing_below(
+    structure: Structure, parameter: str, changes: Sequence[StabilityChange], bounds: tuple[float, float]
+) -> int:
+    """How many modes grow at the lower bound, or where it has no equilibrium, just below the first change."""
+    with suppress(ValueError):
+        return structure.count_growing(parameter, bounds[0])
+    if not changes:
+        return 0
+    first, following = [*(one.value for one in changes), bounds[1]][:2]
+    halves = (first + (following - first) / 2.0**k for k in range(1, MOST_HALVINGS))
+    (above,) = islice(filter(None, Sample.where_known(structure, ({parameter: p} for p in halves))), 1)
+    return above.growing - (1 if changes[0].direction == "loss" else -1)
 
 
 def with_counts(changes: Sequence[StabilityChange], growing: int) -> tuple[StabilityChange, ...]:
@@ -295,7 +313,7 @@ class Scan:
         margin = MARGIN_SHARE * high if self.structure.window else 0.0
         frequencies = values.imag / (2 * np.pi)
         chosen = (frequencies >= max(0.0, low - margin)) & (frequencies <= high + margin)
-        if np.iscomplexobj(self.structure.pencil.K.data):
+        if np.iscomplexobj(self.structure.structural_pencil.K.data):
             chosen &= values.imag > 0.0
         return chosen & (values.real > -DAMPED_SHARE * 2 * np.pi * high)
 
@@ -449,7 +467,10 @@ def _settled(
     value, guess = candidate.value, 2j * np.pi * candidate.frequency
     for _ in range(REFINEMENTS):
         there = structure.at_values({parameter: value})
-        mode = there.pencil.mode_at(guess)
+        try:
+            mode = there.pencil.mode_at(guess)
+        except ValueError:  # without an equilibrium there
+            break
         if mode is None:
             break
         slope = there.pencil_derivative(parameter).slope_of(mode)
@@ -481,7 +502,7 @@ def _settled_by_reductions(
         narrow, scale = structure.in_window((ends[0], min(ends[1], structure.window[1]))), half
     value, change = candidate.value, None
     near = (max(value - NEAR_SHARE * width, bounds[0]), min(value + NEAR_SHARE * width, bounds[1]))
-    samples = [Sample.of(narrow, {parameter: at}) for at in near]
+    samples = [one for one in Sample.where_known(narrow, ({parameter: at} for at in near)) if one]
     for _ in range(REFINEMENTS):
         local = reduced(narrow, samples, EXACT)
         alike = [

@@ -61,7 +61,9 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
     check_masses(structure, parameter, at)
     if is_small(structure) and SmallSpectra(structure).has_matrices:
         return _full_locus(structure, parameter, at)
-    samples = [Sample.of(structure, {parameter: float(p)}) for p in progress_bar(at, "root locus")]
+    points = ({parameter: float(p)} for p in progress_bar(at, "root locus"))
+    found = [*Sample.where_known(structure, points)]
+    known, samples = [i for i, one in enumerate(found) if one], [one for one in found if one]
     small = reduced(structure, samples)
     places = [_place(small, one, small.restricted(one.shapes)) for one in samples]
     steps = [_match(small, a, b, HALVINGS) for a, b in pairwise(places)]
@@ -69,11 +71,15 @@ def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus
     tracked: Any = np.full((len(at), len(columns)), complex(np.nan, np.nan))
     for j, column in enumerate(columns):
         for i, place in column.items():
-            tracked[i, j] = samples[i].values[place]
+            tracked[known[i], j] = samples[i].values[place]
     tracked = tracked[:, np.argsort(np.nanmean(tracked.imag, axis=0), kind="stable")]
     none = np.zeros((len(at), 0, tracked.shape[1]))
-    unstable = np.array([one.growing for one in samples])
-    return RootLocus(structure, parameter, at, tracked, (), none.astype(complex), none, unstable)
+    return RootLocus(structure, parameter, at, tracked, (), none.astype(complex), none, _growing(found))
+
+
+def _growing(samples: Iterable[Sample | None]) -> NDArray[np.intp]:
+    """How many modes grow at samples, 0 where there is no equilibrium."""
+    return np.array([one.growing if one else 0 for one in samples])
 
 
 def spectra_over(structure: Structure, box: Mapping[str, tuple[float, float]]) -> SmallSpectra:
@@ -165,8 +171,10 @@ class SmallSpectra:
     # What `changes_on_lines` asks where a growth rate jumps: whether the equilibrium goes on there.
 
     def states(self, changes: Mapping[str, Array]) -> Array:
-        """Static displacements (n, N)."""
-        return np.stack([one.find_equilibrium().q for one in self._structures(changes)], axis=1)
+        """Static displacements (n, N); NaN where there is no equilibrium."""
+        found = (_displacements(one) for one in self._structures(changes))
+        none = np.full(self.structure.size, np.nan)
+        return np.stack([none if one is None else one for one in found], axis=1)
 
     def _structures(self, changes: Mapping[str, Array]) -> list[Structure]:
         columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
@@ -185,13 +193,16 @@ class SmallSpectra:
         # room for pairs: of a complex stiffness a mode that does not oscillate is hardly real
         values: Any = np.full((len(structures), 2 * self.structure.order), -np.inf, dtype=complex)
         for row, one in zip(values, structures, strict=True):
+            if _displacements(one) is None:
+                row[:] = np.nan
+                continue
             spectrum = dense_spectrum(one.pencil).values
             if np.iscomplexobj(one.pencil.K.data):  # with the wrong sign of its damping below the real axis
                 upper = spectrum[spectrum.imag > 0.0]
                 spectrum = np.concatenate([upper, upper.conj(), spectrum[spectrum.imag == 0.0]])
             row[: len(spectrum)] = spectrum
         largest = np.abs(values[np.isfinite(values)]).max(initial=1.0)
-        return np.where(np.isfinite(values), values, -largest)
+        return np.where(np.isfinite(values) | np.isnan(values), values, -largest)
 
     def _damped_beyond(self, values: ComplexArray) -> ComplexArray:
         if self.structure.window is None:
@@ -208,8 +219,19 @@ class SmallSpectra:
         """How many eigenvalues are kept: twice those in the window, and some more."""
         if self.structure.window is None:
             return self.structure.order
-        found = len(self.structure.find_eigenvalues().values)
+        try:
+            found = len(self.structure.find_eigenvalues().values)
+        except ValueError:  # without an equilibrium at its own values
+            return self.structure.order
         return min(self.structure.order, 2 * (found + OTHER_MODES))
+
+
+def _displacements(structure: Structure) -> Array | None:
+    """The static ones (n,); None where there is no equilibrium."""
+    try:
+        return structure.find_equilibrium().q
+    except ValueError:
+        return None
 
 
 def _eigenvalues(matrices: Array) -> Any:
@@ -235,7 +257,7 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
         low, high = structure.window
         frequencies = values.imag / (2 * np.pi)
         known &= (low <= frequencies) & (frequencies <= high)
-        unstable = np.array([Sample.of(structure, {parameter: float(p)}).growing for p in at])
+        unstable = _growing(Sample.where_known(structure, ({parameter: float(p)} for p in at)))
     chosen = known.any(axis=0)
     values = np.where(known, values, complex(np.nan, np.nan))[:, chosen]
     right, left = path.right[:, :, chosen], path.left[:, chosen]
@@ -276,7 +298,10 @@ def _match(small: Structure, a: Place, b: Place, halvings: int) -> NDArray[np.in
     if not halvings or not _is_unclear(small, match, a.right.values, b.right.values):
         return match
     (name,) = a.point
-    between = Sample.of(small, {name: 0.5 * (a.point[name] + b.point[name])})
+    try:
+        between = Sample.of(small, {name: 0.5 * (a.point[name] + b.point[name])})
+    except ValueError:  # without an equilibrium there
+        return match
     middle = _place(small, between, between.shapes)
     first = _match(small, a, middle, halvings - 1)
     second = _match(small, middle, b, halvings - 1)

@@ -7,9 +7,9 @@ nearly is seen at the next sample, before its modes are added.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -63,13 +63,39 @@ class Sample:
     @classmethod
     def of(cls, structure: Structure, point: Point) -> Sample:
         """The modes at a point."""
-        there = structure.at_values(point)
-        modes: WindowEigenvalues = there.find_eigenvalues()
+        return cls._of(structure.at_values(point), point)
+
+    @classmethod
+    def _of(cls, structure: Structure, point: Point) -> Sample:
+        modes: WindowEigenvalues = structure.find_eigenvalues()
         chosen = (modes.values.imag > 0.0) | ((modes.values.imag == 0.0) & _is_slow(structure, modes.values))
         shapes = unknowns(modes.vectors[:, chosen], structure.size)
         sizes = np.linalg.norm(shapes[: structure.size], axis=0)
         shapes /= np.where(sizes > 0.0, sizes, np.linalg.norm(shapes, axis=0))
         return cls(point, modes.values[chosen], shapes, modes.equilibrium.q)
+
+    @classmethod
+    def where_known(cls, structure: Structure, points: Iterable[Point]) -> Iterator[Sample | None]:
+        """The modes at each point; None where there is no equilibrium.
+
+        Raises
+        ------
+        ValueError
+            If there is none at any point.
+        """
+        known, missing = False, None
+        for point in points:
+            there = structure.at_values(point)
+            try:
+                there.find_equilibrium()
+            except ValueError as error:
+                missing = error
+                yield None
+            else:
+                known = True
+                yield cls._of(there, point)
+        if missing is not None and not known:
+            raise missing
 
     def weakly_damped(self, structure: Structure) -> Sample:
         """The modes next to the imaginary axis; all where no vibration is among them."""
@@ -209,20 +235,28 @@ def extended(basis: Array, vectors: Array, tol: float) -> Array:
 def over_box(
     structure: Structure, box: Mapping[str, tuple[float, float]], tol: float = KNOWN_RTOL
 ) -> tuple[list[Sample], float]:
-    """Samples over ranges of parameters, by which modes there are known, and by what share they may err."""
-    points = points_in(box)
-    samples = [sample_at(structure, next(points)) for _ in range(2 ** len(box))]
-    known, errors = 0, [0.0, 0.0]
-    for _ in range(MOST_SAMPLES * len(box) - len(samples)):
-        small = reduced(structure, samples)
-        if small.size == structure.size:
-            errors = [0.0, 0.0]
-            break
-        samples.append(sample_at(structure, next(points)))
-        errors.append(error_at(small, samples[-1]))
-        known = known + 1 if errors[-1] <= tol else 0
-        if known == 2:
-            break
+    """Samples over ranges of parameters, by which modes there are known, and by what share they may err.
+
+    Points without an equilibrium are left out.
+    """
+    corners = 2 ** len(box)
+    points = islice(points_in(box), max(corners, MOST_SAMPLES * len(box)))
+    samples: list[Sample] = []
+    small, known, errors = None, 0, [0.0, 0.0]
+    for number, sample in enumerate(Sample.where_known(structure, points), 1):
+        if sample is None:
+            continue
+        samples.append(sample.weakly_damped(structure))
+        if small is not None:
+            errors.append(error_at(small, samples[-1]))
+            known = known + 1 if errors[-1] <= tol else 0
+            if known == 2:
+                break
+        if number >= corners:
+            small = reduced(structure, samples)
+            if small.size == structure.size:
+                errors = [0.0, 0.0]
+                break
     return samples, max(errors[-2:])
 
 

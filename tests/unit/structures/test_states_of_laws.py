@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -302,9 +303,11 @@ def test_an_impact_without_friction_law_is_refused():
     assert event.state == pytest.approx(event.before * [1.0, 1.0, 1.0, -0.5])
 
 
-def on_belt(law: fl.FrictionLaw, v: float = 0.3, k: complex = 1.0) -> fl.Structure:
-    contacts = fl.SlidingContacts([[1.0]], N=2.0, friction=law, v=v)
-    return fl.Structure([[1.0]], [[k]], [[0.05]], contacts=contacts)
+def on_belt(law: fl.FrictionLaw, v: float = 0.3, k: complex = 1.0, n: int = 1, **given: Any) -> fl.Structure:
+    """A mass on a belt, beside n - 1 others."""
+    contacts = fl.SlidingContacts(np.eye(1, n), N=2.0, friction=law, v=v)
+    springs = np.diag([k, *[100.0] * (n - 1)])
+    return fl.Structure(np.eye(n), springs, 0.05 * np.eye(n), contacts=contacts, **given)
 
 
 @pytest.mark.parametrize("k", [1.0, 1.0 + 0.02j])
@@ -327,3 +330,20 @@ def test_states_that_settle_at_some_speeds(rate):
         for study in (fl.root_locus, fl.stability_changes):
             with pytest.raises(ValueError, match="friction must have states that settle"):
                 study(structure, "v", (1.2, 1.5))
+
+
+@pytest.mark.parametrize("n", [1, 60])
+@pytest.mark.parametrize(("window", "v"), [(None, 0.3), ((0.0, 0.5), 2.0)])  # at 2.0 nothing settles
+def test_structures_of_all_sizes_have_nothing_where_no_state_settles(n, window, v):
+    known, structure = on_belt(Circle()), on_belt(Circle(), v, n=n, window=window)
+    locus = fl.root_locus(structure, "v", [1.2, 0.3, 1.5, 0.6])
+    assert (np.isnan(locus.values).all(axis=1) == [True, False, True, False]).all()
+    assert np.isfinite(locus.values[[1, 3]]).all(axis=0).any()  # one mode in one column
+    for bounds in ((0.1, 1.5), (-1.5, -0.1)):
+        expected, found = (fl.stability_changes(one, "v", bounds) for one in (known, structure))
+        assert [one.unstable for one in found] == [one.unstable for one in expected]
+        values = [[one.value for one in some] for some in (found, expected)]
+        np.testing.assert_allclose(*values, rtol=1e-8)
+    for study in (fl.root_locus, fl.stability_changes):
+        with pytest.raises(ValueError, match="friction must have states that settle"):
+            study(structure, "v", (1.2, 1.5))
