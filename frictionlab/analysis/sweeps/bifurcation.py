@@ -47,7 +47,8 @@ from frictionlab.validation import check_choice, float_array
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
-MOST_GROUP_SIZE = 32  # values in a task, whose transients are run side by side; few that are begun at once
+# values in a task, whose transients are run side by side: enough to fill lanes; after ctrl-C all are finished
+MOST_GROUP_SIZE = 16
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
@@ -320,6 +321,7 @@ def _run_independently(
             name=lambda task: ", ".join(names[i] for i in groups[task]),
             execution=execution,
             title=TITLE,
+            parts=lambda task: len(groups[task]),
         )
 
     def left() -> list[int]:
@@ -339,7 +341,7 @@ def _groups(
 ) -> list[Sequence[int]]:
     """Groups of values whose transients are run side by side, each with values from all of the range.
 
-    Every worker has one, where the values suffice: one that has none costs more than lanes save.
+    All workers have as many, where the values suffice: one that waits costs more than lanes save.
     The models of a group have the same modes; each value of a parameter in M of a structure has modes of its
     own.  Modes on demand stay underived.
     """
@@ -348,7 +350,8 @@ def _groups(
         return [[i] for i in todo]
     modes = {i: automaton_of(models[i]).modes for i in todo}
     alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]
-    most = max(1, min(MOST_GROUP_SIZE, -(-len(todo) // workers)))
+    rounds = -(-len(todo) // (MOST_GROUP_SIZE * workers)) or 1
+    most = -(-len(todo) // (rounds * workers))
     counts = [-(-len(group) // most) for group in alike]
     return [group[first::count] for group, count in zip(alike, counts) for first in range(count)]
 

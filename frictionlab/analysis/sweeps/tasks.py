@@ -62,6 +62,7 @@ def run_tasks(
     todo: Iterable[int] | None = None,
     execution: Execution = QUIETLY,
     title: str = "",
+    parts: Callable[[int], int] = lambda _: 1,
 ) -> bool:
     """Call `function` on each task and hand every result to `keep` with its index, as soon as it is known.
 
@@ -82,6 +83,8 @@ def run_tasks(
         lock of the interpreter.
     title : str
         What the progress bar says.
+    parts : callable of index
+        What the progress bar counts a task as.
 
     Returns
     -------
@@ -97,11 +100,11 @@ def run_tasks(
     """
     waiting = deque(range(len(tasks)) if todo is None else todo)
     count = len(waiting)
-    bar = progress_bar(total=count, desc=title, shown=execution.progress)
+    bar = progress_bar(total=sum(map(parts, waiting)), desc=title, shown=execution.progress)
     with InterruptCounter(URGENT_PRESS, bar) as interrupts:
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
-                run = _Run(function, tasks, keep, waiting, pool, workers, chunk_time, bar)
+                run = _Run(function, tasks, keep, waiting, pool, workers, chunk_time, bar, parts)
                 while not (run.errors or run.executor_error or interrupts.count) and run.submit():
                     run.collect(POLL_TIME)
                 run.cancel()
@@ -175,13 +178,15 @@ class _Run:
         workers: Callable[[], int],
         chunk_time: float,
         bar: Any,
+        parts: Callable[[int], int],
     ) -> None:
         self.errors: dict[int, BaseException] = {}
         self.executor_error: BaseException | None = None  # what the executor said where it was lost
         self.count = 0  # of tasks that are done
         self.chunks: dict[Future[Chunk], list[int]] = {}
         self._function, self._tasks, self._keep, self._left = function, tasks, keep, left
-        self._pool, self._workers, self._chunk_time, self._bar = pool, workers, chunk_time, bar
+        self._pool, self._workers, self._chunk_time = pool, workers, chunk_time
+        self._bar, self._parts = bar, parts
         self._arrived: SimpleQueue[Future[Chunk]] = SimpleQueue()
         self._size, self._waiting = 1, False
         self._alone = 0  # tasks of a chunk that failed, to be done one by one
@@ -236,7 +241,7 @@ class _Run:
             self._keep(index, result)
         self._left.extendleft(reversed(chunk[len(results) :]))
         self.count += len(results)
-        self._bar.update(len(results))
+        self._bar.update(sum(map(self._parts, chunk[: len(results)])))
         self._alone -= len(results)
         if self._chunk_time and self._alone <= 0:
             longest = int(self._chunk_time * len(results) / max(seconds, 1e-9))

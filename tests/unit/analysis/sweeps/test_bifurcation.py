@@ -3,6 +3,7 @@
 import json
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import sympy as sp
 
 import frictionlab as fl
 from frictionlab.analysis.steady_state.steady_state import find_steady_state
+from frictionlab.analysis.sweeps import tasks
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
 from frictionlab.automaton import HybridAutomaton, Mode
 from tests.helpers.cases import slow_but
@@ -172,16 +174,20 @@ class Pool(ThreadPoolExecutor):
         return super().submit(*task)
 
 
-def test_each_worker_of_an_executor_has_values_to_compute():
+def test_each_worker_of_an_executor_has_values_to_compute(monkeypatch):
+    shown = []
+    bar = SimpleNamespace(update=shown.append, set_postfix_str=lambda _: None, close=lambda: None)
+    monkeypatch.setattr(tasks, "progress_bar", lambda total, **_: shown.append(-total) or bar)
     with Pool(3) as pool:
         found = fl.bifurcation(fl.MassOnBelt(), "mu_k", np.linspace(0.1, 0.4, 6), executor=pool, **SHORT)
     assert (pool.count, len(found.results)) == (3, 6)
+    assert (shown[0], sum(shown)) == (-6, 0)  # the bar counts values
 
 
 def test_an_executor_that_is_lost_is_not_tried_again():
     with (
         Pool(2, 1) as pool,
-        pytest.raises(RuntimeError, match=r"executor was lost after \d of 2 tasks \(BrokenExecutor: a "),
+        pytest.raises(RuntimeError, match=r"executor was lost after \d of 4 tasks \(BrokenExecutor: a "),
     ):
         fl.bifurcation(fl.MassOnBelt(), "mu_k", np.linspace(0.1, 0.4, 40), executor=pool, **SHORT)
 
