@@ -97,6 +97,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         "affine": bool(is_affine(program)),
         "order": method.order_of(program),
         "constants": len(program.code.ops),
+        "terms": len(program.number_places) - len(program.code.ops) + len(program.shared_terms),
         "numbers": javascript_of_formulas(program.formulas, [len(parameters)]),
         "rate": _rate_of_limit_mode(automaton),
         "release": javascript_function([parameters], _release(model, automaton)),
@@ -165,6 +166,7 @@ def run_arrays(program: Program, method: Taylor) -> list[dict[str, Any]]:
         "record": new_record(code, RECORD_CAPACITY, RECORD_CAPACITY, 0),
         "scratch": new_scratch(program.slots, code, method.order_of(program)),
         "candidates": program.initial,
+        "shared_terms": program.shared_terms,
     }
     if is_affine(program):
         parts["change"] = new_affine_map(code)

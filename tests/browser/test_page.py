@@ -89,9 +89,12 @@ def test_ten_settings_have_the_bits_of_simulate(page, values):
     check_same_bits(page, fl.SliderOnBelt(**{"mu_k": 1.4} | values), values)
 
 
-def test_a_structure_has_the_bits_of_simulate(browser, tmp_path):
-    """Ten freedoms on two contacts, with the eigenvalues at the equilibrium that the page finds."""
-    n, rng = 10, np.random.default_rng(3)
+@pytest.mark.parametrize("n", [10, 40])
+def test_a_structure_has_the_bits_of_simulate(n, browser, tmp_path):
+    """Two contacts, with the eigenvalues at the equilibrium that the page finds; the rows of matrices of many
+    freedoms are summed side by side.
+    """
+    rng = np.random.default_rng(3)
     pads = fl.SlidingContacts(
         rng.standard_normal((2, n)), rng.standard_normal((2, n)), fl.LinearContact(k2=50.0),
         fl.Stribeck(mu_k=0.3, mu_s=0.6, v_s=0.3), v=0.5, penetration=0.05,
@@ -103,6 +106,7 @@ def test_a_structure_has_the_bits_of_simulate(browser, tmp_path):
     check_same_bits(page, structure, {}, end=3.0)
     found = check_same_bits(page, structure.replace(mu_k=0.1), {"mu_k": 0.1}, end=3.0)
     assert found["times"]
+    assert ("and 28 more" in page.inner_text("body")) == (n == 40)
     values = np.array([complex(*pair) for pair in found["eigenvalues"]])
     known = fl.eigenvalues(structure.replace(mu_k=0.1)).values
     assert max(abs(values - value).min() for value in known) < 1e-9 * abs(known).max()

@@ -96,12 +96,11 @@ class Solver {
   load(structure) { // make the arrays of a structure
     if (this.structure === structure) return;
     this.reset();
-    const { tol } = SCENE.method, { order } = structure, n = structure.states.length, numbers = {};
+    const { tol } = SCENE.method, { order } = structure, n = structure.states.length;
+    const numbers = { constants: structure.constants, terms: structure.terms };
     for (const a of structure.arrays) {
       if (!a.shape) this.fixed[a.name] = a.value;
       else this.array(a.name, a.type, a.shape, a.name.startsWith("record.") ? RECORDS : 1);
-      if (a.name === "code.ops") numbers.constants = a.shape[0];
-      if (a.name === "code.term_slots") numbers.terms = a.shape[0];
     }
     for (const set of ["numbers", "magnitudes"]) for (const [part,
       length] of Object.entries(numbers)) this.array(`${set}.${part}`, "f8", [length]);
@@ -118,6 +117,7 @@ class Solver {
   }
 
   async useJets(structure) { // machine code of its modes, as soon as it is compiled; until then they are interpreted
+    if (this.arrays.shared_terms.length > 0) return; // so are products of matrices always
     structure.jets ??= await compileJets(this, structure);
     if (this.structure === structure) this.arrays["code.native"].view.set(structure.jets);
   }
@@ -130,7 +130,7 @@ class Solver {
   begin(values, state, end) { // set numbers, state and clock of a new run; whether its first mode was found
     const { structure, arrays } = this, chatter = values[structure.parameters.indexOf("chatter")] ?? 0;
     const all = structure.numbers(values), constants = all.slice(0, structure.constants),
-      terms = all.slice(structure.constants);
+      terms = [...all.slice(structure.constants), ...arrays.shared_terms.view]; // of the tape, then of matrices
     if (!all.every(Number.isFinite)) {
       const zeros = structure.parameters.filter((_, i) => values[i] === 0).map((name) => `${name} = 0`);
       throw new RangeError(`the equations must have finite values, and have none with ${zeros.join(", ")

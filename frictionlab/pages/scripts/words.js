@@ -6,6 +6,7 @@ const NOTHING_SLIDES = "Nothing in this model slides while its coordinates rest,
 const QUIET = /falls silent$|dies away$/;
 const CLOCKS = ["t", "phase"]; // states that stand for time
 const DRIVEN = "There is no steady sliding, as what moves the bodies changes with time.";
+const MOST_PLACES = 12; // of an equilibrium in words
 const NO_EQUILIBRIUM = "No equilibrium was found.";
 const NOT_FOUND = "No equilibrium in which something slides was found.";
 const sentence = (text) => text && text[0].toUpperCase() + text.slice(1);
@@ -56,10 +57,12 @@ function equilibriumTexts({ structure, equilibrium }) {
   if (!equilibrium) return [];
   const { states, labels, units, coordinates: n } = structure, { state } = equilibrium;
   const shown = states.map((_, i) => (i < n ? !state[i + n] : i < 2 * n ? state[i] : !CLOCKS.includes(states[i])));
-  const rows = states.map((name, i) => [labels[name], state[i], units[name]]).filter((_, i) => shown[i]);
-  for (const [name, [label, unit]] of Object.entries(structure.at_contact)) rows.push([label, equilibrium[name], unit]);
-  return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value, unit]) =>
-    `${label} = ${shortNumber(value)} ${unit}`.trim());
+  const text = ([label, value, unit]) => `${label} = ${shortNumber(value)} ${unit}`.trim();
+  const known = (rows) => rows.filter(([, value]) => Number.isFinite(value)).map(text);
+  const texts = known(states.map((name, i) => [labels[name], state[i], units[name]]).filter((_, i) => shown[i]));
+  if (texts.length > MOST_PLACES) texts.push(`and ${texts.splice(MOST_PLACES).length} more`);
+  const forces = Object.entries(structure.at_contact).map(([name, [label, unit]]) => [label, equilibrium[name], unit]);
+  return [...texts, ...known(forces)];
 }
 
 function differences(before, now) { // names of the controls that two states do not share
