@@ -47,8 +47,7 @@ from frictionlab.validation import check_choice, float_array
 Array = NDArray[np.float64]
 INITIAL_STATES = ("rest", "near", "continue")
 TITLE = "bifurcation"  # of the progress bar
-# values in a task, whose transients are run side by side: enough to fill lanes; after ctrl-C all are finished
-MOST_GROUP_SIZE = 16
+GROUP_SIZE = 8  # values in a task, about: enough to fill lanes, and few that have to be finished after ctrl-C
 MAX_SECTION_POINTS = 200  # section points kept for each value, the last ones
 
 
@@ -350,7 +349,7 @@ def _groups(
         return [[i] for i in todo]
     modes = {i: automaton_of(models[i]).modes for i in todo}
     alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]
-    rounds = -(-len(todo) // (MOST_GROUP_SIZE * workers)) or 1
+    rounds = max(1, round(len(todo) / (GROUP_SIZE * workers)))
     most = -(-len(todo) // (rounds * workers))
     counts = [-(-len(group) // most) for group in alike]
     return [group[first::count] for group, count in zip(alike, counts) for first in range(count)]
