@@ -10,6 +10,7 @@ beyond the window, so that it changes steadily where a mode enters or leaves.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
@@ -172,37 +174,40 @@ class SmallSpectra:
 
     def states(self, changes: Mapping[str, Array]) -> Array:
         """Static displacements (n, N); NaN where there is no equilibrium."""
-        found = (_displacements(one) for one in self._structures(changes))
-        none = np.full(self.structure.size, np.nan)
-        return np.stack([none if one is None else one for one in found], axis=1)
-
-    def _structures(self, changes: Mapping[str, Array]) -> list[Structure]:
         columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
-        return [
-            self.structure.at_values(dict(zip(changes, map(float, row), strict=True)))
-            for row in zip(*columns, strict=True)
-        ]
+        x = np.full((self.structure.size, len(columns[0])), np.nan)
+        for i, row in enumerate(zip(*columns, strict=True)):
+            with suppress(ValueError):
+                x[:, i] = self.structure.at_values(dict(zip(changes, map(float, row)))).displacements
+        return x
 
     def _values(self, changes: Mapping[str, Array]) -> Any:
+        columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
+        parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // self.structure.order**2))
+        chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
         if self.has_matrices:
-            columns = np.broadcast_arrays(*map(np.ravel, changes.values()))
-            parts = range(0, max(len(columns[0]), 1), max(1, MOST_ENTRIES // self.structure.order**2))
-            chunks = [{name: one[i : i + parts.step] for name, one in zip(changes, columns)} for i in parts]
             return np.concatenate([_eigenvalues(self.matrices(chunk)) for chunk in chunks])
-        structures = self._structures(changes)
+        values = np.concatenate([self._values_of_pencils(chunk) for chunk in chunks])
+        largest = np.abs(values[np.isfinite(values)]).max(initial=1.0)
+        return np.where(np.isfinite(values) | np.isnan(values), values, -largest)
+
+    def _values_of_pencils(self, changes: Mapping[str, Array]) -> ComplexArray:
+        """Eigenvalues (N, m) of pencils, -inf where there are fewer."""
+        order, size = self.structure.order, self.structure.size
+        stacks = self.structure.stacks(changes)
         # room for pairs: of a complex stiffness a mode that does not oscillate is hardly real
-        values: Any = np.full((len(structures), 2 * self.structure.order), -np.inf, dtype=complex)
-        for row, one in zip(values, structures, strict=True):
-            if _displacements(one) is None:
+        values = np.full((len(stacks[0]), 2 * order), -np.inf, dtype=complex)
+        for row, *full in zip(values, *stacks, strict=True):
+            if np.isnan(full[-1]).any():
                 row[:] = np.nan
                 continue
-            spectrum = dense_spectrum(one.pencil).values
-            if np.iscomplexobj(one.pencil.K.data):  # with the wrong sign of its damping below the real axis
+            pencil = QuadraticPencil(*map(sparse.csc_array, full), states=order - 2 * size)
+            spectrum = dense_spectrum(pencil).values
+            if np.iscomplexobj(pencil.K.data):  # with the wrong sign of its damping below the real axis
                 upper = spectrum[spectrum.imag > 0.0]
                 spectrum = np.concatenate([upper, upper.conj(), spectrum[spectrum.imag == 0.0]])
             row[: len(spectrum)] = spectrum
-        largest = np.abs(values[np.isfinite(values)]).max(initial=1.0)
-        return np.where(np.isfinite(values) | np.isnan(values), values, -largest)
+        return values
 
     def _damped_beyond(self, values: ComplexArray) -> ComplexArray:
         if self.structure.window is None:
@@ -224,14 +229,6 @@ class SmallSpectra:
         except ValueError:  # without an equilibrium at its own values
             return self.structure.order
         return min(self.structure.order, 2 * (found + OTHER_MODES))
-
-
-def _displacements(structure: Structure) -> Array | None:
-    """The static ones (n,); None where there is no equilibrium."""
-    try:
-        return structure.find_equilibrium().q
-    except ValueError:
-        return None
 
 
 def _eigenvalues(matrices: Array) -> Any:

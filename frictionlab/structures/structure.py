@@ -510,7 +510,8 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         values = {name: np.full(count, value) for name, value in self.parameters.items()}
         values |= {name: np.broadcast_to(np.ravel(column), (count,)) for name, column in changes.items()}
         size = self.order - self.size
-        M, C, K = np.zeros((3, count, size, size))
+        kinds = (np.result_type(float, *(m for one in terms for m in one.matrices)) for terms in self.terms)
+        M, C, K = (np.zeros((count, size, size), kind) for kind in kinds)
         for matrix, terms in zip((M, C, K), self.terms, strict=True):
             for one in terms:
                 matrix[:, : self.size, : self.size] += one.stack(values, count)
@@ -531,7 +532,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             forces = self.load.stack(values, len(C))[..., 0]
         start, q, found = None, np.zeros_like(forces), np.zeros(len(C), dtype=bool)
         n = self.size
-        held = K[:, :n, :n].copy()
+        held = K[:, :n, :n].real.copy()
         with suppress(ValueError):  # its own values may have no equilibrium where others have one
             start = self.displacements
         if start is not None:
