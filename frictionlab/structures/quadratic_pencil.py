@@ -106,7 +106,7 @@ class QuadraticPencil:
     def of_highest_rates(self) -> Array:
         """The full matrix (n, n) of accelerations, and of the rates of states."""
         n = self.size - self.states
-        return np.hstack([self.M[:, :n].toarray(), self.C[:, n:].toarray()])
+        return np.hstack([self.M[:, :n].toarray(), self.C[:, n:].toarray().real])
 
     def at(self, s: complex) -> Matrix:
         """Q(s) (n, n)."""

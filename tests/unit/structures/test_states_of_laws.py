@@ -319,6 +319,17 @@ def test_flutter_with_the_slip_law_is_where_its_equation_puts_it(k):
     assert (s**2 + g * s + k) * (s + w) == pytest.approx(2.0 * 0.12 / 0.05 * s, rel=1e-9)
 
 
+def test_rayleigh_damping_of_a_complex_stiffness():
+    """It is complex too, and its cast to real numbers warned; det Q(s) = 0 with C = alpha + beta k."""
+    law, k = fl.LuGre(), 1.0 + 0.02j
+    structure = on_belt(law, k=k).replace(C=fl.RayleighDamping(0.1, 0.05))
+    C = on_belt(law).pencil.C.toarray() + (0.05 + 0.05 * k) * np.diag([1.0, 0.0])
+    K = on_belt(law).pencil.K.toarray() + (k - 1.0) * np.diag([1.0, 0.0])
+    for s in fl.eigenvalues(structure).values:
+        terms = s**2 * np.diag([1.0, 0.0]), s * C, K
+        assert abs(np.linalg.det(sum(terms))) < 1e-9 * np.prod([np.abs(one).max() for one in terms[1:]])
+
+
 @pytest.mark.parametrize("rate", [1.0, 1e-170])  # whose squares underflow
 def test_states_that_settle_at_some_speeds(rate):
     settles = on_belt(Circle(rate))
