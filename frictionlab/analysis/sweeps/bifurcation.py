@@ -256,7 +256,7 @@ def bifurcation(
         Where a value fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` then returns the Bifurcation with the values that were done.  A
-        first press lets those that have begun finish, a second one abandons them.
+        first press lets those that have begun finish, some eight for each worker; a second one abandons them.
 
     Examples
     --------
