@@ -29,6 +29,12 @@ def write_file(path: Any) -> Iterator[Any]:
         yield beside
 
 
+def check_folder(path: Path) -> None:
+    """Raise the system's error, with what can be done, where a file's folder is not there."""
+    with name_written_file(path):
+        os.stat(path.parent)
+
+
 def write_text(path: Path, text: str) -> Path:
     """Write a text by :func:`write_file`; returns its path."""
     with write_file(path) as beside:
@@ -111,7 +117,14 @@ def name_written_file(path: Any) -> Iterator[None]:
         cause = _system_error(error)
         if cause is None or not isinstance(path, (str, PathLike)):  # only its owner knows what a stream is
             raise
-        raise with_cure(cause, path, "give another path, or make room") from error
+        raise with_cure(cause, path, cure_of(cause)) from error
+
+
+def cure_of(error: OSError) -> str:
+    """What can be done where the system writes no file."""
+    if isinstance(error, FileNotFoundError):
+        return "make its folder first, or give another path"
+    return "give another path, or make room"
 
 
 def _system_error(error: BaseException) -> OSError | None:

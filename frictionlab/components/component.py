@@ -331,6 +331,13 @@ def expressions_of(component: Component) -> dict[str, Any]:
     return {name: value for name, value in values.items() if getattr(value, "free_symbols", None)}
 
 
+def subclasses_of(base: type) -> Iterator[type]:
+    """The class and all that derive from it, as they were defined."""
+    yield base
+    for cls in base.__subclasses__():
+        yield from subclasses_of(cls)
+
+
 def _keep_metadata(cls: type) -> None:
     """Make what a class sets anew of inherited fields their defaults, and those of parameters parameters.
 

@@ -57,14 +57,17 @@ def method_of(method: Any) -> Method:
 
     Raises
     ------
-    ValueError
-        Where there is no such method.
+    TypeError, ValueError
+        Where it is a class, or there is no such method.
     """
     if isinstance(method, Method):
         return method
     named = _method_named(method.lower()) if isinstance(method, str) else None
     if named is not None:
         return named
+    if isinstance(method, type) and issubclass(method, Method):
+        name = method.__name__
+        raise TypeError(f"method must be a frictionlab method, got the class {name}: write {name}()")
     known = [*NAMED_METHODS, *INTEGRATORS]
     names = ", ".join(map(repr, known))
     raise ValueError(

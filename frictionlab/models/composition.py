@@ -22,6 +22,7 @@ from frictionlab.components.component import (
     is_decorated,
     parameters_of,
     structure_of,
+    subclasses_of,
     value_repr,
 )
 from frictionlab.components.contact import (
@@ -205,9 +206,14 @@ def check_component(role: str, base: type, component: object) -> Component:
     if isinstance(component, type):
         name = component.__name__
         raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
-    kinds = ", ".join(f"{kind.__name__}()" for kind in base.__subclasses__())
+    own = (kind for kind in subclasses_of(base) if kind.__module__.startswith("frictionlab."))
+    names = [kind.__name__ for kind in own if kind is not base]
+    if component in names:
+        raise TypeError(f"{role} must be a {base.__name__}, got the text {component!r}: write {component}()")
+    kinds = ", ".join(f"{name}()" for name in names)
     raise TypeError(
-        f"{role} must be a {base.__name__}, got {abbreviate(component)}: take {kinds} or derive your own"
+        f"{role} must be a {base.__name__}, got {abbreviate(component)}: take {kinds}, or a class of "
+        f"your own that derives from {base.__name__}"
     )
 
 
@@ -263,7 +269,7 @@ def owner_hint(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
     if isinstance(constant, Real) and not isinstance(constant, bool):
         return f", but a constant: write {name}: float = {constant!r} in the class"
     for role, base in cls.roles.items():
-        for kind in base.__subclasses__():
+        for kind in subclasses_of(base):
             # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
             if is_decorated(kind) and name in parameters_of(kind):
                 return f": it belongs to {kind.__name__}, and {role} is {components[role]!r}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import FrozenInstanceError, dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeAlias, TypeVar
@@ -234,6 +234,11 @@ class Model(Component):
 
     def check(self) -> None:
         """Raise ValueError if two of the names that become symbols are one."""
+        if isinstance(self.coordinates, str):  # its letters are no names
+            raise ValueError(
+                f"coordinates must be a tuple of names, got the text {self.coordinates!r}: write "
+                f"coordinates = ({self.coordinates!r},)"
+            )
         for name in self.coordinates:
             if name in (PHASE, TIME) or self.coordinates.count(name) > 1:
                 raise ValueError(
@@ -459,6 +464,7 @@ def model(cls: type[M]) -> type[M]:
         )
     inherited = inherited_fields(cls)
     cls = dataclass(frozen=True, init=False, repr=False)(cls)
+    _tell_of_replace(cls)
     _order_parameters(cls, inherited)
     for name in parameters_of(cls):
         if name != "period" and not is_number_of_class(cls, name):
@@ -471,6 +477,20 @@ def model(cls: type[M]) -> type[M]:
     cls.roles = MappingProxyType(own | {role: kind for role, kind in known.items() if role not in own})
     cls.__signature__ = model_signature(cls, {role: getattr(cls, role) for role in cls.roles})
     return cls
+
+
+def _tell_of_replace(cls: Any) -> None:
+    """Let the error for a field that is set name what makes another model."""
+    set_frozen = cls.__setattr__
+
+    def set_attribute(self: Any, name: str, value: Any) -> None:
+        try:
+            set_frozen(self, name, value)
+        except FrozenInstanceError as error:
+            cure = f"a model never changes, write model = model.replace({name}=...)"
+            raise FrozenInstanceError(f"{error}: {cure}") from None
+
+    cls.__setattr__ = set_attribute
 
 
 def _order_parameters(cls: type, inherited: Mapping[str, Any]) -> None:

@@ -6,13 +6,13 @@ asks for, so that a file can neither import a module nor call anything else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from enum import Enum
 from typing import Any
 
 import frictionlab
-from frictionlab.components.component import Component, StructureKey, structure_of
+from frictionlab.components.component import Component, StructureKey, structure_of, subclasses_of
 from frictionlab.validation import MAX_CHARACTERS, abbreviate
 
 
@@ -114,7 +114,7 @@ def loaded_class(name: object, base: type) -> type:
     if home == "frictionlab" and public in frictionlab.__all__:
         getattr(frictionlab, public)  # names of the library are loaded when they are first used
     # The last one wins: a notebook cell that ran twice has defined its class twice.
-    matching = [cls for cls in _subclasses(base) if class_path(cls) == name]
+    matching = [cls for cls in subclasses_of(base) if class_path(cls) == name]
     if matching:
         return matching[-1]
     module = str(name).partition(":")[0][:MAX_CHARACTERS]
@@ -122,12 +122,6 @@ def loaded_class(name: object, base: type) -> type:
         f"no {base.__name__} {abbreviate(name)} is loaded: import {module}, or run the cell that defines it, "
         "first"
     )
-
-
-def _subclasses(base: type) -> Iterator[type]:
-    yield base
-    for cls in base.__subclasses__():
-        yield from _subclasses(cls)
 
 
 def structure_to_data(key: StructureKey) -> dict[str, Any]:

@@ -154,6 +154,11 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
             with laws_of_expressions([]):  # a law may make another law of symbols, and return its formula
                 value = method(*arguments)
         except (TypeError, AttributeError) as error:
+            if not _takes(method, arguments):
+                raise TypeError(
+                    f"{law}.{name} must take {len(arguments)} arguments beside self, got "
+                    f"{name}{signature(method)}: write those of its base's method"
+                ) from error
             if not wants_number(error):
                 raise
             raise TypeError(
@@ -180,6 +185,14 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
         return value
 
     return explained
+
+
+def _takes(method: Callable[..., Any], arguments: tuple[Any, ...]) -> bool:
+    try:
+        signature(method).bind(*arguments)
+    except TypeError:
+        return False
+    return True
 
 
 def wants_number(error: TypeError | AttributeError) -> bool:

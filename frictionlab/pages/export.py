@@ -23,7 +23,7 @@ from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.compilation.llvm_instructions import EXP2_COEFFICIENTS
 from frictionlab.compilation.manifest import compiled_object
 from frictionlab.compilation.targets import WEB
-from frictionlab.file_writing import write_text
+from frictionlab.file_writing import check_folder, write_text
 from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING
 from frictionlab.hybrid.kernels.jets import LOG2_LEAST_RATIO
 from frictionlab.hybrid.methods.base import STATUS_OF_CODE
@@ -142,6 +142,7 @@ def export_page(
     name = name_of(model)
     model, start = shown_model(model, x0, "write export_page(model, path)")
     path = check_path("path", path, (".html", ".htm"))
+    check_folder(path)
     title = name if title is None else check_text("title", title, "leave it out for the model's name")
     options = {"sliders": sliders, "switches": switches, "presets": presets, "laws": laws, "t_end": t_end}
     return write_text(path, model_page(model, title, start, **options))

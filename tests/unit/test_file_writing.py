@@ -79,9 +79,11 @@ def test_a_link_stays_a_link(tmp_path):
     assert path.read_text() == "new"
 
 
-@pytest.mark.parametrize("name", ["", "missing/notes.txt"])
-def test_what_is_no_place_for_a_file_is_named(name, tmp_path):
-    with pytest.raises(OSError, match="give another path, or make room") as caught:
+@pytest.mark.parametrize(
+    ("name", "cure"), [("", "give another path, or make room"), ("missing/notes.txt", "make its folder")]
+)
+def test_what_is_no_place_for_a_file_is_named(name, cure, tmp_path):
+    with pytest.raises(OSError, match=cure) as caught:
         write_text(tmp_path / name, "text")
     assert caught.value.filename == str(tmp_path / name)
     assert contents(tmp_path) == {}

@@ -586,9 +586,10 @@ def check_motion(shot: ShootingResult, guess: OrbitGuess) -> None:
     """Raise where the motion closes only because it is an equilibrium, or a steady rotation."""
     start = shot.run.raw.step_states[0]
     if (state_ranges(shot.closing.difference(shot.run.states, start)) / guess.size).max() < MIN_ORBIT_SIZE:
+        where = shorten(f"{name} {value:.4g}" for name, value in zip(shot.run.names, start, strict=True))
         raise ValueError(
             "no periodic orbit found near the guess: Newton's method reached an equilibrium, "
-            f"{start}: give a guess nearer to an orbit"
+            f"{where}: give a guess nearer to an orbit"
         )
 
 

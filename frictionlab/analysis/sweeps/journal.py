@@ -28,7 +28,7 @@ import numpy as np
 from frictionlab._version import __version__
 from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
-from frictionlab.file_writing import read_file, replace_file
+from frictionlab.file_writing import cure_of, read_file, replace_file
 from frictionlab.interruption import interruption, keep_partial_result
 from frictionlab.validation import abbreviate, check_path
 
@@ -302,7 +302,7 @@ def _unusable(path: Path, error: OSError) -> OSError:
     """The error for a path at which no file can be written."""
     return OSError(
         f"resume must be a file that can be written, {path} is none ({error.strerror or error}): "
-        "give another path, or make room"
+        f"{cure_of(error)}"
     )
 
 

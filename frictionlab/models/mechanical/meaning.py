@@ -44,7 +44,8 @@ def check_mechanics(
     """
     of = type(model).__name__
     if not isinstance(about, Mechanics):
-        raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}")
+        cure = "write return in front" if about is None else "write return fl.Mechanics(kinetic, potential)"
+        raise TypeError(f"mechanics of {of} must return a Mechanics, got {abbreviate(about)}: {cure}")
     about = replace(about, contacts=tuple(map(with_explained_errors, about.contacts)))
     for name in about.loads:
         if name not in model.coordinates:

@@ -198,6 +198,11 @@ def a_model_of_a_dataclass():
     Mine(mu_k=0.4)
 
 
+class OfSpeed(fl.Coulomb):
+    def kinetic(self, speed):
+        return self.mu_k * speed
+
+
 def anew(base=Popp, **values):
     """A class that sets defaults anew, not yet a model."""
     return lambda: type("Mine", (base,), values)
@@ -247,6 +252,10 @@ def of_functions(function):
         (of_functions(lambda x: np.hypot(x + 1, 2)), r"Mine.mechanics must be a formula .* fl.functions.cos"),
         (of_functions(math.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
         (of_functions(lambda x: max(x, 0)), r"Mine.mechanics must be a formula .* no if, min or max"),
+        (lambda: fl.model(anew(mechanics=lambda self, q, v: None)())().automaton(), "got None: write return"),
+        (lambda: fl.SliderOnBelt(friction=OfSpeed()).automaton(), r"OfSpeed.kinetic must take 2 .*\(speed\)"),
+        (lambda: fl.simulate(Popp(), 1.0, method=fl.RK4), r"got the class RK4: write RK4\(\)"),
+        (lambda: Popp(friction="Stribeck"), r"got the text 'Stribeck': write Stribeck\(\)"),
     ],
     ids=lambda one: getattr(one, "__name__", None),
 )
@@ -255,7 +264,7 @@ def test_errors_name_the_cure(call, message):
         call()
 
 
-@pytest.mark.parametrize("names", [("x", "x"), ("t",), ("x", "phase")])
+@pytest.mark.parametrize("names", [("x", "x"), ("t",), ("x", "phase"), "phi"])
 def test_coordinates_have_names_of_their_own(names):
     """A coordinate named t stood for the time: such a model was refused every steady state."""
 
@@ -267,9 +276,8 @@ def test_coordinates_have_names_of_their_own(names):
         def mechanics(self, q, v):
             return fl.Mechanics(v.x**2 / 2)
 
-    with pytest.raises(
-        ValueError, match="coordinates must have different names, and none of 'phase' and 't'"
-    ):
+    rule = "have different names, and none of 'phase' and 't'|be a tuple of names, got the text 'phi'"
+    with pytest.raises(ValueError, match=f"coordinates must ({rule})"):
         Mine()
 
 
