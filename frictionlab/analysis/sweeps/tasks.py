@@ -274,10 +274,10 @@ def thread_count(workers: int | None) -> int:
 
 
 def worker_count(execution: Execution) -> int:
-    """The number of tasks that are computed at once, as far as an executor tells."""
+    """How many tasks are computed at once; many where an executor does not tell, or has none yet."""
     if execution.executor is None:
         return thread_count(execution.workers)
-    return max(1, _Workers(execution.executor, execution.workers)())
+    return _Workers(execution.executor, execution.workers)() or MANY_WORKERS
 
 
 @contextmanager

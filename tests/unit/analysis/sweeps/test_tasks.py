@@ -15,7 +15,7 @@ import pytest
 import frictionlab as fl
 from frictionlab.analysis.options import Execution
 from frictionlab.analysis.sweeps import tasks as module
-from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
+from frictionlab.analysis.sweeps.tasks import MANY_WORKERS, TaskFailure, run_tasks, worker_count
 from tests.helpers import killed_cluster
 
 MODEL = fl.SliderOnBelt()
@@ -280,3 +280,11 @@ def test_a_cluster_whose_processes_are_killed(tmp_path, lost):
     assert ("the executor was lost after" in said) == (lost == "scheduler")
     assert here.results.size == 100
     assert (tmp_path / "there").read_bytes() == (tmp_path / "here").read_bytes()
+
+
+def test_a_cluster_whose_jobs_have_not_begun_counts_as_many_workers():
+    client = SimpleNamespace(nthreads=dict)
+    cluster = SimpleNamespace(submit=print, _client=client)
+    assert worker_count(Execution(executor=cluster)) == MANY_WORKERS
+    client.nthreads = lambda: {"one": 2, "other": 1}
+    assert worker_count(Execution(executor=cluster)) == 3
