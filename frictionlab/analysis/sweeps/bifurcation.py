@@ -342,10 +342,10 @@ def _groups(
 
     All workers have as many, where the values suffice: one that waits costs more than lanes save.
     The models of a group have the same modes; each value of a parameter in M of a structure has modes of its
-    own.  Modes on demand stay underived.
+    own.  Modes on demand stay underived, and a class derived from Taylor may do more than lanes know.
     """
     automaton = automaton_of(models[0])
-    if not isinstance(method, Taylor) or (automaton.on_demand and len(automaton.names) > 1):
+    if type(method) is not Taylor or (automaton.on_demand and len(automaton.names) > 1):
         return [[i] for i in todo]
     modes = {i: automaton_of(models[i]).modes for i in todo}
     alike = [[*group] for _, group in groupby(todo, lambda i: id(modes[i]))]

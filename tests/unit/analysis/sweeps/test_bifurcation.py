@@ -184,6 +184,18 @@ def test_each_worker_of_an_executor_has_values_to_compute(monkeypatch):
     assert (shown[0], sum(shown)) == (-6, 0)  # the bar counts values
 
 
+def test_a_method_derived_from_taylor_runs_all_by_itself():
+    lengths = []
+
+    class Noted(fl.Taylor):
+        def integrate(self, problem, *others):
+            lengths.append(problem.t_end)
+            return super().integrate(problem, *others)
+
+    fl.bifurcation(fl.MassOnBelt(), "mu_k", [0.1, 0.2, 0.3, 0.4], method=Noted(), workers=1, **SHORT)
+    assert lengths == [SHORT["transient"], SHORT["window"]] * 4
+
+
 def test_an_executor_that_is_lost_is_not_tried_again():
     with (
         Pool(2, 1) as pool,
