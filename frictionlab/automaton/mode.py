@@ -19,7 +19,7 @@ from frictionlab.validation import (
 # sympy's types, named without importing sympy: this package only carries them.
 Expr = Any
 Symbol = Any
-MAX_NAME = 1000  # characters of the name of a mode or an event, which messages repeat
+MAX_NAME = 100_000  # characters of the name of a mode or an event: a mode names a regime of each contact
 
 
 @dataclass(frozen=True, eq=False)

@@ -126,6 +126,19 @@ def test_laws_in_pieces_move_as_those_of_the_model(laws, count):
         assert fl.energy_audit(run, progress=False).error < 1e-12
 
 
+def test_many_contacts_may_be_open():
+    """The name of their mode, with a regime of each, has more than 1000 characters."""
+
+    def final_state(n):
+        rows = np.eye(2 * n)
+        pads = fl.SlidingContacts(rows[:n], rows[n:], fl.LinearContact(10.0), fl.Coulomb(), v=0.3)
+        structure = fl.Structure(rows, 23 * rows, contacts=pads, load=[0.0] * n + [1.0] * n)
+        x0 = [0.0] * n + [-0.1] * n + [0.0] * 2 * n
+        return fl.simulate(structure, 0.2, x0=x0, progress=False).final_state
+
+    assert final_state(90) == pytest.approx(np.repeat(final_state(1), 90), abs=1e-13)
+
+
 def test_pads_on_one_body_share_its_friction():
     model = fl.MassOnBelt(N=3.0)
     rows = [[1.0], [1.0 + 1e-15]]  # the same rows twice are refused
