@@ -52,6 +52,7 @@ from frictionlab.validation import (
 Array = NDArray[np.float64]
 A = TypeVar("A", bound=Artist)
 POINTS_PER_INCH = 72.0
+MOST_LISTED = 12  # entries of a legend beside a panel
 LETTER_WIDTH, HANDLE_WIDTH = 0.5, 4.8  # of an entry of a legend, in sizes of its letters
 
 
@@ -198,8 +199,16 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if handles:
         place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
-        once = list({str(each.get_label()): each for each in handles}.values())
-        ax.legend(handles=once, frameon=False, fontsize=font_size(9.0), **place)
+        once = {str(each.get_label()): each for each in handles}
+        ax.legend(handles=first_handles(list(once.values())), frameon=False, fontsize=font_size(9.0), **place)
+
+
+def first_handles(handles: list[Any]) -> list[Any]:
+    """The first entries of a legend, and how many more there are: sixty would cover the panels."""
+    if len(handles) <= MOST_LISTED:
+        return handles
+    more = Line2D([], [], linestyle="none", label=f"and {len(handles) - MOST_LISTED} more")
+    return [*handles[:MOST_LISTED], more]
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], size: float | None = None) -> None:

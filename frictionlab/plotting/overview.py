@@ -58,6 +58,7 @@ from frictionlab.plotting.appearance import (
 from frictionlab.plotting.figure import (
     axes_or_new,
     check_figure,
+    first_handles,
     legend_below,
     legend_beside,
     new_figure,
@@ -489,7 +490,7 @@ def _places(run: Trajectory) -> list[Any]:
 def _legend_right_of(ax: Axes, lines: list[Line2D], x: float) -> None:
     """A legend of the lines to the right of the panel, where it covers nothing."""
     place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (x, 0.5)}
-    ax.legend(handles=lines, frameon=False, fontsize=font_size(FONT_SIZE), **place)
+    ax.legend(handles=first_handles(lines), frameon=False, fontsize=font_size(FONT_SIZE), **place)
 
 
 def _title(figure: Figure, run: Trajectory) -> None:

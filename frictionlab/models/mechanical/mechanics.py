@@ -12,6 +12,7 @@ from frictionlab.components.component import Component, expressions_of, laws_of_
 from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
+from frictionlab.models.composition import check_component
 from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known, is_sequence
 
 if TYPE_CHECKING:
@@ -101,6 +102,9 @@ class Friction(_PressedContact):
     impact: ImpactLaw | None = None
     interface: Interface | None = None
     damper: Any = 0
+
+    def __post_init__(self) -> None:
+        check_component("law of a Friction", FrictionLaw, self.law)
 
     @property
     def in_plane(self) -> bool:

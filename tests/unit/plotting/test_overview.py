@@ -85,6 +85,17 @@ def test_a_cyclic_coordinate_whose_rate_has_any_name_has_the_spectrum_of_that_ra
     assert fl.plot_run(run).axes[3].get_ylabel() == "amplitude of $omega$"
 
 
+@pytest.mark.filterwarnings("error")
+def test_many_coordinates_leave_room_for_the_panels():
+    structure = fl.Structure(np.eye(60), 100 * np.eye(60))
+    run = fl.simulate(structure, 1.0, x0={"q0": 1e-3}, progress=False)
+    figure = fl.plot_run(run)
+    figure.draw_without_rendering()
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()][-1] == "and 48 more"
+
+
 def test_names_of_modes_stand_beside_their_lines_in_place_of_a_legend():
     ax = result("orbit").plot()
     texts = fl.label_modes(ax)
