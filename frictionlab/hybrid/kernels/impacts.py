@@ -46,6 +46,7 @@ from frictionlab.hybrid.kernels.run_state import (
     EVENTS,
     MODE,
     NOW,
+    RESOLUTION,
     SHORT_DWELLS,
 )
 from frictionlab.hybrid.kernels.step_length import FUNCTION_TOL_FACTOR
@@ -70,8 +71,9 @@ def has_several_impacts(code, mode):
 
 @inlined
 def stay_limit(run):
-    """The time up to which a stay is taken for part of a Zeno accumulation: the clock hardly resolves it."""
-    return SHORT_STAY * CLOCK_RESOLUTION * run.times[NOW]
+    """The time up to which a stay is taken for part of a Zeno accumulation: the clock hardly resolves it, or
+    fixed steps do not."""
+    return max(SHORT_STAY * CLOCK_RESOLUTION * run.times[NOW], run.times[RESOLUTION])
 
 
 @inlined

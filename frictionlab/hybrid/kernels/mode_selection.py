@@ -215,14 +215,20 @@ def try_mode(system, mode, z, rounding, likely, order, scratch):
 
 @kernel
 def try_mode_by_values(system, mode, z, rounding, scratch):
-    """Whether the conditions of a mode hold at `z` by their values; those that the event made zero do."""
+    """Whether the conditions of a mode hold at `z` by their values; those that the event made zero do.
+
+    But a distance that an impact made zero falls at once where its rate or its acceleration says so.
+    """
     code, J = system.code, scratch.jets
-    mode_jets(code, system.numbers, mode, 0, z, J)
-    majorant(code, system.magnitudes, mode, 0, rounding.sizes, J, scratch.bounds)
+    mode_jets(code, system.numbers, mode, LOW_ORDER, z, J)
+    majorant(code, system.magnitudes, mode, LOW_ORDER, rounding.sizes, J, scratch.bounds)
     if first_order_bounds(code, system.magnitudes, mode, J, scratch.bounds):
         return REFUSED
     for g in range(code.mode_guards[mode], code.mode_guards[mode + 1]):
-        if zeros_by_construction(code, scratch, g) == 0 and J[code.function_slots[g], 0] < 0.0:
+        zeros = zeros_by_construction(code, scratch, g)
+        if zeros == 0 and J[code.function_slots[g], 0] < 0.0:
+            return REFUSED
+        if zeros > 0 and is_impact(code, g) and has_failed(system, g, rounding, LOW_ORDER, scratch):
             return REFUSED
     for f in range(code.mode_constraints[mode], code.mode_constraints[mode + 1]):
         slot, zeros = code.function_slots[f], zeros_by_construction(code, scratch, f)

@@ -81,8 +81,9 @@ class StepData(NamedTuple):
 class RunState(NamedTuple):
     """Where a run stands.
 
-    ``times`` (NOW to CARRY): now, the end, the entry into the mode, the limit below which a flight is taken
-    for part of chatter, and by how much the sum of the steps is beyond now.  ``counts`` (MODE to
+    ``times`` (NOW to RESOLUTION): now, the end, the entry into the mode, the limit below which a flight is
+    taken for part of chatter, by how much the sum of the steps is beyond now, and the shortest flight that
+    fixed steps resolve, 0 for other methods.  ``counts`` (MODE to
     EVENT_MULTIPLICITY): mode; steps; events; section points; whether the last impact ended a flight too short
     for the clock; flights in a row shorter than the limit of chatter; accumulations closed; other events or
     steps, and impacts, since the clock was advanced; whether the jets are at hand; whether an accumulation
@@ -98,7 +99,7 @@ class RunState(NamedTuple):
     signs: np.ndarray
 
 
-NOW, END, ENTERED, CHATTER, CARRY = range(5)
+NOW, END, ENTERED, CHATTER, CARRY, RESOLUTION = range(6)
 (
     MODE,
     STEPS,
@@ -135,7 +136,7 @@ class Record(NamedTuple):
 def new_run_state(states: int, sections: int) -> RunState:
     """Empty arrays for a run with so many states and sections."""
     counts, signs = np.zeros(COUNTS, dtype=np.int64), np.zeros(sections, dtype=np.int64)
-    return RunState(np.zeros(states), np.zeros(states), np.zeros(CARRY + 1), counts, signs)
+    return RunState(np.zeros(states), np.zeros(states), np.zeros(RESOLUTION + 1), counts, signs)
 
 
 @inlined

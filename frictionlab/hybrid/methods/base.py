@@ -117,7 +117,7 @@ class ActiveRun(NamedTuple):
         scratch, cursor = self.scratch, self.cursor
         cursor.state[:] = problem.x0
         np.abs(problem.x0, out=cursor.sizes)
-        cursor.times[:] = 0.0, problem.t_end, 0.0, problem.chatter, 0.0
+        cursor.times[:] = 0.0, problem.t_end, 0.0, problem.chatter, 0.0, 0.0
         cursor.counts.fill(0)
         cursor.signs.fill(0)
         cursor.counts[run_state.JETS_READY], cursor.counts[run_state.STOPS_AT_ZENO] = 1, ends_at_accumulation

@@ -7,14 +7,21 @@ mode.
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from frictionlab.compilation.decorators import inlined, kernel
-from frictionlab.hybrid.kernels.event_handling import handle_event, handle_event_on_demand, leave_event
-from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, GuardZero
-from frictionlab.hybrid.kernels.impacts import keep_regimes_until_impacts
+from frictionlab.hybrid.kernels.event_handling import (
+    count_at_instant,
+    handle_event,
+    handle_event_on_demand,
+    leave_event,
+    status_after_repeat,
+)
+from frictionlab.hybrid.kernels.event_location import COEFFICIENT_ROUNDING, LOW_ORDER, GuardZero
+from frictionlab.hybrid.kernels.impacts import is_short, keep_regimes_until_impacts, linearise_guards
 from frictionlab.hybrid.kernels.jets import copy_vector, mode_jets, state_rates, states_at
 from frictionlab.hybrid.kernels.mode_selection import (
     ADMITTED,
@@ -24,6 +31,7 @@ from frictionlab.hybrid.kernels.mode_selection import (
     Selection,
     apply_reset,
     has_modes_on_demand,
+    is_impact,
     select_combination,
     set_zeros_by_construction,
     try_mode_by_values,
@@ -31,7 +39,6 @@ from frictionlab.hybrid.kernels.mode_selection import (
 from frictionlab.hybrid.kernels.run_state import (
     CELL,
     END,
-    ENTERED,
     EVENTS,
     FINISHED,
     MODE,
@@ -40,6 +47,7 @@ from frictionlab.hybrid.kernels.run_state import (
     NO_REGIME,
     NOT_FINITE,
     NOW,
+    RESOLUTION,
     RUNNING,
     STEPS,
     Truncation,
@@ -112,16 +120,42 @@ def change_mode(system, queue, event, run, record, scratch):
     record.event_codes[row, 1] = mode
     record.event_codes[row, 2] = 0
     counts[EVENTS] += 1
-    run.times[ENTERED] = run.times[NOW]
+    count_at_instant(system.code, guard, run)
     if mode == NO_MODE:
         return NO_ADMISSIBLE_MODE
     counts[MODE] = mode
-    return RUNNING
+    return status_after_repeat(counts)
+
+
+@kernel
+def note_resolution(system, guard, run, scratch):
+    """Note the shortest flight that fixed steps resolve before an impact, 0 before another event.
+
+    In a shorter one the distance falls by less than its rounding error, so that flights in an accumulation
+    are no shorter.
+    """
+    resolution = 0.0
+    if is_impact(system.code, guard):
+        linearise_guards(system, run, scratch)
+        slot = system.code.function_slots[guard]
+        fall = -scratch.jets[slot, 2]
+        if fall > 0.0:
+            resolution = sqrt(COEFFICIENT_ROUNDING * scratch.bounds[slot, 0] / fall)
+    run.times[RESOLUTION] = resolution
+
+
+@inlined
+def order_of_choice(system, event, order, run, scratch):
+    """Up to which order the next mode is chosen: by series where an accumulation of impacts may end."""
+    note_resolution(system, event.guard, run, scratch)
+    may_end = is_impact(system.code, event.guard) and is_short(run)
+    return LOW_ORDER if order == BY_VALUES and may_end else order
 
 
 @kernel
 def enter_next_mode(system, event, order, run, record, scratch):
     """Handle an event; the next mode is chosen by series up to `order`, or at 0 by values of conditions."""
+    order = order_of_choice(system, event, order, run, scratch)
     if order == BY_VALUES:
         return change_mode(system, None, event, run, record, scratch)
     return handle_event(system, exact(order), event, run, record, scratch)
@@ -130,6 +164,7 @@ def enter_next_mode(system, event, order, run, record, scratch):
 @kernel
 def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch):
     """As :func:`enter_next_mode`, for modes on demand, which are chosen among combinations of regimes."""
+    order = order_of_choice(system, event, order, run, scratch)
     if order == BY_VALUES:
         return change_mode(system, queue, event, run, record, scratch)
     return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)
