@@ -76,6 +76,45 @@ def test_a_bouncing_ball(method):
     assert run.events.state[:, 1] == pytest.approx(-run.events.before[:, 1] / 2, abs=1e-15)
 
 
+class Dropped(fl.MechanicalModel):
+    """A ball falls by 1 m onto a floor below the origin; beside it rubs a body on a belt."""
+
+    e: float = 0.0
+    friction: fl.FrictionLaw | None = None
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        stop = fl.Stop(q.y + 0.5, fl.RestitutionImpact(e=self.e))
+        rubs = () if self.friction is None else (fl.Friction(0.3 - v.x, 1.0, self.friction),)
+        kinetic, potential = (v.x**2 + v.y**2) / 2, 10 * q.y + 2 * q.x**2
+        return fl.Mechanics(kinetic, potential, contacts=(stop, *rubs))
+
+
+DROPPED = fl.model(Dropped)
+
+
+@pytest.mark.parametrize("method", [fl.Taylor(), fl.RK4(step=1e-3), Heun(step=1e-3), fl.Scipy()])
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_ball_comes_to_rest(method, e):
+    """RK4 left the floor again and again, for as long as the rounding error of the distance hid it."""
+    run = fl.simulate(DROPPED(e=e), 2.0, x0=[0.0, 0.5, 0.0, 0.0], method=method, progress=False)
+    assert run.status.ok
+    assert run.events.t[-1] == pytest.approx(np.sqrt(0.2) * (1 + 2 * e / (1 - e)), abs=1e-6)
+    assert run.final_state[[1, 3]] == pytest.approx([-0.5, 0.0], abs=1e-15)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_ball_comes_to_rest_beside_elements_that_stick(e):
+    """There modes are derived on demand."""
+    model = DROPPED(e=e, friction=fl.Iwan(mu_k=0.4, k_t=30.0))
+    exact, run = (
+        fl.simulate(model, 4.0, x0=[0.2, 0.5, 0.0, 0.0], method=method, progress=False)
+        for method in (fl.Taylor(), fl.RK4(step=1e-3))
+    )
+    assert run.status.ok
+    assert run.final_state == pytest.approx(exact.final_state, abs=1e-9)
+
+
 @every_method
 def test_the_record_has_no_gaps(method):
     run = fl.simulate(MODEL, 0.15, method=method)
