@@ -34,7 +34,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     rate_after,
 )
 from frictionlab.models.mechanical.coupled_masses import inverse_of, product
-from frictionlab.models.mechanical.dynamic_laws import check_elastic, limits_of_states
+from frictionlab.models.mechanical.dynamic_laws import check_elastic, limits_of_states, zeros_at_landing
 from frictionlab.models.mechanical.equations_of_motion import LagrangeSystem, Regimes, names_with_states
 from frictionlab.models.mechanical.impulses import impulses_along
 from frictionlab.models.mechanical.law_states_at_start import StatesOfLaws, contacts_with_states
@@ -556,7 +556,8 @@ class StructureSystem(LagrangeSystem):
             for v, p, r in zip(self.v, along_normal, along_tangent, strict=True)
             if p or (r and rubbing != 0)
         }
-        return Reset(jump, {contact.penetration: order, -contact.penetration: order})
+        landed = zeros_at_landing(contact, self.law_states(contact))
+        return Reset(jump, {contact.penetration: order, -contact.penetration: order, **landed})
 
     @cached_property
     def directions(self) -> tuple[CommonDirection, ...]:

@@ -34,6 +34,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
     returns_to_zero,
     values_of_contact,
     values_of_law,
+    zeros_at_landing,
 )
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
 from frictionlab.models.symbols import expand_products, symbol
@@ -607,7 +608,8 @@ def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
     rubbed = velocities_after(system, system.direction(contact), friction_impulse(system, contact, law))
     pushed = velocities_after(system, system.normal(contact), normal_impulse(system, contact, law))
     jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
-    return Reset(jump, {contact.penetration: order, -contact.penetration: order})
+    landed = zeros_at_landing(contact, system.law_states(contact))
+    return Reset(jump, {contact.penetration: order, -contact.penetration: order, **landed})
 
 
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:

@@ -6,6 +6,7 @@ Such a law is written with |v_r|.  On one side this is v_r, on the other -v_r, s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -76,6 +77,17 @@ def limits_of_law(law: FrictionLaw, normal_force: Any) -> tuple[Any, ...]:
     if len(law.states) == 1 and not isinstance(limit, Mapping):
         return (sympy.sympify(limit, strict=True),)
     return _in_order(law, "state_limit", limit)
+
+
+def zeros_at_landing(contact: Friction, states: Sequence[Any]) -> dict[Any, int]:
+    """Limits -+ states of an elastic-plastic law, if they are zero where a contact lands: nothing presses yet."""
+    if not callable(contact.normal_force) or not returns_to_zero(contact, states):
+        return {}
+    depth = sympy.Dummy("depth", real=True)
+    unpressed = replace(contact, penetration=depth).pressing.xreplace({depth: sympy.S.Zero})
+    limits = zip(limits_of_states(contact), limits_of_law(contact.law, unpressed), states, strict=False)
+    zeros = ((limit - state, limit + state) for limit, at_zero, state in limits if at_zero == 0)
+    return {sign * zero: 1 for pair in zeros for zero in pair for sign in (1, -1)}
 
 
 def check_elastic(law: FrictionLaw, states: Sequence[Any]) -> None:
