@@ -80,7 +80,7 @@ def limits_of_law(law: FrictionLaw, normal_force: Any) -> tuple[Any, ...]:
 
 
 def zeros_at_landing(contact: Friction, states: Sequence[Any]) -> dict[Any, int]:
-    """Limits -+ states of an elastic-plastic law, if they are zero where a contact lands: nothing presses yet."""
+    """Limits -+ states of an elastic-plastic law, zero where a contact lands if nothing presses there."""
     if not callable(contact.normal_force) or not returns_to_zero(contact, states):
         return {}
     depth = sympy.Dummy("depth", real=True)
