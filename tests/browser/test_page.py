@@ -746,3 +746,12 @@ def test_a_challenge_is_solved_and_its_link_is_the_proof(browser, tmp_path):
     )
     assert not proof.problems
     proof.context.close()
+
+
+def test_keys_of_a_player_do_nothing_where_there_is_none(browser, tmp_path, monkeypatch):
+    monkeypatch.setattr("frictionlab.pages.export.panels_of", lambda _: ["eigenvalues"])
+    page = opened(browser, exported(fl.MassOnBelt(), tmp_path / "page.html"))
+    page.evaluate("() => { explorer.engine.hear = () => { throw new Error('it is heard'); }; }")
+    page.keyboard.press("s")
+    assert not page.evaluate("explorer.heard.textContent")
+    assert not page.problems

@@ -77,6 +77,7 @@ class Explorer {
     this.side.append(...this.controlGroups());
     this.preparePlayer();
     this.pictures.replaceChildren(...scene.panels.map((name) => this.panel(name)));
+    this.buttons.play.hidden = this.buttons.sound.hidden = !this.panels[this.played]; // their keys do nothing then
     // a run that is watched has no controls
     this.root.replaceChildren(scene.controls.length ? page : this.pictures);
     this.observer.disconnect();
