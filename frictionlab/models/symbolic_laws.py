@@ -154,7 +154,7 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
             with laws_of_expressions([]):  # a law may make another law of symbols, and return its formula
                 value = method(*arguments)
         except (TypeError, AttributeError) as error:
-            if not _takes(method, arguments):
+            if not takes(method, arguments):
                 raise TypeError(
                     f"{law}.{name} must take {len(arguments)} arguments beside self, got "
                     f"{name}{signature(method)}: write those of its base's method"
@@ -187,7 +187,8 @@ def _with_explanation(method: Callable[..., Any], law: str, name: str) -> Callab
     return explained
 
 
-def _takes(method: Callable[..., Any], arguments: tuple[Any, ...]) -> bool:
+def takes(method: Callable[..., Any], arguments: tuple[Any, ...]) -> bool:
+    """Whether a method can be called with these arguments."""
     try:
         signature(method).bind(*arguments)
     except TypeError:

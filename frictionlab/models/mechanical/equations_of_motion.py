@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, wraps
+from inspect import signature
 from operator import getitem
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,7 +18,7 @@ from frictionlab.automaton import Reset
 from frictionlab.automaton.modes_on_demand import Combination, ModeNames
 from frictionlab.components.component import Component, StructureKey
 from frictionlab.components.contact import Interface
-from frictionlab.models.symbolic_laws import symbolic_copy, wants_number
+from frictionlab.models.symbolic_laws import symbolic_copy, takes, wants_number
 from frictionlab.models.symbols import dot, expand_products, gradient, symbol
 from frictionlab.presentation import PHASE, TIME
 
@@ -495,12 +496,19 @@ def _stated(
     try:
         return mechanics_at(model, q, v, symbol(PHASE), further, *time_of(model), laws=laws)
     except (TypeError, AttributeError) as error:
+        names = "self, q, v, s" if model.states else "self, q, v"  # s: the further states
+        if not takes(model.mechanics, (q, v, further) if model.states else (q, v)):
+            raise TypeError(
+                f"{type(model).__name__}.mechanics must take ({names}), got "
+                f"{signature(type(model).mechanics)}: write def mechanics({names})"
+            ) from error
         if not wants_number(error):
             raise
         raise TypeError(
             f"{type(model).__name__}.mechanics must be a formula of symbols, and fails with them ({error}): "
             "write fl.functions.cos and the like, none of numpy or math, and no if, min or max of "
-            "coordinates; where a law changes write fl.functions.piecewise, minimum, maximum or interpolate"
+            "coordinates; where a law changes write fl.functions.piecewise, minimum, maximum or interpolate; "
+            "dry friction is a contact, fl.Friction"
         ) from error
 
 

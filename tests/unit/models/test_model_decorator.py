@@ -253,6 +253,10 @@ def of_functions(function):
         (of_functions(math.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),
         (of_functions(lambda x: max(x, 0)), r"Mine.mechanics must be a formula .* no if, min or max"),
         (lambda: fl.model(anew(mechanics=lambda self, q, v: None)())().automaton(), "got None: write return"),
+        (
+            lambda: fl.model(anew(mechanics=lambda q, v: None)())().automaton(),
+            r"must take \(self, q, v\), got",
+        ),
         (lambda: fl.SliderOnBelt(friction=OfSpeed()).automaton(), r"OfSpeed.kinetic must take 2 .*\(speed\)"),
         (lambda: fl.Friction(1.0, 1.0, law=0.3), r"law of a Friction must be a FrictionLaw, got 0\.3: take"),
         (lambda: fl.simulate(Popp(), 1.0, method=fl.RK4), r"got the class RK4: write RK4\(\)"),
