@@ -152,13 +152,13 @@ def check_mode(
     """
     if len(mode.flow) != len(states):
         raise ValueError(
-            f"the flow of mode {mode.name!r} must have one expression per state ({len(states)}), "
+            f"the flow of mode {abbreviate(mode.name)} must have one expression per state ({len(states)}), "
             f"got {len(mode.flow)}: give each state its time derivative"
         )
     for event in mode.events:
         if unknown := [name for name in event.targets if name not in names]:
             raise ValueError(
-                f"event {event.name!r} of mode {mode.name!r} leads to {abbreviate(unknown)}, "
+                f"event {event.name!r} of mode {abbreviate(mode.name)} leads to {abbreviate(unknown)}, "
                 f"but the modes are {abbreviate(list(names))}: correct its targets"
             )
         _check_resets(event, mode, states)
@@ -168,12 +168,14 @@ def check_mode(
             continue
         if isinstance(expr, str):  # which sympy would run as Python
             raise TypeError(
-                f"{what} of mode {mode.name!r} must be an expression, got the text {abbreviate(expr)}: "
+                f"{what} of mode {abbreviate(mode.name)} must be an expression, got the text "
+                f"{abbreviate(expr)}: "
                 "write it with the automaton's symbols"
             )
         if strange := _free_symbols(what, mode, expr) - allowed:
             raise ValueError(
-                f"{what} of mode {mode.name!r} uses {sorted(map(str, strange))}, which is neither a state "
+                f"{what} of mode {abbreviate(mode.name)} uses {sorted(map(str, strange))}, "
+                "which is neither a state "
                 f"nor a parameter: {_cure_of_unknown(strange)}"
             )
         sound[id(whole)] = whole
@@ -196,7 +198,7 @@ def _free_symbols(what: str, mode: Mode, expr: Any) -> set:
         return expression.free_symbols
     except (TypeError, ValueError, AttributeError, OverflowError):  # SympifyError is a ValueError
         raise TypeError(
-            f"{what} of mode {mode.name!r} must be an expression, got {abbreviate(expr)}: "
+            f"{what} of mode {abbreviate(mode.name)} must be an expression, got {abbreviate(expr)}: "
             "write it with the automaton's symbols"
         ) from None
 
@@ -206,7 +208,8 @@ def _check_resets(event: Event, mode: Mode, states: tuple[Symbol, ...]) -> None:
         if strange := [symbol for symbol in reset.jump if symbol not in states]:
             listed = shorten(str(symbol)[:MAX_CHARACTERS] for symbol in strange)
             raise ValueError(
-                f"the reset of event {event.name!r} of mode {mode.name!r} may give values to states only "
+                f"the reset of event {event.name!r} of mode {abbreviate(mode.name)} may give values to "
+                "states only "
                 f"({', '.join(sorted(map(str, states)))}), got one for {listed}: "
                 "take the symbol that the automaton's states hold, with the same assumptions"
             )
@@ -217,7 +220,7 @@ def _as_function(mode: Mode, what: str, expr: Any) -> Any:
     if not hasattr(type(expr), "free_symbols"):
         kind = "the text " if isinstance(expr, str) else ""
         raise TypeError(
-            f"{what} of mode {mode.name!r} must be an expression, got {kind}{abbreviate(expr)}: "
+            f"{what} of mode {abbreviate(mode.name)} must be an expression, got {kind}{abbreviate(expr)}: "
             "write it with the automaton's symbols"
         )
     return expr
