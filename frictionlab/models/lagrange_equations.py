@@ -198,6 +198,10 @@ def _others(system: LagrangeSystem) -> tuple[str, ...]:
 def _functions(system: LagrangeSystem) -> dict[Any, Any]:
     of_laws = (one for some in system.of_laws for one in some)
     functions = time_functions((*system.q, *system.v, *system.further, *of_laws), len(system.q))
+    functions |= {
+        one: sympy.diff(functions[x], TIME, 2)
+        for one, x in zip(system.accelerations_of_mode, system.q, strict=True)
+    }
     if system.phase:
         functions[system.phase[0]] = system.mechanics.frequency * TIME
     functions |= dict.fromkeys(system.time, TIME)

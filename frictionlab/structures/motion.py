@@ -42,7 +42,7 @@ from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Frictio
 from frictionlab.models.mechanical.modes import (
     HoldingForce,
     Solution,
-    conditions_of_regime,
+    conditions_of_regimes,
     contact_suffix,
     expressions_of,
     mode_of,
@@ -183,8 +183,9 @@ def _modes_of(of: _Identity) -> tuple[tuple[Any, ...], Any]:
     if len(system.parts) <= 1:
         modes: Any = tuple(map(derive, system.names.combinations()))
     else:
-        parts = tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts)
-        modes = ModesOnDemand(parts, derive, system.names, again, products=system.products)
+        modes = ModesOnDemand(
+            conditions_of_regimes(system), derive, system.names, again, products=system.products
+        )
     pieces = module_of_pieces()
     if pieces is not None and pieces.has_pieces(expressions := list(expressions_of(system))):
         modes = pieces.split_modes(modes, system.states, expressions, again)

@@ -237,9 +237,13 @@ def _yielded(contact: Friction, system: LagrangeSystem, names: Sequence[str]) ->
     each = list(zip(borders, slips, states, elastic, strict=True))
     return {
         "force": force,
-        "rates": tuple(system.rate(border) if slip else rate for border, slip, _, rate in each),
+        "rates": tuple(_rate_of_limit(system, one) if slip else rate for one, slip, _, rate in each),
         "constraints": tuple(state - border for border, slip, state, _ in each if slip),
     }
+
+
+def _rate_of_limit(system: LagrangeSystem, limit: Any) -> Any:
+    return system.rate_in_motion(limit, system.accelerations_of_mode)
 
 
 def _ends(contact: Friction, system: LagrangeSystem, k: int, name: str) -> tuple[RegimeEnd, ...]:
@@ -252,7 +256,9 @@ def _ends(contact: Friction, system: LagrangeSystem, k: int, name: str) -> tuple
         )
     states[k] = border = sign * limit
     rates = values_of_law(contact.law, contact.pressing, contact.relative_velocity, states).rates
-    return (RegimeEnd("v_r", sign * (rates[k] - system.rate(border)), ("stick",), "hold", state=k),)
+    return (
+        RegimeEnd("v_r", sign * (rates[k] - _rate_of_limit(system, border)), ("stick",), "hold", state=k),
+    )
 
 
 def _slip_on(contact: Friction, system: LagrangeSystem) -> ContactRegime:

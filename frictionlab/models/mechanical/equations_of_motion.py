@@ -363,6 +363,11 @@ class LagrangeSystem:
         moving = (*self.q, *self.clocks, *self.further)
         return dot(self.gradient(expression, moving), (*self.v, *self.other_rates))
 
+    @cached_property
+    def accelerations_of_mode(self) -> tuple[Any, ...]:
+        """Symbols in rates of friction laws, where a damper presses; a mode puts its accelerations there."""
+        return tuple(sympy.Symbol(f"{one}'", real=True) for one in self.v)
+
     def rate_in_motion(self, expression: Any, accelerations: Sequence[Any]) -> Any:
         """Time derivative of a function of coordinates, velocities, clocks and further states."""
         return self.rate(expression) + dot(self.gradient(expression, self.v), accelerations)

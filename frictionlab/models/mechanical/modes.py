@@ -61,7 +61,7 @@ def derive_automaton(model: MechanicalModel) -> HybridAutomaton:
     system = system_of(key)
     if len(system.parts) > 1:
         modes: Any = ModesOnDemand(
-            tuple(tuple(map(conditions_of_regime, regimes)) for regimes in system.parts),
+            conditions_of_regimes(system),
             lambda combination: mode_of(system, combination),
             system.names,
             *_again(key),
@@ -105,15 +105,23 @@ def modes_of_structure(key: StructureKey) -> Any:
     return automaton_of_structure(key).modes
 
 
-def conditions_of_regime(regime: ContactRegime) -> Regime:
+def conditions_of_regimes(system: LagrangeSystem) -> tuple[tuple[Regime, ...], ...]:
+    """The conditions of the regimes of each part that are known without accelerations."""
+    unknown = {*system.accelerations_of_mode}
+    return tuple(tuple(conditions_of_regime(one, unknown) for one in regimes) for regimes in system.parts)
+
+
+def conditions_of_regime(regime: ContactRegime, unknown: set[Any]) -> Regime:
     """A regime's conditions that are known without solving for forces: v_r = 0 in stick, its sign in slip."""
     if regime.force is None:
         needs = [sign * c for c in regime.constraints for sign in (1, -1)]
         needs += [] if regime.sliding is None else [regime.sliding]
     else:
         needs = [end.function for end in regime.ends(regime.force, None)]
+    rates = tuple(sympy.sympify(one).xreplace(dict.fromkeys(unknown, sympy.S.Zero)) for one in regime.rates)
+    needs = [one for one in needs if unknown.isdisjoint(sympy.sympify(one).free_symbols)]
     distances = len(regime.constraints) - len(regime.held)  # a rigid contact has one and its rate
-    return Regime(regime.name, tuple(needs), len(regime.held) > distances, regime.rates)
+    return Regime(regime.name, tuple(needs), len(regime.held) > distances, rates)
 
 
 class ContactForces(NamedTuple):
@@ -342,8 +350,9 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
     solved = solve_contact_forces(system, chosen, hold)
     names = [regime.name for regime in chosen]
     name = system.names.name_of(combination)
+    known = dict(zip(system.accelerations_of_mode, solved.accelerations, strict=True))
     events = [
-        _event(system, combination, i, end)
+        _event(system, combination, i, _in_motion(end, known))
         for i, regime in enumerate(chosen)
         for end in regime.ends(*solved.holding.get(system.leader(i, names), (regime.force, regime.limit)))
         if not end.common or system.leader(i, names) == i
@@ -351,8 +360,14 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
     events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = contact_outputs(system, chosen, solved)
-    flow = system.flow(solved.accelerations, [rate for regime in chosen for rate in regime.rates])
+    rates = [sympy.sympify(rate).xreplace(known) for regime in chosen for rate in regime.rates]
+    flow = system.flow(solved.accelerations, rates)
     return Mode(name, flow, tuple(events), constraints, outputs, balance=solved.balance)
+
+
+def _in_motion(end: RegimeEnd, accelerations: Mapping[Any, Any]) -> RegimeEnd:
+    """The end of a regime of slip at a limit that moves with the accelerations of the mode."""
+    return end._replace(function=end.function.xreplace(accelerations)) if end.jump == "hold" else end
 
 
 def _event(system: LagrangeSystem, combination: Combination, i: int, end: RegimeEnd) -> Event:

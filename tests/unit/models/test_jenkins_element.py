@@ -301,3 +301,28 @@ def test_the_papers_slider_with_an_element_slides_lifts_off_and_lands(law):
     assert run.status.ok
     assert fl.verify(model, 0.5, x0={"y1": 0.02}, progress=False).ok
     assert fl.verify(Driven(), 6.0, progress=False).ok
+
+
+@pytest.mark.parametrize("law", [fl.Jenkins(mu_k=0.4, k_t=30.0), fl.Iwan(mu_k=0.4, k_t=30.0)])
+def test_elements_keep_to_a_limit_that_a_damper_moves(law):
+    """Its rate has the acceleration of the bodies, which was left out."""
+
+    class Pressed(fl.MechanicalModel):
+        coordinates = ("x", "y")
+
+        def mechanics(self, q, v):
+            pad = fl.Friction(0.3 - v.x, lambda d: 100.0 * d, law, penetration=-q.y, damper=2.0)
+            kinetic, dissipation = (v.x**2 + v.y**2) / 2, 0.02 * (v.x**2 + v.y**2)
+            loads = {"y": fl.functions.cos(q.phase)}
+            potential = q.x**2 + 8 * q.y
+            return fl.Mechanics(
+                kinetic, potential, dissipation=dissipation, loads=loads, contacts=(pad,), frequency=3.0
+            )
+
+    run = fl.simulate(fl.model(Pressed)(), 4.0, x0=[0.2, -0.08, 0.0, 0.0], progress=False)
+    first = "z" if isinstance(law, fl.Jenkins) else "z1"
+    slips = np.array([(*name.split(" | "), "")[first == "z1"] == "slip+" for name in run.mode])
+    assert slips.any()
+    force = -100.0 * run["y"] - 2.0 * run["y'"]
+    share = run[first][slips] / force[slips]
+    assert share == pytest.approx(share[0], rel=1e-12)
