@@ -76,10 +76,12 @@ def _new_runs(
     counts = np.zeros((count, run_state.COUNTS), dtype=np.int64)
     counts[:, run_state.JETS_READY] = 1
     counts[:, run_state.STOPS_AT_ZENO] = method.accumulation == "raise"
+    times = np.zeros((count, run_state.RESOLUTION + 1))
+    times[:, run_state.CHATTER] = limits
     return BatchRuns(
         states=states.copy(),
         sizes=np.abs(states),
-        times=np.array([(0.0, 0.0, 0.0, limit, 0.0) for limit in limits]),
+        times=times,
         counts=counts,
         signs=np.zeros(0, dtype=np.int64),
         constants=numbers.constants,
