@@ -60,7 +60,7 @@ class Explorer {
   build() {
     this.panels = {};
     this.buttons = {};
-    const { scene } = this, page = html("template", { innerHTML: MARKUP }).content;
+    const { scene } = this, page = new DOMParser().parseFromString(MARKUP, "text/html").body;
     for (const name of PARTS) this[name] = page.querySelector(`.fl-${name}`);
     for (const button of page.querySelectorAll("button")) this.connect(button);
     this.buttons.link.hidden = this.buttons.theme.hidden = !this.options.address;
@@ -79,7 +79,7 @@ class Explorer {
     this.pictures.replaceChildren(...scene.panels.map((name) => this.panel(name)));
     this.buttons.play.hidden = this.buttons.sound.hidden = !this.panels[this.played]; // their keys do nothing then
     // a run that is watched has no controls
-    this.root.replaceChildren(scene.controls.length ? page : this.pictures);
+    this.root.replaceChildren(...(scene.controls.length ? page.childNodes : [this.pictures]));
     this.observer.disconnect();
     this.observer.observe(this.pictures);
     if (!this.options.address) this.followTheme();

@@ -75,10 +75,10 @@ class BilinearContact(fl.ContactLaw):
 
 @dataclass(frozen=True)
 class BilinearFriction(fl.FrictionLaw):
-    mu: float = fl.parameter(0.4)
+    mu_c: float = fl.parameter(0.4)
 
     def kinetic(self, F_N, speed):
-        return F_N * (self.mu + fl.functions.maximum(speed - 0.2, 0.0))
+        return F_N * (self.mu_c + fl.functions.maximum(speed - 0.2, 0.0))
 
     def static_limit(self, F_N):
         return 0.5 * F_N
