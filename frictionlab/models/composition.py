@@ -19,7 +19,6 @@ from frictionlab.components.component import (
     Component,
     Parameter,
     get_annotations,
-    is_decorated,
     parameters_of,
     structure_of,
     subclasses_of,
@@ -206,8 +205,7 @@ def check_component(role: str, base: type, component: object) -> Component:
     if isinstance(component, type):
         name = component.__name__
         raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
-    own = (kind for kind in subclasses_of(base) if kind.__module__.startswith("frictionlab."))
-    names = [kind.__name__ for kind in own if kind is not base]
+    names = [kind.__name__ for kind in _laws_of_library(base)]
     if component in names:
         raise TypeError(f"{role} must be a {base.__name__}, got the text {component!r}: write {component}()")
     kinds = ", ".join(f"{name}()" for name in names)
@@ -261,17 +259,22 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
     return about
 
 
+def _laws_of_library(base: type) -> list[type]:
+    """The library's laws of a kind; those of a session are no help to one who has mistyped a name."""
+    kinds = (kind for kind in subclasses_of(base) if kind is not base and kind.__name__[0] != "_")
+    return [kind for kind in kinds if kind.__module__.startswith("frictionlab.")]
+
+
 def owner_hint(name: Any, cls: Any, components: Mapping[str, Component]) -> str:
-    """The end of a message: the class has a constant of the name, or a law the parameter; else empty."""
+    """The end of a message: the class has a constant of the name, or a law of the library the parameter."""
     if not isinstance(name, str):
         return ""
     constant = getattr(cls, name, None)
     if isinstance(constant, Real) and not isinstance(constant, bool):
         return f", but a constant: write {name}: float = {constant!r} in the class"
     for role, base in cls.roles.items():
-        for kind in subclasses_of(base):
-            # A class that lacks its decorator is no owner; it raises an error of its own when it is used.
-            if is_decorated(kind) and name in parameters_of(kind):
+        for kind in _laws_of_library(base):
+            if name in parameters_of(kind):
                 return f": it belongs to {kind.__name__}, and {role} is {components[role]!r}"
     return ""
 
