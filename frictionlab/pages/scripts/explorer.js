@@ -73,7 +73,7 @@ class Explorer {
     this.challengeList = this.menu(challenges, scene.challenges, (one) => this.take(one ?? null));
     this.challengeBox = box;
     this.lesson = new Lesson(this, lesson);
-    page.querySelector("input[type=file]").onchange = () => this.loadFile();
+    page.querySelector("input").onchange = () => this.loadFile(); // the first one takes a file
     this.side.append(...this.controlGroups());
     this.preparePlayer();
     this.pictures.replaceChildren(...scene.panels.map((name) => this.panel(name)));
