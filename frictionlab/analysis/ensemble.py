@@ -17,6 +17,7 @@ from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.chatter_limit import with_chatter_limit
+from frictionlab.hybrid.codegen.jet_codegen import lane_count
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
 from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, batch_result, integrate_batch
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
@@ -64,8 +65,8 @@ def ensemble(
         One initial state for all runs, or one for each.
     method : "taylor" or Taylor
     workers : int or None
-        Number of threads.  None takes one for each processor; within a task of a sweep, whose workers have
-        the processors, a single one.
+        Number of threads.  None takes one for each processor, but no more than have full lanes; within a
+        task of a sweep, whose workers have the processors, a single one.
     progress : bool
 
     Returns
@@ -132,8 +133,9 @@ def _run_in_threads(
 ) -> BatchResult:
     """Run problems to their ends, every so many-th in one thread, as the work of neighbours is alike."""
     in_task = STOP_SIGN.get() is not None or parent_process() is not None
-    workers = execution.workers or (1 if in_task else None)
-    count = min(thread_count(workers), len(problems))
+    # lanes that are half full take as long as full ones
+    most = 1 if in_task else max(1, len(problems) // lane_count())
+    count = min(thread_count(execution.workers), len(problems) if execution.workers else most)
     if count == 1:
         return integrate_batch(problems, method, bar)
     groups = [new_batch(problems[first::count], method) for first in range(count)]
