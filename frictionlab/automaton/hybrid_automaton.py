@@ -22,7 +22,7 @@ from frictionlab.validation import (
 )
 
 from .mode import Mode, Symbol, check_elements
-from .modes_on_demand import ModesOnDemand
+from .modes_on_demand import ModeNames, ModesOnDemand
 
 
 def module_of_pieces() -> Any:
@@ -175,6 +175,11 @@ class HybridAutomaton:
         if isinstance(self.modes, ModesOnDemand):
             return self.modes.names
         return tuple(mode.name for mode in self.modes)
+
+    def place_of_mode(self, name: str) -> int:
+        """The place of a mode in the order, which does not depend on the modes that are derived already."""
+        names = self.names
+        return names.place_of(name) if isinstance(names, ModeNames) else names.index(name)
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:

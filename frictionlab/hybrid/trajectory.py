@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from frictionlab.automaton import HybridAutomaton
-from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.hybrid.accuracy import chatter_warning, defect_warning, defects, sampled_steps
 from frictionlab.hybrid.chatter_limit import CHATTER
 from frictionlab.hybrid.codegen.native_cache import native_code
@@ -160,8 +159,7 @@ class Trajectory(Drawable):
     @property
     def mode_places(self) -> tuple[int, ...]:
         """The place of each mode of `mode_names` in the automaton's order."""
-        names = self.automaton.names
-        return tuple(map(names.place_of if isinstance(names, ModeNames) else names.index, self.mode_names))
+        return tuple(map(self.automaton.place_of_mode, self.mode_names))
 
     @property
     def names(self) -> tuple[str, ...]:

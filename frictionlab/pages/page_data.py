@@ -82,7 +82,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
             f"a page holds at most {MAX_MODES} modes, and {name_of(model)} has more: "
             "take a model with fewer contacts, or laws of fewer pieces or elements"
         )
-    automaton = automaton.derived()
+    place_of, automaton = automaton.place_of_mode, automaton.derived()
     modes = tuple(automaton.modes)
     wholes = {mode.name: mode.name if mode.whole is None else mode.whole.name for mode in modes}
     program, _ = program_of(automaton)
@@ -92,7 +92,7 @@ def structure_data(model: Shown) -> dict[str, Any]:
         "parameters": [symbol.name for symbol in parameters],
         "fixed": {s.name: float(v) for s, v in automaton.parameters.items() if s.name not in known},
         **quantity_data(model, automaton),
-        **mode_data(looks_by_whole(list(enumerate(program.modes)), wholes), wholes),
+        **mode_data(looks_by_whole([(place_of(name), name) for name in program.modes], wholes), wholes),
         "guards": list(program.guards),
         "affine": bool(is_affine(program)),
         "order": method.order_of(program),

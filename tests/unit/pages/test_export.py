@@ -16,6 +16,7 @@ from frictionlab.pages.gallery import LibraryScene, export_gallery
 from frictionlab.pages.page_data import chosen_sliders, scene_menu, structures, switch_names
 from frictionlab.pages.python_text import python_text
 from frictionlab.pages.scene import controls_of_models, shown_model
+from frictionlab.plotting.appearance import mode_looks
 
 
 def test_all_eight_structures_of_the_slider_are_there():
@@ -173,3 +174,13 @@ def test_copied_python_calls_a_structure_a_structure():
     exec(python_text(shown, 1.0, start, fl.Taylor()), scope)
     assert scope["model"].parameters == {"k": 3.0}
     assert scope["run"].final_state == pytest.approx([np.sin(3**0.5) / 3**0.5, np.cos(3**0.5)])
+
+
+@pytest.mark.parametrize("model", [fl.BoltedJoint(), fl.OscillatorChain()], ids=lambda m: type(m).__name__)
+def test_modes_look_on_a_page_as_in_figures(model):
+    """A page has all modes, a run those that it came to, which it derives in another order."""
+    data = page_data.structure_data(model)
+    shown = dict(zip(data["modes"], zip(data["colours"], data["dashes"], strict=True), strict=True))
+    looks = mode_looks(fl.simulate(model, 10.0, progress=False))
+    assert len(looks) > 1
+    assert {name: shown[name] for name in looks} == {n: (m.colour, list(m.dashes)) for n, m in looks.items()}
