@@ -120,7 +120,8 @@ floors.
 `fl.ensemble`: runs of one structure whose mode is the same take their steps side by side, in the lanes of one
 vector: four, or eight where AVX-512 is. They are shared out to threads, one for each core, as the kernels
 hold no GIL. Every run is what it would be alone, to the last bit. On two cores the time is that of the clock.
-By itself fl.ensemble takes no more threads than have full lanes, so that 8 runs stay on one.
+By itself fl.ensemble takes no more threads than have full lanes: with lanes of eight 8 runs stay on one. The
+column of two cores is for workers=2.
 Values of mu_k from 2 to 2.5 (C, 1 s) and from 0.2 to 1 (B, 20 s), from rest. It pays most where no events
 come between, of which each run finds and handles its own. Of few runs one that takes many more steps than
 others ends alone.

@@ -5,28 +5,33 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import wait
 from dataclasses import replace
-from multiprocessing import parent_process
 from typing import Any
 
 import numpy as np
 
 from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.options import Execution
-from frictionlab.analysis.sweeps.tasks import thread_count, worker_threads
+from frictionlab.analysis.sweeps.tasks import IN_TASK, thread_count, worker_threads
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames
 from frictionlab.compilation.decorators import needs_compilation
 from frictionlab.hybrid.chatter_limit import with_chatter_limit
 from frictionlab.hybrid.codegen.jet_codegen import lane_count
 from frictionlab.hybrid.ensemble.arrays import Batch, new_batch
-from frictionlab.hybrid.ensemble.batch import BatchResult, advance_batch, batch_result, integrate_batch
+from frictionlab.hybrid.ensemble.batch import (
+    BatchResult,
+    advance_batch,
+    batch_result,
+    integrate_batch,
+    takes_lanes,
+)
 from frictionlab.hybrid.ensemble.lanes import advance_batch_kernel
 from frictionlab.hybrid.kernels.run_state import NOW
 from frictionlab.hybrid.methods.taylor import Taylor
 from frictionlab.hybrid.problem import Problem, Status
 from frictionlab.hybrid.real_powers import undefined_start
 from frictionlab.hybrid.solve import method_of, problem_of
-from frictionlab.interruption import POLL_TIME, STOP_SIGN, Progress, interruption
+from frictionlab.interruption import POLL_TIME, Progress, interruption
 from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.presentation import unit_of_state
 from frictionlab.tape.arguments import check_automaton
@@ -132,10 +137,9 @@ def _run_in_threads(
     problems: Sequence[Problem], method: Taylor, execution: Execution, bar: Progress
 ) -> BatchResult:
     """Run problems to their ends, every so many-th in one thread, as the work of neighbours is alike."""
-    in_task = STOP_SIGN.get() is not None or parent_process() is not None
-    # lanes that are half full take as long as full ones
-    most = 1 if in_task else max(1, len(problems) // lane_count())
-    count = min(thread_count(execution.workers), len(problems) if execution.workers else most)
+    count = min(thread_count(execution.workers), len(problems))
+    if not execution.workers:
+        count = 1 if IN_TASK.get() else min(count, _most_threads(problems, method))
     if count == 1:
         return integrate_batch(problems, method, bar)
     groups = [new_batch(problems[first::count], method) for first in range(count)]
@@ -148,6 +152,13 @@ def _run_in_threads(
             if bar.update(float(np.mean([group.runs.times[:, NOW].mean() for group in groups]))):
                 stop.set()
     return _in_turn([batch_result(group) for group in groups])
+
+
+def _most_threads(problems: Sequence[Problem], method: Taylor) -> int:
+    """How many threads are worth while: in lanes a few runs take as long as full lanes of them."""
+    program, t_end = problems[0].program, problems[0].t_end
+    side_by_side = problems[0].derive is None and takes_lanes(program, method.order_of(program), t_end)
+    return max(1, len(problems) // lane_count()) if side_by_side else len(problems)
 
 
 def _advance_in_thread(group: Batch, t_end: float) -> None:

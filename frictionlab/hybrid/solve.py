@@ -308,7 +308,7 @@ def with_phase_in_turn(automaton: HybridAutomaton, states: np.ndarray) -> np.nda
 
 
 def _rates_of_phase(automaton: HybridAutomaton, i: int, states: np.ndarray) -> Any:
-    """The rates of the state number `i`, a phase, which are the same in all modes."""
+    """The rates of the state number `i`, a phase, in the first mode: those of models are the same in all."""
 
     def derive() -> Formulas:
         return _formula_of_rate(automaton.modes[0].flow[i], automaton.states, tuple(automaton.parameters))

@@ -206,7 +206,7 @@ def check_component(role: str, base: type, component: object) -> Component:
         name = component.__name__
         raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
     names = [kind.__name__ for kind in _laws_of_library(base)]
-    if component in names:
+    if isinstance(component, str) and component in names:
         raise TypeError(f"{role} must be a {base.__name__}, got the text {component!r}: write {component}()")
     kinds = ", ".join(f"{name}()" for name in names)
     raise TypeError(
@@ -262,7 +262,7 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
 def _laws_of_library(base: type) -> list[type]:
     """The library's laws of a kind; those of a session are no help to one who has mistyped a name."""
     kinds = (kind for kind in subclasses_of(base) if kind is not base and kind.__name__[0] != "_")
-    return [kind for kind in kinds if kind.__module__.startswith("frictionlab.")]
+    return [kind for kind in kinds if kind.__module__.startswith("frictionlab.components.")]
 
 
 def owner_hint(name: Any, cls: Any, components: Mapping[str, Component]) -> str:

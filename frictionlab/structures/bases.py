@@ -99,8 +99,9 @@ class ComplexModes(ReductionBasis):
 
     def reduced(self, structure: Structure, box: Box, tol: float) -> tuple[ReducedStructure, float]:
         """The structure on this basis, and by what share eigenvalues may err over ranges of parameters."""
-        samples, error = over_box(structure, box, tol)
-        between = list(islice(points_in(box), len(samples), 2 * len(samples))) if box else []
+        samples, error, looked_at = over_box(structure, box, tol)
+        others = islice(points_in(box), looked_at, looked_at + len(samples)) if box else ()
+        between = [point for point in others if _has_equilibrium(structure, point)]
         samples = _with_samples_between(structure, samples, between, tol)
         small, left_out = _smallest(structure, samples, between, max(tol, error))
         return small, max(error, left_out)
@@ -125,7 +126,8 @@ class _ModesUpToFrequency(ReductionBasis):
     def reduced(self, structure: Structure, box: Box, tol: float) -> tuple[ReducedStructure, float]:
         """The structure on this basis, and by what share eigenvalues may err over ranges of parameters."""
         count = 2 ** len(box) + bool(box)
-        samples = [sample_at(structure, point) for point in islice(points_in(box), count)]
+        found = Sample.where_known(structure, islice(points_in(box), count))
+        samples = [one.weakly_damped(structure) for one in found if one is not None]
         if not any(len(one.values) for one in samples):
             raise no_modes(structure)
         fixed = self.fixed(structure)
@@ -425,6 +427,14 @@ def _with_samples_between(
             samples = [*samples, sample_at(structure, point)]
             small = reduced(structure, samples)
     return samples
+
+
+def _has_equilibrium(structure: Structure, point: Point) -> bool:
+    try:
+        structure.at_values(point).find_equilibrium()
+    except ValueError:
+        return False
+    return True
 
 
 def _estimate_at(small: ReducedStructure, point: Point) -> float:

@@ -234,30 +234,31 @@ def extended(basis: Array, vectors: Array, tol: float) -> Array:
 
 def over_box(
     structure: Structure, box: Mapping[str, tuple[float, float]], tol: float = KNOWN_RTOL
-) -> tuple[list[Sample], float]:
-    """Samples over ranges of parameters, by which modes there are known, and by what share they may err.
+) -> tuple[list[Sample], float, int]:
+    """Samples over ranges of parameters, by which modes there are known, by what share they may err, and how
+    many points were looked at.
 
     Points without an equilibrium are left out.
     """
     corners = 2 ** len(box)
     points = islice(points_in(box), max(corners, MOST_SAMPLES * len(box)))
     samples: list[Sample] = []
-    small, known, errors = None, 0, [0.0, 0.0]
+    number, known, errors = 0, 0, [0.0, 0.0]
     for number, sample in enumerate(Sample.where_known(structure, points), 1):
         if sample is None:
             continue
-        samples.append(sample.weakly_damped(structure))
-        if small is not None:
-            errors.append(error_at(small, samples[-1]))
-            known = known + 1 if errors[-1] <= tol else 0
-            if known == 2:
-                break
-        if number >= corners:
+        sample = sample.weakly_damped(structure)
+        if number > corners and samples:
             small = reduced(structure, samples)
             if small.size == structure.size:
                 errors = [0.0, 0.0]
                 break
-    return samples, max(errors[-2:])
+            errors.append(error_at(small, sample))
+            known = known + 1 if errors[-1] <= tol else 0
+        samples.append(sample)
+        if known == 2:
+            break
+    return samples, max(errors[-2:]), number
 
 
 def sample_at(structure: Structure, point: Point) -> Sample:

@@ -42,7 +42,8 @@ from frictionlab.validation import abbreviate, check_number, is_sequence
 MOST_PERIODS = 64  # of an orbit in a guess
 SAME_STATE_RTOL = 1e-6  # share of the motion's size within which two states are one
 RETURN_RTOL = 0.1  # a state has returned within this share of the largest distance so far
-DECAYING_SHARE = 1e-3  # of its range: a state that misses its start by more does not belong to an orbit
+# of its range: a state whose end differs by more from its start is no part of the periodic motion
+DECAYING_SHARE = 1e-3
 RETURN_XTOL = 1e-5  # share of a step to which the time of a return is located
 SHORTEST_STAY = 1e-6  # share of a run that a stay has to last for an orbit to begin in it
 MAX_ITERATIONS = 40
@@ -237,10 +238,11 @@ def _start_in_freest_mode(
 
 
 def scales_of_orbit(run: Trajectory, missed: Array | None = None) -> Array:
-    """The unit (n,) of differences between states: that of one which but rounding moves is the motion of
-    others.
+    """The unit (n,) of differences between states.
 
-    So is that of a state that misses (n,) its start, by which the orbit is closed: what is left of it decays.
+    A state that only rounding moves is measured by the motion of others.  So is a state that decays, and is
+    no part of the periodic motion: its end differs from its start by much of its range.  `missed` (n,) has
+    these differences.
     """
     states = run.states
     if missed is not None:

@@ -332,7 +332,8 @@ def _run_independently(
     except TaskFailure as error:
         if isinstance(error, ExecutorLost) or all(len(group) == 1 for group in groups):
             raise
-    return compute([[i] for i in left()])  # which value of a group fails shows one by one
+    # Which value of a group fails shows one by one; the group that failed is the first with values left.
+    return compute([[i] for group in groups for i in group if i not in journal.results])
 
 
 def _groups(

@@ -18,6 +18,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from multiprocessing import parent_process
 from queue import Empty, SimpleQueue
 from time import monotonic
@@ -42,6 +43,8 @@ QUIETLY = Execution(progress=False)
 LEAVING_PRESS, URGENT_PRESS = 2, 3  # presses of ctrl-C that abandon running tasks, that interrupt at once
 SILENT_TIME = 0.5  # seconds after ctrl-C before the user is told that tasks are still running
 WORKER_CHECK_TIME = 2.0  # seconds between two looks at how many workers an executor has
+# Whether a task of a sweep is being done here: its workers have the processors.
+IN_TASK: ContextVar[bool] = ContextVar("IN_TASK", default=False)
 NO_WORKER = "waiting: the executor has no worker"
 
 
@@ -84,7 +87,7 @@ def run_tasks(
     title : str
         What the progress bar says.
     parts : callable of index
-        What the progress bar counts a task as.
+        What the progress bar and errors count a task as.
 
     Returns
     -------
@@ -99,8 +102,8 @@ def run_tasks(
         Where the executor is lost, raised from what it said.
     """
     waiting = deque(range(len(tasks)) if todo is None else todo)
-    count = len(waiting)
-    bar = progress_bar(total=sum(map(parts, waiting)), desc=title, shown=execution.progress)
+    count = sum(map(parts, waiting))
+    bar = progress_bar(total=count, desc=title, shown=execution.progress)
     with InterruptCounter(URGENT_PRESS, bar) as interrupts:
         try:
             with _executor(execution, interrupts) as (pool, workers, chunk_time):
@@ -142,6 +145,7 @@ def call_chunk(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]]) -
     from a process of a pool.
     """
     ignore_interrupts_in_worker()
+    IN_TASK.set(True)
     results: list[Any] = []
     begun = monotonic()
     for task in tasks:
@@ -182,7 +186,7 @@ class _Run:
     ) -> None:
         self.errors: dict[int, BaseException] = {}
         self.executor_error: BaseException | None = None  # what the executor said where it was lost
-        self.count = 0  # of tasks that are done
+        self.count = 0  # of parts that are done
         self.chunks: dict[Future[Chunk], list[int]] = {}
         self._function, self._tasks, self._keep, self._left = function, tasks, keep, left
         self._pool, self._workers, self._chunk_time = pool, workers, chunk_time
@@ -240,8 +244,9 @@ class _Run:
         for index, result in zip(chunk, results):
             self._keep(index, result)
         self._left.extendleft(reversed(chunk[len(results) :]))
-        self.count += len(results)
-        self._bar.update(sum(map(self._parts, chunk[: len(results)])))
+        done = sum(map(self._parts, chunk[: len(results)]))
+        self.count += done
+        self._bar.update(done)
         self._alone -= len(results)
         if self._chunk_time and self._alone <= 0:
             longest = int(self._chunk_time * len(results) / max(seconds, 1e-9))

@@ -18,7 +18,7 @@ from frictionlab.hybrid.real_powers import cut_where_undefined
 from frictionlab.hybrid.variational.tangent_jets import state_on_constraints
 from frictionlab.interruption import Progress
 from frictionlab.presentation import Drawable, count, span, tally
-from frictionlab.tape.program import Numbers
+from frictionlab.tape.program import Numbers, Program
 
 STEPS_PER_ROUND = 100_000  # steps between two updates of the progress bar, which check for ctrl-C
 MEMORY_CAPPED = lanes.CAPPED - 1  # the status of a run, advanced alone, whose steps would fill the memory
@@ -80,7 +80,7 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     goes_on = (runs.status == run_state.RUNNING) | (runs.status == run_state.FINISHED)
     runs.times[goes_on, run_state.END] = t_end
     runs.status[goes_on] = run_state.RUNNING
-    if group.alone or is_affine(group.program) or t_end > longest_step(group.order):
+    if group.alone or not takes_lanes(group.program, group.order, t_end):
         return _advance_one_by_one(group, np.flatnonzero(goes_on), progress)
     changing = "states", "times", "counts", "totals"
     before = runs._replace(**{name: getattr(runs, name).copy() for name in changing})
@@ -89,11 +89,14 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
     _cut_where_undefined(group, before, progress)
 
 
-def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
-    """Advance each run alone.
+def takes_lanes(program: Program, order: int, t_end: float) -> bool:
+    """Whether runs of a program step in lanes: not where a step is a product with the run's own matrix, nor
+    where they are longer than the longest step of their order."""
+    return not (is_affine(program) or t_end > longest_step(order))
 
-    Lanes gain nothing if a step is a product with the run's own matrix, or if modes are derived on demand.
-    """
+
+def _advance_one_by_one(group: Batch, which: np.ndarray, progress: Progress) -> None:
+    """Advance each run alone, as where modes are derived on demand."""
     runs = group.runs
     for i in which:
         now, end = runs.times[i, :2]

@@ -53,9 +53,10 @@ function eigenvector(matrix, [re, im]) { // [real part, imaginary part], its lar
   const shifted = matrix.map((row, i) => row.map((v, j) => (i === j ? v - a : v)));
   const joined = (one, other) => one.map((row, i) => [...row, ...other[i]]);
   const both = [...joined(shifted, diagonal(im)), ...joined(diagonal(-im), shifted)]; // of real and imaginary part
+  const factors = new mlMatrix.LU(both);
   let x = both.map((_, i) => Math.cos(i));
   for (let round = 0; round < 4; round++) {
-    x = solveLinear(both, x);
+    x = factors.solve(mlMatrix.Matrix.columnVector(x)).to1DArray();
     const size = largest([sizesOf([x.slice(0, m), x.slice(m)])]);
     x = x.map((v) => v / size);
   }

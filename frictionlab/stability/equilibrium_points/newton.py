@@ -565,8 +565,8 @@ def _first_step(flow: Flow, x: Array, values: Sequence[Any]) -> tuple[Array, Any
     By Newton and Kantorovich it does where the Jacobian J changes on the way by at most half of itself.  The
     spectral radius of J^-1 dJ tells that share: it depends on no unit, and on no choice of coordinates.  A
     norm in units of the step is no less, and takes no eigenvalues.
-    Of a rate that jumps J tells nothing.  So the next step by the same J is at most a quarter of this one, in
-    each state, but for what dJ explains.  Where it is more, dJ is that to where the next step leads.
+    J says nothing about a rate that jumps.  So the next step by the same J is at most a quarter of this one,
+    in each state, but for what dJ explains.  Where it is more, dJ is that to where the next step leads.
     """
     matrices, rates = flow.jacobian(x, values), flow.rhs(x, values)
     step, bent = _newton_step(matrices, rates), flow.nonlinear

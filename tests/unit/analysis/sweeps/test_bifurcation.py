@@ -199,7 +199,7 @@ def test_a_method_derived_from_taylor_runs_all_by_itself():
 def test_an_executor_that_is_lost_is_not_tried_again():
     with (
         Pool(2, 1) as pool,
-        pytest.raises(RuntimeError, match=r"executor was lost after \d of 4 tasks \(BrokenExecutor: a "),
+        pytest.raises(RuntimeError, match=r"executor was lost after \d+ of 40 tasks \(BrokenExecutor: a "),
     ):
         fl.bifurcation(fl.MassOnBelt(), "mu_k", np.linspace(0.1, 0.4, 40), executor=pool, **SHORT)
 

@@ -44,7 +44,7 @@ def test_initial_states_are_the_last_axis():
 def test_the_number_of_workers_changes_nothing():
     def wait_and_see(model):
         time.sleep(0.02 * (model.mu_k < 0.15))  # so that the first ends last
-        return {"mu_k": model.mu_k, "thread": None}
+        return model.mu_k
 
     values = {"mu_k": np.linspace(0.1, 1.0, 10)}
     one, five = (fl.sweep(MODEL, wait_and_see, values, workers=n, **QUIET) for n in (1, 5))
