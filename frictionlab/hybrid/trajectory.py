@@ -400,7 +400,7 @@ class Trajectory(Drawable):
         if self.status is not Status.FINISHED and (words := self._cause_of_end()):
             return f"it ended at {self.raw.t:g} s with {words}"
         code, order, codes = self.problem.program.code, self.samples.order, self.raw.event_codes
-        if codes[:, 2].any() and np.isin(codes[:, 1], code.limits).any():
+        if len(codes) and codes[:, 2].any() and np.isin(codes[:, 1], code.limits).any():
             words = chatter_warning(self.raw, self.automaton.values.get(CHATTER, 0.0))
             if words:
                 return words
