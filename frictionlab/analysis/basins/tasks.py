@@ -80,8 +80,8 @@ def run_basin_tasks(
         journal.run_tasks(probe_attractor, probes, names.__getitem__, execution, "attractors")
         if journal.complete:
             _run_groups(journal, automaton, groups, options, len(sample), execution)
-    result = result_of(specification, journal.results) if journal.results else None
-    return journal.finish(result, len(sample) + len(groups))
+        result = result_of(specification, journal.results) if journal.results else None
+        return journal.finish(result, len(sample) + len(groups))
 
 
 def _run_groups(

@@ -396,9 +396,9 @@ def _evaluated(study: _Study, values: Array, how: Execution, title: str) -> Arra
         specification |= {"parameters": list(study.distributions), "points": values.tolist()}
     with Journal(specification, how.resume) as journal:
         journal.run_tasks(evaluate, tasks, names.__getitem__, how, title)
-    numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
-    flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
-    return journal.finish(flat, len(tasks))
+        numbers = [journal.results.get(i, [None] * len(block[3])) for i, block in enumerate(tasks)]
+        flat = np.array([np.nan if v is None else v for block in numbers for v in block], dtype=float)
+        return journal.finish(flat, len(tasks))
 
 
 def _evaluation_tasks(

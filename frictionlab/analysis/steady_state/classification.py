@@ -13,6 +13,7 @@ shift on which nothing depends, see `drift`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -289,15 +290,15 @@ class Comparison(NamedTuple):
     ----------
     run : Trajectory
     drift : Drift or None
-    reach : float
-        The largest coordinate before the run, which may come to rest at zero.
+    reach : callable
+        Gives the largest coordinate before the run, which may come to rest at zero.
     still : array (n,) of bool
         States that count as zero, as but rounding moves them; by default none.
     """
 
     run: Trajectory
     drift: Drift | None = None
-    reach: float = 0.0
+    reach: Callable[[], float] = float
     still: Any = np.zeros(1, dtype=bool)
 
     def columns(self, states: Array) -> Array:
@@ -365,19 +366,23 @@ def _at_rest(of: Comparison) -> bool | None:
     if not only_phase_resets(run):
         return None
     verdicts = [_part_at_rest(run, x, least) for x, least in of.resting_parts(_even_samples(run))]
-    if of.drift is None and decays_to_zero(run, of.reach):
+    if of.drift is None and _decays_to_zero(run, of.reach):
         return True
     return None if None in verdicts else all(verdicts)
 
 
-def decays_to_zero(run: Trajectory, reach: float) -> bool:
-    """Whether a motion about zero decays, and is small beside `reach`, the largest coordinate before the run.
+def _decays_to_zero(run: Trajectory, reach: Callable[[], float]) -> bool:
+    """Whether a motion about zero decays, and is small beside what `reach` gives, as of :class:`Comparison`.
 
     Where the equilibrium is at zero, as that of a structure without loads, coordinates are no measure.
     """
-    places = _even_samples(run)[:, : run.automaton.coordinates or None]
-    about_zero = np.abs(places.mean(axis=0)).max() < ABOUT_ZERO * state_ranges(places).max()
-    return bool(about_zero and is_small_and_decays(run, reach))
+    if len(run.events):
+        return False
+    x = _even_samples(run)
+    places = x[:, : run.automaton.coordinates or None]
+    if not np.abs(places.mean(axis=0)).max() < ABOUT_ZERO * state_ranges(places).max():
+        return False
+    return all_parts_decay(x, state_ranges(x)) and _last_range(places) < REST_AMPLITUDE_RTOL * reach()
 
 
 def _part_at_rest(run: Trajectory, x: Array, least: float) -> bool | None:
@@ -399,9 +404,13 @@ def is_small_and_decays(run: Trajectory, size: float, share: float = REST_AMPLIT
     if len(run.events):
         return False
     x = _even_samples(run)
-    last = np.array_split(x[:, : run.automaton.coordinates or None], 4)[-1]
-    small = state_ranges(last).max() < share * size
-    return bool(small and all_parts_decay(x, state_ranges(x)))
+    small = _last_range(x[:, : run.automaton.coordinates or None]) < share * size
+    return small and all_parts_decay(x, state_ranges(x))
+
+
+def _last_range(places: Array) -> float:
+    """The largest range of coordinates (N, n) in the last quarter of a window."""
+    return float(state_ranges(np.array_split(places, 4)[-1]).max())
 
 
 def largest_coordinate(run: Trajectory) -> float:
@@ -449,7 +458,7 @@ class MotionClass(NamedTuple):
 
 
 def classify_run(
-    run: Trajectory, section: Section | None, tolerance: float, reach: float = 0.0
+    run: Trajectory, section: Section | None, tolerance: float, reach: Callable[[], float] = float
 ) -> MotionClass:
     """The kind of motion in a run and its period; `reach` as of :class:`Comparison`, the rest as of
     `steady_state`."""
@@ -467,7 +476,7 @@ def classify_run(
     drift = drift_of(run)
     if drift is None and not still.any():
         return classified
-    return _classify(Comparison(run, drift, reach if drift is None else 0.0, still), section, tolerance)
+    return _classify(Comparison(run, drift, reach if drift is None else float, still), section, tolerance)
 
 
 def _classify(of: Comparison, section: Section | None, tolerance: float) -> MotionClass:

@@ -6,9 +6,9 @@ intensity L_s, Eq. (20), is the mean squared distance from the sliding equilibri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,11 +180,11 @@ def steady_state_of_window(
     tolerance: float,
     *,
     passed: float,
-    reach: float = 0.0,
+    reach: Callable[[], float] = float,
 ) -> SteadyState:
     """The kind of motion in a run, its period, intensity and so on; arguments as of `steady_state`.
 
-    `reach` is the largest coordinate before.
+    `reach` gives the largest coordinate before.
     """
     classified = classify_run(run, section, tolerance, reach)
     compared = (
@@ -285,32 +285,73 @@ def find_steady_state(
 ) -> SteadyState:
     """The steady state from an initial state (n,), or from where a run has ended in a mode; other arguments
     as of :func:`steady_state`, already checked."""
-    start, passed, reach, t_max = (x0, mode), 0.0, 0.0, options.t_max
+    start = WindowStart(x0, mode)
     if options.transient > 0:
-        run = _run_transient(model, start, options, progress)
+        run = run_transient(model, x0, mode, options, progress)
         if not run.status.ok:
             return steady_state_of_window(model, run, options.section, options.tolerance, passed=0.0)
-        start, passed, reach = end_of(run), options.transient, largest_coordinate(run)
+        reach = largest_coordinate(run)
+        start = WindowStart(*end_of(run), options.transient, lambda: reach)
+    return settle(model, start, options, progress)[0]
+
+
+class WindowStart(NamedTuple):
+    """Where a window starts, and what was before it.
+
+    Parameters
+    ----------
+    state : array (n,)
+    mode : str or None
+    transient : float
+        Seconds before the window.
+    first_reach : callable
+        Gives the largest coordinate in the first of these seconds; asked for only where it decides.
+    reach : float
+        The largest coordinate after them.
+    """
+
+    state: Any
+    mode: str | None
+    transient: float = 0.0
+    first_reach: Callable[[], float] = float
+    reach: float = 0.0
+
+    def largest_coordinate(self) -> float:
+        """The largest coordinate so far."""
+        return max(self.first_reach(), self.reach)
+
+
+def settle(
+    model: ModelOrAutomaton, start: WindowStart, options: SteadyStateOptions, progress: bool
+) -> tuple[SteadyState, WindowStart]:
+    """The steady state found window by window, up to `t_max`, and where the next window would start."""
+    section, t_max = options.section, options.t_max
     while True:
         run = _run_window(model, start, options, progress)
         steady = steady_state_of_window(
-            model, run, options.section, options.tolerance, passed=passed, reach=reach
+            model,
+            run,
+            section,
+            options.tolerance,
+            passed=start.transient,
+            reach=start.largest_coordinate,
         )
-        passed, reach = passed + options.window, max(reach, largest_coordinate(run))
+        passed, reach = start.transient + options.window, max(start.reach, largest_coordinate(run))
+        start = WindowStart(*end_of(run), passed, start.first_reach, reach)
         if steady.settled or t_max is None or passed + options.window > t_max or not run.status.ok:
-            return steady
-        start = end_of(run)
+            return steady, start
 
 
-def _run_transient(
-    model: ModelOrAutomaton, start: tuple[Any, str | None], settings: SteadyStateOptions, progress: bool
+def run_transient(
+    model: ModelOrAutomaton, x0: Any, mode: str | None, settings: SteadyStateOptions, progress: bool
 ) -> Trajectory:
+    """The run over the transient from an initial state (n,)."""
     options: dict[str, Any] = {"method": settings.solver, "progress": progress, "source": model}
-    return solve_from_end(automaton_of(model), settings.transient, *start, **options)
+    return solve_from_end(automaton_of(model), settings.transient, x0, mode, **options)
 
 
 def _run_window(
-    model: ModelOrAutomaton, start: tuple[Any, str | None], settings: SteadyStateOptions, progress: bool
+    model: ModelOrAutomaton, start: WindowStart, settings: SteadyStateOptions, progress: bool
 ) -> Trajectory:
     """A run with the section and the integrand of L_s along it, where the method can record them."""
     method = settings.solver
@@ -321,4 +362,4 @@ def _run_window(
     if method.records_sections and point is not None:
         automaton = with_equilibrium_parameters(automaton, point)
         options["quadratures"] = {SQUARED_DISTANCE: squared_distance(automaton)}
-    return solve_from_end(automaton, settings.window, *start, **options)
+    return solve_from_end(automaton, settings.window, start.state, start.mode, **options)

@@ -335,8 +335,8 @@ def ablation(
     tasks, names = plan.tasks(by_name)
     with Journal(specification, how.resume) as journal:
         journal.run_tasks(call, tasks, names.__getitem__, how, "ablation")
-    results = [journal.results.get(i) for i in range(len(tasks))]
-    return journal.finish(plan.ablation(results, tuple(by_name)), len(tasks))
+        results = [journal.results.get(i) for i in range(len(tasks))]
+        return journal.finish(plan.ablation(results, tuple(by_name)), len(tasks))
 
 
 def _studies_by_name(studies: Any) -> dict[str, Callable[..., Any]]:

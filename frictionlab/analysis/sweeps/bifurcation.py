@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, Unpack, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +16,15 @@ from numpy.typing import NDArray
 from frictionlab.analysis.ensemble import ensemble
 from frictionlab.analysis.initial_states import carried_state_of, initial_state_of, named_state
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
-from frictionlab.analysis.steady_state.classification import MotionKind, decays_to_zero
-from frictionlab.analysis.steady_state.steady_state import SteadyState, check_section, find_steady_state
+from frictionlab.analysis.steady_state.classification import MotionKind, largest_coordinate
+from frictionlab.analysis.steady_state.steady_state import (
+    SteadyState,
+    WindowStart,
+    check_section,
+    find_steady_state,
+    run_transient,
+    settle,
+)
 from frictionlab.analysis.sweeps.journal import Journal, read_journal, write_journal
 from frictionlab.analysis.sweeps.tasks import (
     URGENT_PRESS,
@@ -256,7 +265,8 @@ def bifurcation(
         Where a value fails, raised from its error; the results before it are in the file.
     KeyboardInterrupt
         After ctrl-C; :func:`partial_result` then returns the Bifurcation with the values that were done.  A
-        first press lets those that have begun finish, some eight for each worker; a second one abandons them.
+        first press lets those that have begun finish, some eight for each worker; a second one abandons those
+        that are not done by then.
 
     Examples
     --------
@@ -277,7 +287,7 @@ def bifurcation(
     run = _run_continued if _is_continued(x0) else _run_independently
     with Journal(specification, how.resume) as journal:
         journal.attempt(lambda: run(list(zip(models, starts, names)), options, journal, how))
-    return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
+        return journal.finish(bifurcation_from_results(specification, journal.results), len(models))
 
 
 def _models(model: ModelOrAutomaton, parameter: str, values: Any) -> list[ModelOrAutomaton]:
@@ -309,18 +319,31 @@ def _run_independently(
     models, starts, names = zip(*values)
 
     def compute(groups: Sequence[Sequence[int]]) -> bool:
+        found: deque[tuple[int, dict[str, Any]]] = deque()  # threads fill it before their groups are done
+
+        def keep_found() -> None:
+            while found:
+                i, result = found.popleft()
+                if i not in journal.results:
+                    journal.keep(i, result)
+
         def keep(task: int, results: list[dict[str, Any]]) -> None:
-            for i, result in zip(groups[task], results):
-                journal.keep(i, result)
+            found.extend(zip(groups[task], results))
+            keep_found()
+
+        def arguments(group: Sequence[int]) -> tuple[Any, ...]:
+            each = [models[i] for i in group], [starts[i] for i in group], options
+            return each if execution.executor else (*each, lambda k, result: found.append((group[k], result)))
 
         return run_tasks(
             steady_states_task,
-            [([models[i] for i in group], [starts[i] for i in group], options) for group in groups],
+            [*map(arguments, groups)],
             keep=keep,
             name=lambda task: ", ".join(names[i] for i in groups[task]),
             execution=execution,
             title=TITLE,
             parts=lambda task: len(groups[task]),
+            watch=keep_found,
         )
 
     def left() -> list[int]:
@@ -357,44 +380,40 @@ def _groups(
 
 
 def steady_states_task(
-    models: Sequence[ModelOrAutomaton], starts: Sequence[np.ndarray], options: SteadyStateOptions
+    models: Sequence[ModelOrAutomaton],
+    starts: Sequence[np.ndarray],
+    options: SteadyStateOptions,
+    note: Callable[[int, dict[str, Any]], None] = lambda i, result: None,
 ) -> list[dict[str, Any]]:
-    """One task: the steady states of some models, the same as if each were computed alone."""
-    method: Any = options.method  # a Taylor if there are several models
-    if len(models) == 1 or options.transient == 0.0:
-        return [steady_state_task(model, start, options) for model, start in zip(models, starts)]
-    ends = ensemble(models, options.transient, x0=np.array(starts), method=method, workers=1, progress=False)
-    after = replace(options, transient=0.0, t_max=None)
+    """One task: the steady states of some models, the same as if each were computed alone.
+
+    `note` is called with each result as soon as it is known.
+    """
+    several, method = len(models) > 1 and options.transient > 0.0, cast("Taylor", options.method)
+    x0, t = np.array(starts), options.transient
+    ends = ensemble(models, t, x0=x0, method=method, workers=1, progress=False) if several else None
     results: list[dict[str, Any]] = []
     for i, model in enumerate(models):
-        steady = None
-        if ends.status[i].ok:
-            mode = ends.mode_names[ends.modes[i]]
-            steady = find_steady_state(model, ends.states[i], after, progress=False, mode=mode)
-        if steady is None or _depends_on_transient(steady, options):
-            results.append(steady_state_task(model, starts[i], options))
+        if ends is None or not ends.status[i].ok:
+            steady = find_steady_state(model, starts[i], options, progress=False)
         else:
-            results.append(_data_of(steady))
+            mode, reach = ends.mode_names[ends.modes[i]], reach_of_transient(model, starts[i], options)
+            window = WindowStart(ends.states[i], mode, options.transient, reach)
+            steady = settle(model, window, options, progress=False)[0]
+        results.append(_data_of(steady))
+        note(i, results[-1])
     return results
 
 
-def _depends_on_transient(steady: SteadyState, options: SteadyStateOptions) -> bool:
-    """Whether what came before the window may change the result: it is the measure of a motion that decays to
-    zero, and with `t_max` more windows follow."""
-    if steady.kind == MotionKind.NOT_SETTLED and options.t_max is not None:
-        return True
-    known = steady.kind in (MotionKind.EQUILIBRIUM, MotionKind.ENDED_EARLY)
-    return not known and decays_to_zero(steady.trajectory, np.inf)
-
-
-def steady_state_task(
-    model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions, mode: str | None = None
-) -> dict[str, Any]:
-    """One task: the steady state from an initial state (n,), as data that JSON can hold."""
-    return _data_of(find_steady_state(model, start, options, progress=False, mode=mode))
+def reach_of_transient(
+    model: ModelOrAutomaton, start: np.ndarray, options: SteadyStateOptions
+) -> Callable[[], float]:
+    """What gives the largest coordinate in a transient, of which only the end is known: once, by a run."""
+    return cache(lambda: largest_coordinate(run_transient(model, start, None, options, progress=False)))
 
 
 def _data_of(steady: SteadyState) -> dict[str, Any]:
+    """A steady state as data that JSON can hold."""
     period = None if np.isnan(steady.period) else steady.period
     end, mode = end_of(steady.trajectory)
     return {
@@ -444,7 +463,7 @@ def _named_task(
 ) -> dict[str, Any] | None:
     """The steady state at a value; None after ctrl-C.  An error gives the value's name."""
     try:
-        return steady_state_task(model, start, options, mode)
+        return _data_of(find_steady_state(model, start, options, progress=False, mode=mode))
     except KeyboardInterrupt:
         return None
     except Exception as error:

@@ -27,9 +27,9 @@ import numpy as np
 
 from frictionlab._version import __version__
 from frictionlab.analysis.options import Execution
-from frictionlab.analysis.sweeps.tasks import TaskFailure, run_tasks
+from frictionlab.analysis.sweeps.tasks import URGENT_PRESS, TaskFailure, run_tasks
 from frictionlab.file_writing import cure_of, read_file, replace_file
-from frictionlab.interruption import interruption, keep_partial_result
+from frictionlab.interruption import InterruptCounter, interruption, keep_partial_result
 from frictionlab.validation import abbreviate, check_path
 
 FORMAT = 1
@@ -48,8 +48,8 @@ Result = TypeVar("Result")
 class Journal:
     """The results of a sweep so far, also on disk if there is a path.
 
-    It is a context manager that keeps other processes from writing to the file, and at the end puts its lines
-    in the order of the tasks.
+    It is a context manager that keeps other processes from writing to the file.  Within it ctrl-C is counted,
+    so that no press comes between a result and :func:`frictionlab.partial_result`.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Journal:
         parts: Sequence[Path] = (),
     ) -> None:
         self.results: dict[int, Any] = {}
-        self._interrupted = False
+        self._interrupts, self._interrupted = InterruptCounter(URGENT_PRESS), False
         self._failure: TaskFailure | None = None
         self._specification, self._parts = specification, parts
         self._path = None if path is None else Path(path)
@@ -90,11 +90,11 @@ class Journal:
             except BaseException:
                 self._lock.release()
                 raise
+        self._interrupts.__enter__()
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if kind is None:
-            self._put_in_order()
+        self._interrupts.__exit__(kind, error, trace)
         if self._file is not None:
             with suppress(OSError):  # a failure to write was raised when the line was written
                 os.fsync(self._file.fileno())
@@ -105,7 +105,7 @@ class Journal:
     @property
     def complete(self) -> bool:
         """Whether neither ctrl-C nor a failure has stopped the sweep."""
-        return not self._interrupted and self._failure is None
+        return not self._interrupted and not self._interrupts.count and self._failure is None
 
     def _open(self, path: Path) -> None:
         try:
@@ -194,6 +194,8 @@ class Journal:
 
         If ctrl-C or a failure stops it, `finish` says so.
         """
+        if self._interrupts.count:
+            return
         try:
             self._interrupted = not compute()
         except TaskFailure as error:
@@ -204,7 +206,7 @@ class Journal:
         self._interrupted = True
 
     def finish(self, result: Result, count: int) -> Result:
-        """Return the result of a sweep of `count` tasks.
+        """Put the lines of the file in order, and return the result of a sweep of `count` tasks.
 
         Raises
         ------
@@ -213,12 +215,13 @@ class Journal:
         RuntimeError
             Where a task has failed or the executor was lost, with the result as the partial one.
         """
+        self._put_in_order()
         file = "" if self._path is None else f"; resume={str(self._path)!r} goes on from there"
         if self._failure is not None:
             keep_partial_result(result)
             text = f"{self._failure}; frictionlab.partial_result() is what there is{file}"
             raise TaskFailure(text) from self._failure.__cause__
-        if self._interrupted:
+        if self._interrupted or self._interrupts.count:
             raise interruption(f"stopped after {len(self.results)} of {count} tasks", result, file)
         return result
 

@@ -187,8 +187,8 @@ def sweep(
     indices, parts = range(part[0], len(tasks), part[1]), _files_of_shards(how.resume, shard)
     with Journal(specification, path, parts) as journal:
         journal.run_tasks(at_point, tasks, tasks.name, how, "sweep", chosen=indices)
-    results = [journal.results.get(i) for i in range(len(tasks))]
-    return journal.finish(grid.sweep(results, model, own_name(function)), len(indices))
+        results = [journal.results.get(i) for i in range(len(tasks))]
+        return journal.finish(grid.sweep(results, model, own_name(function)), len(indices))
 
 
 def _check_shard(shard: Any) -> tuple[int, int]:

@@ -66,6 +66,7 @@ def run_tasks(
     execution: Execution = QUIETLY,
     title: str = "",
     parts: Callable[[int], int] = lambda _: 1,
+    watch: Callable[[], None] = lambda: None,
 ) -> bool:
     """Call `function` on each task and hand every result to `keep` with its index, as soon as it is known.
 
@@ -88,6 +89,8 @@ def run_tasks(
         What the progress bar says.
     parts : callable of index
         What the progress bar and errors count a task as.
+    watch : callable
+        Called in this thread ten times a second, and at the end.
 
     Returns
     -------
@@ -110,10 +113,13 @@ def run_tasks(
                 run = _Run(function, tasks, keep, waiting, pool, workers, chunk_time, bar, parts)
                 while not (run.errors or run.executor_error or interrupts.count) and run.submit():
                     run.collect(POLL_TIME)
+                    watch()
                 run.cancel()
                 _finish_tasks(run, interrupts)
         except KeyboardInterrupt:
             return False
+        finally:
+            watch()
     if run.executor_error is not None and not interrupts.count:
         what = f"{type(run.executor_error).__name__}: {run.executor_error}"
         raise ExecutorLost(
@@ -271,6 +277,7 @@ def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
             tell(f"ctrl-C: waiting for {tasks} begun; press it again to leave what is not done")
             has_warned = True
         run.collect(POLL_TIME)
+    run.collect(0.0)  # what arrived with the last press
 
 
 def thread_count(workers: int | None) -> int:

@@ -1,6 +1,7 @@
 """Sweeps of steady states: the same by whatever workers, hysteresis, tables, refusals."""
 
 import json
+import signal
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from types import SimpleNamespace
@@ -10,10 +11,11 @@ import pytest
 import sympy as sp
 
 import frictionlab as fl
-from frictionlab.analysis.steady_state.steady_state import find_steady_state
+from frictionlab.analysis.steady_state.steady_state import settle
 from frictionlab.analysis.sweeps import tasks
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
 from frictionlab.automaton import HybridAutomaton, Mode
+from frictionlab.interruption import STOP_SIGN
 from tests.helpers.cases import slow_but
 
 FLAT = fl.SliderOnBelt().without("geometry")
@@ -151,13 +153,47 @@ def test_a_value_that_fails_among_others_is_named_and_the_others_are_kept(monkey
     def fails_once(model, *arguments, **options):
         if model.parameters["mu_k"] == 1.4:
             raise ArithmeticError("by design")
-        return find_steady_state(model, *arguments, **options)
+        return settle(model, *arguments, **options)
 
-    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.find_steady_state", fails_once)
+    monkeypatch.setattr("frictionlab.analysis.steady_state.steady_state.settle", fails_once)
+    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.settle", fails_once)
     options = {"transient": 2.0, "window": 2.0, "progress": False, "workers": 1}
     with pytest.raises(RuntimeError, match=r"^mu_k = 1\.4 failed with ArithmeticError: by design"):
         fl.bifurcation(FLAT, "mu_k", VALUES, resume=tmp_path / "sweep.jsonl", **options)
     assert set(fl.load_bifurcation(tmp_path / "sweep.jsonl").results) >= {0, 1}
+
+
+def test_values_that_go_on_begin_where_their_group_ended(monkeypatch):
+    options = {"transient": 5.0, "window": 5.0, "t_max": 60.0, "progress": False, "workers": 1}
+    alone = [fl.bifurcation(FLAT, "mu_k", [value], **options) for value in VALUES]
+    assert fl.bifurcation(FLAT, "mu_k", VALUES, **options | {"t_max": None}).kinds[0] == "not settled yet"
+    monkeypatch.delattr("frictionlab.analysis.sweeps.bifurcation.run_transient")
+    together = fl.bifurcation(FLAT, "mu_k", VALUES, **options)
+    assert [*together.results.values()] == [one.results[0] for one in alone]
+
+
+def test_a_second_ctrl_c_leaves_what_a_group_has_done(monkeypatch, tmp_path):
+    """And a third one, pressed while the result is made, does not leave an earlier partial result."""
+
+    def press_at_third(model, *arguments, **options):
+        if model.parameters["mu_k"] == VALUES[2]:
+            for patience in (0.3, 10.0):
+                signal.raise_signal(signal.SIGINT)
+                STOP_SIGN.get().wait(patience)
+        return settle(model, *arguments, **options)
+
+    def pressed(specification, results):
+        signal.raise_signal(signal.SIGINT)
+        return bifurcation_from_results(specification, results)
+
+    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.settle", press_at_third)
+    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.bifurcation_from_results", pressed)
+    options = {"transient": 2.0, "window": 2.0, "progress": False, "workers": 1}
+    with pytest.raises(KeyboardInterrupt, match="stopped after 2 of 4 tasks"):
+        fl.bifurcation(FLAT, "mu_k", VALUES, resume=tmp_path / "sweep.jsonl", **options)
+    monkeypatch.undo()
+    assert set(fl.partial_result().results) == {0, 1}
+    assert set(fl.load_bifurcation(tmp_path / "sweep.jsonl").results) == {0, 1}
 
 
 class Pool(ThreadPoolExecutor):
