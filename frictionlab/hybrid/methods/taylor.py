@@ -39,7 +39,7 @@ from frictionlab.validation import check_choice, check_field, explains_fields
 
 MIN_STEP_SHARE = 0.5  # least length of the map's step, as a share of a Taylor step
 DOUBLINGS, MOST_DOUBLED_STATES = 3, 32  # maps of up to 8 steps, where there are not more states
-AFFINE_ORDER = 26  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
+AFFINE_ORDER = 28  # least order of maps: a step costs the same at each, so a loose tolerance means long steps
 LARGEST_POWER = 280  # decimal exponent of a step's power; numbers end at 1e308, and near 1e-308
 AFFINE_STATE_LIMIT = 1e200  # larger states are left to the Taylor steps, which deal with overflow
 
@@ -239,11 +239,12 @@ def order_of_tolerance(tol: float) -> int:
 
 @cache
 def order_of_free_motion(tol: float) -> int:
-    """ceil(14 - 0.4 ln(tol)).
+    """14 - 0.4 ln(tol), rounded up to a multiple of four.
 
     What a step costs besides its series favours long steps by high orders, if nothing else makes them short.
+    Series are computed in blocks of four orders; a lower order would cost as much.
     """
-    return math.ceil(14 - Decimal("0.4") * Decimal(tol).ln())
+    return PARTS * math.ceil((14 - Decimal("0.4") * Decimal(tol).ln()) / PARTS)
 
 
 @explains_fields
@@ -257,10 +258,10 @@ class Taylor(Method):
         Relative size of the last terms kept, for coordinates and velocities each by their own scale.
     order : int or None
         Order of the series; None takes ceil(5 - 0.6 ln(tol)), 26 at 1e-15 and 14 at 1e-6; without events,
-        sections and integrals ceil(14 - 0.4 ln(tol)), 28 and 20, as nothing else makes a step short.  Where
-        products dominate the cost, 1 - 0.5 ln(tol) would be cheapest (Jorba & Zou 2005).  Here much of a
-        step's cost does not depend on the order, which favours higher ones, most of all for loose tolerances.
-        Where one affine map serves for all steps, None takes 26 at least.
+        sections and integrals 14 - 0.4 ln(tol) rounded up to a multiple of four, 28 and 20, as nothing else
+        makes a step short.  Where products dominate the cost, 1 - 0.5 ln(tol) would be cheapest (Jorba & Zou
+        2005).  Here much of a step's cost does not depend on the order, which favours higher ones, most of
+        all for loose tolerances.  Where one affine map serves for all steps, None takes 28 at least.
     chatter : float or None
         Two flights in a row shorter than this (in seconds) are taken for chatter, and replaced by its limit
         (mode "chatter"); the error is proportional to its square.  None takes 2e-5 of the time in which the
