@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
+from frictionlab.models.mechanical.masses import check_masses_along
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name, check_varied
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.state_matrices import Array, ComplexArray, eigenvalues_of_matrices, unstable_pairs
@@ -95,6 +97,11 @@ class EquilibriumProblem:
         matrices[np.isnan(x).any(axis=0)] = np.nan  # entries that do not depend on x are still numbers
         return x, matrices
 
+    @property
+    def holds_all(self) -> bool:
+        """Whether all states follow from others, as where contacts hold each coordinate."""
+        return bool(self.following) and len(self.following) == self.flow.size
+
     def without_following(self, matrices: Array) -> Array:
         """State matrices (..., m, m) without the states that follow from the others.
 
@@ -103,7 +110,7 @@ class EquilibriumProblem:
         ValueError
             If no state is left.
         """
-        if self.following and len(self.following) == matrices.shape[-1]:
+        if self.holds_all:
             raise ValueError(
                 f"the equilibrium of {type(self.model).__name__} must leave a coordinate free to have "
                 "eigenvalues, got contacts that hold all: it stays as long as they push"
@@ -148,7 +155,7 @@ class EquilibriumProblem:
 
 
 def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float]) -> None:
-    """Refuse an unknown parameter, and values that break its own rule.
+    """Refuse an unknown parameter, and values that break its own rule, or leave a motion without a mass.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
@@ -157,6 +164,8 @@ def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float])
         about = parameter_metadata(type(model), model.components)[name]
         for value in values:
             check_value(name, value, about)
+    if isinstance(model, MechanicalModel):
+        check_masses_along(model, name, values)
 
 
 def check_path(model: ModelOrAutomaton, name: Any, values: Any) -> NDArray[np.float64]:

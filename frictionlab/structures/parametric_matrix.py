@@ -306,9 +306,10 @@ def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
     try:
         if not sparse.issparse(given) and np.ma.is_masked(given):
             raise TypeError
-        matrix: Matrix = sparse.csc_array(
-            given if sparse.issparse(given) else np.atleast_2d(np.asarray(given))
-        )
+        numbers = given if sparse.issparse(given) else np.atleast_2d(np.asarray(given))
+        if numbers.dtype.kind == "O":  # numbers of Python or sympy, as a table of a spreadsheet has them
+            numbers = np.vectorize(float)(numbers)
+        matrix: Matrix = sparse.csc_array(numbers)
         kind = matrix.dtype.kind
         if kind not in "iufc":
             raise TypeError

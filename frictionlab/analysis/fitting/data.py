@@ -36,8 +36,8 @@ class TimeRecord:
     t : array_like (N,)
         Ascending times, s, from the start of the motion at 0.  Time differences (timedelta64, timedelta) are
         such times as well.  Of time stamps (datetime64, datetime, a pandas index) the first is the start.
-    values : mapping of str to array_like (N,)
-        Measured values by the state's name, as "x1" or "x1'", in SI units.
+    values : mapping of str to array_like (N,), or pandas.DataFrame
+        Measured values by the state's name, as "x1" or "x1'", in SI units; the columns of a table.
     error : float or mapping of str to float
         Standard deviation of the measurement, in the unit of the state.
 
@@ -280,6 +280,8 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     ValueError
         For no values, values that are not finite, or not `count` of them; for an error that is not above 0.
     """
+    if not isinstance(values, Mapping) and hasattr(values, "columns"):
+        values = {name: values[name] for name in values.columns}
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     if not values:
         raise ValueError('values must hold one state at least, got none: write {"x1": measured}')

@@ -58,6 +58,14 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
             raise ValueError(_words(model, about, motions[0], masses(places[0], phase), at))
 
 
+def check_masses_along(model: MechanicalModel, name: str, values: Sequence[float]) -> None:
+    """Raise ValueError unless T is positive for every motion at values of a parameter on which it depends."""
+    about, _ = _masses(model.structure_key)
+    if about["places"] and name in about["parameters"]:
+        for value in values:
+            check_masses(model.replace(**{name: value}))
+
+
 def _places(n: int) -> list[Array]:
     rng = np.random.default_rng(SEED)
     return [size * rng.normal(size=n) for size in SIZES]

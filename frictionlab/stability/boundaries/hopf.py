@@ -260,7 +260,7 @@ def hopf(
         problems = [equilibrium_problem(model, equilibrium)]
     candidates = [
         (change, problem)
-        for problem in problems
+        for problem in [each for each in problems if not each.holds_all] or problems
         for change in changes_on_lines(problem, parameter, (low, high), {})[0]
     ]
     flutter = [pair for pair in candidates if pair[0].kind == StabilityKind.FLUTTER]

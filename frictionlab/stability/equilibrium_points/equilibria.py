@@ -230,26 +230,27 @@ def equilibrium_branches(
         return [equilibrium_problem(model)]
     automaton = automaton_at_rest(model)
     at, problems = np.linspace(*bounds, BRANCH_SEARCH_POINTS), []
-    modes: list[SteadyMode] = []
-    # states (m, BRANCH_SEARCH_POINTS) of each branch, NaN where it does not exist
-    branch_states: list[Array] = []
+    # mode -> states (m, BRANCH_SEARCH_POINTS) of each of its branches, NaN where one does not exist
+    branch_states: dict[SteadyMode, list[Array]] = {}
     for i, value in enumerate(at):
         change = {parameter: float(value)}
         searched = all_mode_equilibria(automaton.replace(**change), is_sliding(model))
         for mode, x in ((mode, x) for mode, points, _ in searched for x in points.T):
-            if any(one is mode and _same_state(way[:, i], x) for one, way in zip(modes, branch_states)):
+            branches = branch_states.setdefault(mode, [])
+            if branches and _is_among(np.array(branches)[:, :, i], x):
                 continue
-            modes.append(mode)
             problems.append(_problem_from_equilibrium(model, automaton, mode, x, **change))
-            branch_states.append(problems[-1].states({parameter: at}))
+            branches.append(problems[-1].states({parameter: at}))
     if not problems:
         raise _no_equilibrium_error(model)
     return problems
 
 
-def _same_state(x: Array, other: Array) -> bool:
-    size = np.fmax(np.abs(x), np.abs(other))
-    return bool((np.abs(x - other) <= SAME_BRANCH_RTOL * size + SAME_BRANCH_ROUNDING * size.max()).all())
+def _is_among(states: Array, x: Array) -> bool:
+    """Whether one of the states (K, m) is x (m,)."""
+    size = np.fmax(np.abs(states), np.abs(x))
+    slack = SAME_BRANCH_RTOL * size + SAME_BRANCH_ROUNDING * size.max(axis=1, keepdims=True)
+    return bool((np.abs(states - x) <= slack).all(axis=1).any())
 
 
 @dataclass(frozen=True, eq=False)

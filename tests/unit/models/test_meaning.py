@@ -126,8 +126,15 @@ def test_what_is_no_mechanical_system_is_refused(variant):
         fl.simulate(Stated(variant=variant), 1.0)
 
 
+def _followed(model):
+    """Its root locus to m = -1, from a model whose masses are positive."""
+    return fl.root_locus(model.replace(m=-2.5 if model.variant == "coupled" else 1.0), "m", [-1.0])
+
+
 @pytest.mark.parametrize(
-    "use", [lambda m: fl.simulate(m, 1.0), fl.equilibria], ids=["simulate", "equilibria"]
+    "use",
+    [lambda m: fl.simulate(m, 1.0), fl.equilibria, _followed],
+    ids=["simulate", "equilibria", "root_locus"],
 )
 @pytest.mark.parametrize("variant", WRONG_VALUES)
 def test_masses_that_are_not_positive_are_refused_by_value(variant, use):

@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy import linalg, sparse
 
 import frictionlab as fl
@@ -261,6 +262,13 @@ def test_mass_and_stiffness_are_matrices(wrong):
         fl.Structure(UNIT, wrong)
     with pytest.raises(ValueError, match="M must be a matrix of numbers"):
         fl.Structure(wrong, UNIT)
+
+
+@pytest.mark.parametrize("of", [lambda a: a.astype(object), sp.Matrix], ids=["spreadsheet", "sympy"])
+def test_numbers_of_python_and_sympy_are_numbers(of):
+    given = np.array([[2.0, -1.0], [-1.0, 2.0]])  # frequencies 1 and sqrt(3) rad/s
+    found = fl.eigenvalues(fl.Structure(of(np.eye(2)), of(given), window=(0, 1)))
+    np.testing.assert_allclose(np.sort(found.frequencies)[::2], np.sqrt([1, 3]) / (2 * np.pi), rtol=1e-14)
 
 
 def test_a_coefficient_must_be_finite():

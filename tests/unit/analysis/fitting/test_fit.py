@@ -349,6 +349,15 @@ def test_values_whose_index_has_the_times_in_another_order_are_refused(pd):
         fl.TimeRecord(t, {"x": values.set_axis(["c", "b", "a"])})
 
 
+def test_a_table_of_pandas_has_values_in_its_columns(pd):
+    """The table of a motion in closed form, x = cos 2t, at times that are not equidistant."""
+    t = pd.Index([0.0, 0.3, 1.0, 1.1, 2.5, 4.0], name="t")
+    table = pd.DataFrame({"x": np.cos(2 * t), "x'": -2 * np.sin(2 * t)}, index=t)
+    free = fl.MassOnBelt(m=1.0, k=3.9, c=0.0, N=0.0)
+    found = fl.fit(free, fl.TimeRecord(table.index, table, error=0.01), ["k"], x0=[1.0, 0.0], segments=1)
+    np.testing.assert_allclose(found.model.k, 4.0, rtol=1e-9)
+
+
 def test_a_missing_value_of_pandas_is_refused_by_name(pd):
     values = pd.Series([1, 2, pd.NA, 3], dtype="Float64")
     with pytest.raises(ValueError, match=r"values\['x'\] .* at index 2"):

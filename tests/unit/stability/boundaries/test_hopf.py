@@ -37,6 +37,14 @@ def test_van_der_pol():
     assert point.valid_until == np.inf
 
 
+def test_a_mode_that_holds_all_states_has_no_vibration():
+    """Van der Pol's oscillator, with an end stop behind it on which it may rest."""
+    cycle = fl.Mode("cycle", (Y, (P - X**2) * Y - X), (fl.Event("stop", 5 - X, ("rest",)),))
+    rest = fl.Mode("rest", (sp.S.Zero, sp.S.Zero), constraints=(X - 5, Y))
+    stopped = fl.HybridAutomaton((X, Y), (cycle, rest), {P: -0.1}, coordinates=1)
+    assert hopf(stopped, "p", (-0.31, 0.5)).value == pytest.approx(0, abs=1e-12)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("cubic", "speed", "coupling"), [(-0.3, 0.5, 0.0), (-0.3, -2.0, 0.9), (-0.3, 2.0, -0.7), (0.3, 0.5, 0.9)]
