@@ -60,7 +60,7 @@ class LabelledStates(Drawable):
     @property
     def cyclic(self) -> tuple[str, ...]:
         """Names of the coordinates that may turn for ever."""
-        return tuple(self.specification["cyclic"])
+        return tuple(self.specification.get("cyclic", ()))  # older files have none
 
     def save(self, path: str | Path) -> Path:
         """Write the result as JSON lines: what :func:`load_basins` reads and `resume` continues."""
