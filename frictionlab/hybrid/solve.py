@@ -195,10 +195,24 @@ def solve_from_end(
     The mode belongs to what a motion depends on: with hysteresis several are admissible at one state.  Where
     the run ended at an event, rounding may have put its state just behind; then the mode is chosen anew.
     """
+    return with_warning(try_from_end(automaton, t_end, state, mode, **options))
+
+
+def try_from_end(
+    automaton: HybridAutomaton,
+    t_end: float,
+    state: np.ndarray,
+    mode: str | None,
+    method: str | Method = "taylor",
+    **options: Any,
+) -> Trajectory:
+    """As :func:`solve_from_end`, without a warning: where a search tries values, some runs end early."""
+    check_automaton(automaton)
+    start, solver = with_phase_in_turn(automaton, state_from_x0(automaton, state)), method_of(method)
     if mode is not None:
         with suppress(ValueError):
-            return solve(automaton, t_end, x0=state, mode=mode, **options)
-    return solve(automaton, t_end, x0=state, **options)
+            return run_automaton(automaton, t_end, start, solver, RunOptions(mode, **options))
+    return run_automaton(automaton, t_end, start, solver, RunOptions(**options))
 
 
 def with_warning(run: Trajectory) -> Trajectory:

@@ -13,7 +13,7 @@ from frictionlab.analysis.motion_scales import state_scales
 from frictionlab.analysis.orbits.closing import but_for_turns
 from frictionlab.analysis.parameter_flow import ParameterFlow, parameter_flow
 from frictionlab.analysis.quantities.quantities import ModeFrequency
-from frictionlab.hybrid.solve import end_of, solve, solve_from_end
+from frictionlab.hybrid.solve import end_of, solve, try_from_end, with_warning
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.model import ModelOrAutomaton, automaton_of, values_of
 from frictionlab.stability import eigenvalues
@@ -278,10 +278,10 @@ def _times_within(data: Sequence[Any], low: float, high: float, last: bool) -> A
 
 
 def _run(model: ModelOrAutomaton, start: Array, length: float, mode: str | None) -> Trajectory:
-    run = solve_from_end(automaton_of(model), length, start, mode, progress=False, source=model)
-    if not run.status.ok:
+    run = try_from_end(automaton_of(model), length, start, mode, progress=False, source=model)
+    if not run.status.ok:  # such as one of trial values behind a stop
         raise ValueError(f"a run of the fit ends early: {run.status}")
-    return run
+    return with_warning(run)
 
 
 def _flow(model: ModelOrAutomaton, run: Trajectory, names: tuple[str, ...], times: Array) -> ParameterFlow:
