@@ -67,10 +67,10 @@ class ImpactLaw(Component):
         Parameters
         ----------
         impulse : float
-            Normal impulse of the re-contact, N s.
+            Normal impulse of the re-contact without friction, N s.
         stopping_impulse : float
-            Tangential impulse that would bring the relative velocity to zero, N s; it has the sign of that
-            velocity.
+            Tangential impulse that would bring the relative velocity to zero after it, N s; it has the sign
+            of that velocity.
         """
         return 0
 
@@ -151,11 +151,11 @@ def clip(impulse: Any, least: Any, most: Any, size: Callable[[Any], Any] = abs) 
 class FrictionalImpact(RestitutionImpact):
     """Newton's impact law with Coulomb's friction between the impulses: |p_T| <= mu_i p_N.
 
-    The tangential impulse stops the sliding where the friction cone allows it, and opposes it otherwise.  The
-    normal impulse is computed from the velocities after the tangential one.  The p_N of the cone is computed
-    from those before it; the two differ where the belt's angle, or the masses, couple the impulses.
-    At stops and in structures both impulses are found together, in the cone and without gain of energy.  A
-    law with a :meth:`friction` of its own is asked for it everywhere.
+    Both impulses follow together, at every contact along a line.  The gap opens at e times the rate at which
+    it closed, so that p_N = p - b p_T, where p is the impulse without friction, and b is not zero where
+    masses or directions couple both.  The tangential impulse stops the sliding where the friction cone allows
+    it, and opposes it otherwise; it never feeds energy in.  A law with a :meth:`friction` of its own is given
+    p, and answers for both itself.
 
     Parameters
     ----------
@@ -166,6 +166,8 @@ class FrictionalImpact(RestitutionImpact):
 
     References
     ----------
+    J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, Springer 1988.
+
     C. Glocker, Set-Valued Force Laws: Dynamics of Non-Smooth Systems, Springer 2001.
     """
 

@@ -24,9 +24,11 @@ from frictionlab.models.equations import (
 from frictionlab.models.mechanical.contact_regimes import (
     APART,
     DIRECTIONS,
+    LEAST_IMPULSE,
     RATE_SYMBOLS,
     ContactRegime,
-    friction_impulse,
+    impact_rubs,
+    impulse_of_friction,
     magnitude,
     material_rate,
     normal_impulse,
@@ -34,7 +36,7 @@ from frictionlab.models.mechanical.contact_regimes import (
     rates_after_impact,
     rubbing_direction,
     sliding_friction,
-    velocities_after,
+    terms_of_impact,
 )
 from frictionlab.models.mechanical.dynamic_laws import (
     LawValues,
@@ -53,7 +55,9 @@ if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 
 SIGNS = {"slip+": 1, "slip-": -1}  # of v_r
-NORMAL_IMPULSE, TANGENTIAL_IMPULSE = symbol("p"), symbol("p_T")
+NORMAL_IMPULSE = symbol("p")
+# p_T, and what it follows from: p without friction, the p_T that stops v_r, that of the least energy.
+IMPULSES_OF_FRICTION = tuple(map(symbol, ("p_T", "p_0", "p_s", "p_e")))
 
 
 def stop_equations(stop: Stop, rate: Any) -> tuple[Any, ...]:
@@ -67,17 +71,15 @@ def impact_equations(model: MechanicalModel) -> tuple[tuple[Any, ...], dict[str,
 
     Velocities just before and just after the impact are named ``y1'-`` and ``y1'+``.  Eq. (16) is the one
     that follows from Eqs. (11) and (14): as printed in the paper it has two terms too many.  With friction in
-    the impact there is an equation for its impulse too, and the normal impulse follows from the velocities
-    that the friction impulse has changed.
+    the impact both impulses follow from p_0, the normal impulse without friction, p_s, that of friction that
+    would bring v_r to zero, and p_e, that after which the energy would be least.
     """
     before, after = (_kinematics_with_sign(model, sign) for sign in "-+")
     contact: Any = before.rubbing
-    solved, rubbing = (of(before, contact, contact.impact) for of in (normal_impulse, friction_impulse))
     symbols = {str(x): x for x in (*before.q, *before.v, *after.v, NORMAL_IMPULSE)}
-    if rubbing != 0:
-        return _with_friction(before, after, solved, rubbing), symbols | {
-            str(TANGENTIAL_IMPULSE): TANGENTIAL_IMPULSE
-        }
+    if impact_rubs(before, contact, contact.impact):
+        return _with_friction(before, after), symbols | {str(x): x for x in IMPULSES_OF_FRICTION}
+    solved = normal_impulse(before, contact, contact.impact)
     factors = before.inverse * before.normal(contact)
     jumps = [row for row in zip(before.v, after.v, factors, strict=True) if row[2] != 0]
     equations = (
@@ -89,16 +91,23 @@ def impact_equations(model: MechanicalModel) -> tuple[tuple[Any, ...], dict[str,
     return equations, symbols
 
 
-def _with_friction(
-    before: LagrangeSystem, after: LagrangeSystem, solved: Any, rubbing: Any
-) -> tuple[Any, ...]:
-    contact = before.rubbing
-    pushed = before.inverse * (
-        before.normal(contact) * NORMAL_IMPULSE + before.direction(contact) * TANGENTIAL_IMPULSE
+def _with_friction(before: LagrangeSystem, after: LagrangeSystem) -> tuple[Any, ...]:
+    contact: Any = before.rubbing
+    rubbing, alone, stopping, least = IMPULSES_OF_FRICTION
+    pushed = before.inverse * (before.normal(contact) * NORMAL_IMPULSE + before.direction(contact) * rubbing)
+    terms = terms_of_impact(before, contact, contact.impact)
+    if terms.least == terms.stopping:
+        least = stopping
+    solved = impulse_of_friction(contact.impact, alone, stopping, least, terms.share)
+    named = {
+        one: term for one, term in zip((alone, stopping, least), terms) if one is alone or solved.has(one)
+    }
+    return (
+        *(equation(new - old, p) for old, new, p in zip(before.v, after.v, pushed, strict=True)),
+        *(equation(one, term) for one, term in named.items()),
+        equation(rubbing, solved.xreplace({sympy.Float(LEAST_IMPULSE): sympy.S.Zero})),
+        equation(NORMAL_IMPULSE, alone - terms.share * rubbing),
     )
-    jumps = (equation(new - old, p) for old, new, p in zip(before.v, after.v, pushed, strict=True))
-    rubbed = velocities_after(before, before.direction(contact), TANGENTIAL_IMPULSE)
-    return *jumps, equation(TANGENTIAL_IMPULSE, rubbing), equation(NORMAL_IMPULSE, solved.xreplace(rubbed))
 
 
 def impact_letters(model: MechanicalModel, letters: Mapping[str, str]) -> dict[str, str]:

@@ -549,8 +549,10 @@ class StructureSystem(LagrangeSystem):
         share = coupling / float(softness)
         rubbing: Any = sympy.S.Zero
         if len(self.directions_of_impact(i, law)) > 1:
-            speed, soft = contact.relative_velocity, float(self._compliance[i, i])
-            rubbing = impulse_of_friction(law, impulse, opening, speed, coupling, share, soft)
+            sliding = contact.relative_velocity - coupling * impulse
+            soft = float(self._compliance[i, i]) - coupling * share
+            least = (sliding + share * opening) / soft
+            rubbing = impulse_of_friction(law, impulse, sliding / soft, least, share)
         pressing = impulse - share * rubbing
         jump = {
             v: v + float(p) * pressing + float(r) * rubbing

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from itertools import combinations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import sympy
@@ -37,7 +38,7 @@ from frictionlab.models.mechanical.dynamic_laws import (
     zeros_at_landing,
 )
 from frictionlab.models.mechanical.mechanics import AnyContact, Contact, Friction, Stop
-from frictionlab.models.symbols import expand_products, symbol
+from frictionlab.models.symbols import dot, expand_products, symbol
 from frictionlab.presentation import WEDGE
 
 if TYPE_CHECKING:
@@ -49,8 +50,8 @@ AFTER_SLIP = {"slip+": ("stick", "slip-"), "slip-": ("stick", "slip+")}
 AFTER_FLIGHT = ("slip+", "slip-", "slip", "stick", "contact")
 RUBBING_IN_PLANE = ("stick", "breakaway", "slip")  # in this order, as slip takes any v_r, also zero
 APART = ("separation", "relaxation")  # regimes without contact forces
-RATE_SYMBOLS = sympy.symbols("material_rate gap_rate compliance", real=True)
 COMPLIANCE = sympy.Symbol("compliance", positive=True)
+RATE_SYMBOLS: tuple[Any, Any, Any] = (*sympy.symbols("material_rate gap_rate", real=True), COMPLIANCE)
 CLOSING = PlasticImpact("full")  # law of the impact that closes a Zeno accumulation
 LEAST_IMPULSE = 1e-150  # N s, so that nothing is divided by zero without a push; its square is no underflow
 DIRECTIONS = "a", "b"  # the components of friction in the plane, in names of outputs
@@ -87,6 +88,19 @@ class RegimeEnd(NamedTuple):
     jump: str | None = None
     common: bool = False
     state: int = 0
+
+
+class ImpactTerms(NamedTuple):
+    """What the impulses of an impact with friction follow from.
+
+    `impulse` is p, that of the impact without friction (N s).  After it `stopping` is the p_T that brings v_r
+    to zero, and `least` that at which the kinetic energy is least.  p_N = p - b p_T, where b is `share`.
+    """
+
+    impulse: Any
+    stopping: Any
+    least: Any
+    share: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -585,24 +599,71 @@ def material_rate(system: LagrangeSystem, contact: Friction | Contact) -> Any:
     return approaching + system.explicit_rate(contact.penetration)
 
 
-def friction_impulse(system: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
-    """The tangential impulse (N s) of the re-contact, along W_T; none in the paper."""
-    if contact.in_plane:
-        return 0
-    stopping = contact.relative_velocity / compliance(system, system.direction(contact))
-    return law.friction(normal_impulse(system, contact, law), stopping)
+def normal_direction(system: LagrangeSystem, contact: Friction | Stop) -> Any:
+    """W_N (n, 1) of a contact that has impacts."""
+    return system.direction(contact) if isinstance(contact, Stop) else system.normal(contact)
 
 
-def normal_impulse(system: LagrangeSystem, contact: Friction, law: ImpactLaw) -> Any:
-    """The impulse p (N s) of the re-contact, Eq. (14)."""
-    rates = material_rate(system, contact), system.rate(contact.penetration)
-    return law.impulse(*rates, compliance(system, system.normal(contact)))
+@lru_cache(maxsize=4096)
+def _closing_rates(system: LagrangeSystem, contact: Friction | Stop) -> tuple[Any, Any]:
+    """Material rate and rate (m/s) at which a gap closes: one expression where they are equal."""
+    if isinstance(contact, Stop):
+        return (-system.rate(contact.distance),) * 2
+    material, full = material_rate(system, contact), system.rate(contact.penetration)
+    return (full, full) if expand_products(material - full) == 0 else (material, full)
 
 
-def rates_after_impact(system: LagrangeSystem, contact: Friction, law: Any) -> tuple[Any, Any]:
+def normal_impulse(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
+    """The impulse p (N s) of an impact without friction, Eq. (14)."""
+    soft = compliance(system, normal_direction(system, contact))
+    return law.impulse(*_closing_rates(system, contact), soft)
+
+
+def impact_rubs(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> bool:
+    """Whether an impact has friction, and this acts along another direction than the normal impulse."""
+    rough = law.has_own_friction or law.friction_coefficient != 0
+    if not rough or (isinstance(contact, Stop) and not contact.rubs) or contact.in_plane:
+        return False
+    w, t = normal_direction(system, contact), rubbing_direction(system, contact)
+    pairs = combinations(range(w.rows), 2)
+    return any(expand_products(w[i] * t[j] - w[j] * t[i]) != 0 for i, j in pairs)
+
+
+def terms_of_impact(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> ImpactTerms:
+    """What the impulses of an impact with friction follow from.
+
+    The rate that the law changes is what it is without friction, whatever p_T is: with its gradient g,
+    b = g^T M^-1 W_T/(g^T M^-1 W_N).
+    """
+    normal, tangent = normal_direction(system, contact), rubbing_direction(system, contact)
+    along: list[Any] = [sympy.Matrix(_pushed(system, w, 1)) for w in (normal, tangent)]
+    along_normal, along_tangent = along
+    rate = _rate_of_law(system, contact, law)
+    share = dot(rate, along_tangent) / dot(rate, along_normal)
+    coupling, impulse = dot(tangent, along_normal), normal_impulse(system, contact, law)
+    work = softness = compliance(system, tangent) - coupling * share
+    if rate != normal:
+        work -= share * dot(normal, along_tangent - share * along_normal)
+    values = (*_closing_rates(system, contact), compliance(system, normal))
+    before = dict(zip(RATE_SYMBOLS, values, strict=True))
+    opening = -rates_after_impact(system, contact, law)[0].xreplace(before)
+    sliding = contact.relative_velocity - coupling * impulse
+    return ImpactTerms(impulse, sliding / softness, (sliding + share * opening) / work, share)
+
+
+def _rate_of_law(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
+    """The gradient (n, 1) of the rate at which a gap opens that a law changes, material or full."""
+    material, full = _closing_rates(system, contact)
+    if material is not full and sympy.sympify(law.impulse(*RATE_SYMBOLS)).has(RATE_SYMBOLS[1]):
+        return -sympy.ImmutableMatrix(system.gradient(full, system.v))
+    return normal_direction(system, contact)
+
+
+def rates_after_impact(system: LagrangeSystem, contact: Friction | Stop, law: Any) -> tuple[Any, Any]:
     """Material and full penetration rate after the impact in terms of those before it, RATE_SYMBOLS."""
     material, full, soft = RATE_SYMBOLS
-    if expand_products(material_rate(system, contact) - system.rate(contact.penetration)) == 0:
+    rates = _closing_rates(system, contact)
+    if rates[0] is rates[1]:
         material = full
     change = soft * law.impulse(material, full, soft)
     return expand_products(material - change), expand_products(full - change)
@@ -611,81 +672,64 @@ def rates_after_impact(system: LagrangeSystem, contact: Friction, law: Any) -> t
 def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
     # The penetration is zero at the impact; its rate after it only if the law makes it zero identically.
     order = 2 if rates_after_impact(system, contact, law)[1] == 0 else 1
-    rubbed = velocities_after(system, system.direction(contact), friction_impulse(system, contact, law))
-    pushed = velocities_after(system, system.normal(contact), normal_impulse(system, contact, law))
-    jump = rubbed | {rate: after.xreplace(rubbed) for rate, after in pushed.items()}
     landed = zeros_at_landing(contact, system.law_states(contact))
+    jump = _after_impact(system, contact, law)
     return Reset(jump, {contact.penetration: order, -contact.penetration: order, **landed})
 
 
 def _on_stop(system: LagrangeSystem, contact: Stop, law: Any) -> Reset:
     """Reset by an impact on a stop: the distance is zero after it, and so is its rate if the law says so."""
-    w, rate = system.direction(contact), system.rate(contact.distance)
-    opening = rate_after(law, rate, compliance(system, w))
-    order = 2 if opening == 0 else 1
+    w = system.direction(contact)
+    order = 2 if rates_after_impact(system, contact, law)[1] == 0 else 1
     # The position is projected as well, which removes only a rounding error: a body that comes to rest on the
     # stop is on it to the last bit.
     moved = zip(system.q, _pushed(system, w, contact.distance / compliance(system, w)), strict=True)
     placed = {x: expand_products(x - change) for x, change in moved if change != 0}
-    impulse = law.impulse(-rate, -rate, compliance(system, w))
-    if contact.rubs and (law.has_own_friction or law.friction_coefficient != 0):
-        after = _after_rubbing_impact(system, contact, law, impulse, opening)
-    else:
-        after = {v: expand_products(a) for v, a in _velocity_jump(system, w, impulse).items()}
+    after = _after_impact(system, contact, law)
+    if not impact_rubs(system, contact, law):
+        after = {v: expand_products(a) for v, a in after.items()}
     return Reset(
         {**placed, **after}, zeros_in_contact(system, contact) if order == 2 else {contact.distance: order}
     )
 
 
-def _after_rubbing_impact(
-    system: LagrangeSystem, contact: Stop, law: ImpactLaw, impulse: Any, opening: Any
-) -> dict[Any, Any]:
-    """Velocities after an impact with friction, both impulses at once.
-
-    The rate of the distance becomes `opening`, what the impact law says, whatever p_T is: p_N = p - b p_T,
-    where p is the impulse without friction, and b = W_N^T M^-1 W_T/(W_N^T M^-1 W_N).
-    """
-    normal, tangent = system.direction(contact), rubbing_direction(system, contact)
-    along_normal, along_tangent = (sympy.Matrix(_pushed(system, w, 1)) for w in (normal, tangent))
-    coupling, soft = (normal.T * along_tangent)[0], compliance(system, normal)
-    share, softness = coupling / soft, compliance(system, tangent)
-    rubbing = impulse_of_friction(law, impulse, opening, contact.relative_velocity, coupling, share, softness)
-    changes = along_normal * (impulse - share * rubbing) + along_tangent * rubbing
-    return {rate: rate + change for rate, change in zip(system.v, changes, strict=True) if change != 0}
+def _after_impact(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> dict[Any, Any]:
+    """M dv = W_N p_N + W_T p_T: the velocities after an impact by those before it, of those that jump."""
+    normal = normal_direction(system, contact)
+    if not impact_rubs(system, contact, law):
+        return velocities_after(system, normal, normal_impulse(system, contact, law))
+    terms = terms_of_impact(system, contact, law)
+    rubbing = impulse_of_friction(law, *terms)
+    jump = velocities_after(system, normal, terms.impulse - terms.share * rubbing)
+    rubbed = velocities_after(system, rubbing_direction(system, contact), rubbing)
+    return jump | {v: jump.get(v, v) + after - v for v, after in rubbed.items()}
 
 
-def impulse_of_friction(
-    law: ImpactLaw, impulse: Any, opening: Any, speed: Any, coupling: Any, share: Any, softness: Any
-) -> Any:
-    """p_T of an impact with friction, N s.
-
-    `impulse` is p, that of the impact without friction; the distance then has the rate `opening`.  v_r before
-    it is `speed`; W_N^T M^-1 W_T, b and W_T^T M^-1 W_T are `coupling`, `share` and `softness`.
-    """
-    softness = softness - coupling * share
-    stopping = (speed - coupling * impulse) / softness
+def impulse_of_friction(law: ImpactLaw, impulse: Any, stopping: Any, least: Any, share: Any) -> Any:
+    """p_T of an impact with friction, N s, by its `ImpactTerms`."""
     if law.has_own_friction:
         return law.friction(impulse, stopping)
-    by_opening = share * opening / softness
-    return rubbing_impulse(law.friction_coefficient, impulse, -share, stopping, by_opening)
+    return rubbing_impulse(law.friction_coefficient, impulse, -share, stopping, least)
 
 
-def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, by_opening: Any) -> Any:
+def rubbing_impulse(mu: Any, impulse: Any, share: Any, stopping: Any, least: Any) -> Any:
     """The impulse of friction p_T at an impact, after which the distance opens as the impact law says.
 
     The normal impulse is p_N = `impulse` + `share` p_T.  p_T is `stopping`, which brings v_r to zero, or as
     much of it as |p_T| <= mu p_N allows (Moreau, Unilateral contact and dry friction in finite freedom
     dynamics, Springer 1988).  With e > 0 that may feed energy in (Kane & Levinson, Dynamics: Theory and
-    Applications, 1985).  The kinetic energy is least at `stopping` + `by_opening`.  Up to twice this impulse
-    friction dissipates, which limits p_T too.
+    Applications, 1985).  The kinetic energy is least at `least`.  Up to twice this impulse friction
+    dissipates, which limits p_T too.
     """
     size = partial(sympy.Abs, evaluate=False)  # sympy would look for a sign for a minute
-    needed = size(stopping) - mu * share * stopping  # below 0 where the cone has no border on this side
-    largest, needed = 2 * mu * impulse, size(needed + size(needed))  # twice, and neither is negative
+    needed, largest = 2 * size(stopping), 2 * mu * impulse  # twice, and neither is negative
+    if share != 0:
+        needed = size(stopping) - mu * share * stopping  # below 0 where the cone has no border on this side
+        needed = size(needed + size(needed))
     rubbing = 2 * stopping * largest / (largest + needed + size(largest - needed) + LEAST_IMPULSE)
-    if by_opening == 0:
+    if least == stopping:
         return rubbing
-    twice = 2 * (stopping + by_opening)
+    twice = 2 * least
     return clip(rubbing, (twice - size(twice)) / 2, (twice + size(twice)) / 2, size)
 
 
@@ -758,7 +802,7 @@ def leaving_rate(system: LagrangeSystem, contact: Friction) -> Any:
     before = {material: rate + other, full: rate, soft: compliance(system, w)}
     after = law.subs(before, simultaneous=True)
     slope = sympy.diff(after, rate)
-    if slope.has(rate) or slope == -1:
+    if slope.has(rate) or (1 + slope).is_zero:
         return sympy.S.Zero
     fixed = -after.subs(rate, 0) / (1 + slope)
     return expand_products(

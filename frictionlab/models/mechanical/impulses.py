@@ -17,9 +17,9 @@ from frictionlab.components.component import StructureKey
 from frictionlab.models.symbols import parameter_symbols, structure_values
 from frictionlab.tape.formulas import function_along_run
 
-from .contact_regimes import CHATTER_FLIGHT, rubbing_direction
+from .contact_regimes import CHATTER_FLIGHT, impact_rubs, normal_direction, rubbing_direction
 from .equations_of_motion import LagrangeSystem, system_of
-from .mechanics import Friction, Stop
+from .mechanics import Stop
 from .modes import contact_suffix
 
 if TYPE_CHECKING:
@@ -120,17 +120,14 @@ def impulse_terms(key: StructureKey) -> ImpulseTerms:
 
 
 def _striking(system: LagrangeSystem, i: int, compiled: Any) -> Striking | None:
-    contact, suffix = system.mechanics.contacts[i], contact_suffix(system, i)
+    contact: Any = system.mechanics.contacts[i]
+    suffix = contact_suffix(system, i)
     if isinstance(contact, Stop):
         gap, law, guard = contact.distance, contact.law, "impact"
-        normal = system.direction(contact)
     else:
         gap, law, guard = contact.penetration, contact.impact, "gap"
-        normal = system.normal(contact)
     if gap is None or law is None or not contact.modes:
         return None
-    rubs = isinstance(contact, Friction) or (isinstance(contact, Stop) and contact.rubs)
-    rubs = rubs and (law.has_own_friction or law.friction_coefficient != 0)
-    rubbing = rubbing_direction(system, contact) if rubs else ()
-    functions = tuple(map(compiled, normal)), tuple(map(compiled, rubbing))
+    rubbing = rubbing_direction(system, contact) if impact_rubs(system, contact, law) else ()
+    functions = tuple(map(compiled, normal_direction(system, contact))), tuple(map(compiled, rubbing))
     return Striking(i, suffix, guard + suffix, compiled(gap), *functions)

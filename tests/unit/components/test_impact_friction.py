@@ -48,20 +48,27 @@ def test_a_free_landing_in_closed_form(e, mu_i, speed):
     assert kinetic(after) <= kinetic(before) - belt + 1e-12
 
 
-def test_the_gap_opens_at_newtons_rate_with_the_moving_load():
-    """Newton's law holds for the gap rate after the tangential impulse, which leaves y1, y2, phi alone."""
-    model = fl.SliderOnBelt(mu_k=1.4, impact=fl.FrictionalImpact(e=0.6, mu_i=0.4))
+@pytest.mark.parametrize("mu_i", [0.4, 2.0])
+def test_newtons_rate_coulombs_cone_and_no_energy_of_friction_with_the_moving_load(mu_i):
+    """Here the impulse of friction changes the gap rate, and W_N is not the gradient of the gap."""
+    model = fl.SliderOnBelt(mu_k=1.4, impact=fl.FrictionalImpact(e=0.6, mu_i=mu_i))
     run = fl.simulate(model, 1.0, progress=False)
     landings = run.events.source == "separation"
-    q, v = np.split(np.stack([run.events.before[landings], run.events.state[landings]]), 2, axis=-1)
-
-    def rate(q, v):
-        """Rate of the penetration -y1 + y2 - phi (x1 - x2)."""
-        return -v[:, 1] + v[:, 3] - v[:, 4] * (q[:, 0] - q[:, 2]) - q[:, 4] * (v[:, 0] - v[:, 2])
-
+    q, w = np.split(run.events.before[landings], 2, axis=1)
+    v, p = run.events.state[landings, 5:], model.parameters
+    masses = np.array([p["M"], p["M"], p["m"], p["m"], p["J"]])
+    gap = np.column_stack([q[:, 4], 0 * q[:, 4] + 1, -q[:, 4], 0 * q[:, 4] - 1, q[:, 0] - q[:, 2]])
+    normal, tangent = gap * [0, 1, 0, 1, 1], np.array([1, 0, -1, 0, 0])
     assert landings.sum() > 20
-    rubbed = np.column_stack([v[1, :, 0], v[0, :, 1], v[1, :, 2], v[0, :, 3], v[0, :, 4]])
-    assert rate(q[1], v[1]) == pytest.approx(-0.6 * rate(q[0], rubbed), rel=1e-9, abs=1e-9)
+    assert (gap * v).sum(1) == pytest.approx(-0.6 * (gap * w).sum(1), abs=1e-9)
+    jump, p_T = masses * (v - w), masses[0] * (v - w)[:, 0]
+    assert jump == pytest.approx(jump[:, 1:2] * normal + p_T[:, None] * tangent, abs=1e-9)
+    assert (np.abs(p_T) <= mu_i * jump[:, 1] + 1e-12).all()
+    alone = -1.6 * (gap * w).sum(1) / (gap * normal / masses).sum(1)  # the impulse without friction
+    pushed = w + alone[:, None] * normal / masses
+    work = (masses * (v**2 - pushed**2)).sum(1) / 2 - p["v"] * p_T  # less that of the belt's drive
+    assert (work <= 1e-12).all()
+    assert work.min() < -1e-3
 
 
 def test_the_equations_show_both_impulses():

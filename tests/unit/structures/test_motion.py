@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import pickle
 from dataclasses import dataclass
 from typing import Any
@@ -514,9 +515,24 @@ def test_random_structures_move_as_the_least_accelerations_say(make, seeds):
     assert stuck >= len(seeds) or make is degenerate_structure
 
 
+def _pad_by_energies(M, g, t, law, friction, v):
+    """The body of a structure with one contact as a model."""
+
+    class Pad(fl.MechanicalModel):
+        m: float = 1.0
+        coordinates = tuple(f"q{i}" for i in range(len(M)))
+
+        def mechanics(self, q, u):
+            depth, along = sum(map(operator.mul, g.tolist(), q)), sum(map(operator.mul, t.tolist(), u))
+            pad = fl.Friction(v - along, 1.0 * depth, friction, penetration=depth, impact=law)
+            return fl.Mechanics(fl.quadratic_form(M, u) / 2, contacts=(pad,))
+
+    return fl.model(Pad)()
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_impulses_of_a_contact_whose_directions_are_coupled(seed):
-    """Newton's law, a push within the cone, and no energy but from what drives the counterpart."""
+    """Newton's law, a push in the cone, no energy but from what drives the counterpart; a model agrees."""
     rng = np.random.default_rng(seed)
     n, mu, v = int(rng.integers(2, 6)), float(rng.random()), float(rng.choice([0.0, 0.7]))
     (g, t, w), shape = rng.standard_normal((3, n)), rng.standard_normal((n, n))
@@ -527,6 +543,10 @@ def test_impulses_of_a_contact_whose_directions_are_coupled(seed):
     structure = fl.Structure((M + M.T) / 2, np.zeros((n, n)), contacts=pads)
     run = fl.simulate(structure, 0.2, x0=[*(-0.1 * w), *w], progress=False)
     after = run.events.state[0, n:]
+    model = fl.simulate(
+        _pad_by_energies(M, g, t, law, friction, v), 0.2, x0=[*(-0.1 * w), *w], progress=False
+    )
+    assert model.events.state[0, n:] == pytest.approx(after, abs=1e-11)
     (p_N, p_T), *_ = np.linalg.lstsq(np.column_stack([-g, t]), M @ (after - w))
     assert g @ after == pytest.approx(-e * (g @ w), abs=1e-12)
     assert abs(p_T) <= mu * p_N + 1e-12
