@@ -8,7 +8,9 @@ once; the coarse diagram; the values between; then longer runs of motions that h
 from __future__ import annotations
 
 import os
+from bisect import bisect_right
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import replace
 from operator import itemgetter
 from time import perf_counter
 from types import MappingProxyType
@@ -17,10 +19,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from frictionlab.analysis.initial_states import initial_state_of
 from frictionlab.analysis.motion_scales import round_down_1_2_5
 from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.sweeps.bifurcation import bifurcation
+from frictionlab.analysis.steady_state.steady_state import SteadyState, WindowStart, settle
+from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation, reach_of_transient
+from frictionlab.analysis.sweeps.tasks import run_tasks
 from frictionlab.components.component import Parameter
 from frictionlab.models.model import automaton_of, check_parameter_name, parameters_about, values_of
 from frictionlab.pages.scene import Data, Shown, last_value, number, slider_range
@@ -36,7 +41,7 @@ from frictionlab.widgets.update_scheduler import running_loop
 Array = NDArray[np.float64]
 BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
-EXTENSIONS = 40, 200  # windows that motions get which have not settled, at stages 2 and 3
+EXTENSIONS = 40, 200  # windows that motions get which have not settled: first all so many, then all so many
 # The transient of a preview is one window.  There are previews only where the full transient has at least so
 # many windows: otherwise they would take hardly less time than the results.
 LEAST_WINDOWS_OF_TRANSIENT = 4
@@ -50,18 +55,18 @@ SELECTED_VALUE_LINE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "zorder"
 
 
 class SteadyStatePoints(NamedTuple):
-    """Kind of motion, and section points (K, 2n), as they are known after a stage of the computation."""
+    """Kind of motion, and section points (K, 2n), as they are known after so many windows; 0: a preview."""
 
     kind: str
     states: Array
-    stage: int
+    windows: int
 
 
 class ProgressiveSweep:
     """Steady states of a model, those of :func:`frictionlab.bifurcation`, found a few at a time.
 
     Stage 0 is a preview, of a short transient.  Stage 1 gives every value one window after the transient.
-    Motions that have not settled then get more of them, as with `t_max`.
+    Motions that have not settled then go on, as with `t_max`, a window at a time.
 
     Parameters
     ----------
@@ -79,12 +84,13 @@ class ProgressiveSweep:
     def __init__(self, model: Shown, parameter: str, x0: Any, options: SteadyStateOptions) -> None:
         self.model, self.parameter, self.x0, self.options = model, parameter, x0, options
         self.known: dict[float, SteadyStatePoints] = {}
+        self._next_windows: dict[float, WindowStart] = {}  # of motions that have not settled
         self.has_previews = options.transient >= LEAST_WINDOWS_OF_TRANSIENT * options.window
 
     @property
     def steady_states(self) -> dict[float, SteadyStatePoints]:
         """What is more than a preview."""
-        return {value: found for value, found in self.known.items() if found.stage}
+        return {value: found for value, found in self.known.items() if found.windows}
 
     def left(self, values: Sequence[float], previews: Container[float] = ()) -> list[tuple[int, float]]:
         """The stages still to be computed, the first ones first; some values have previews before them."""
@@ -95,8 +101,10 @@ class ProgressiveSweep:
         found = self.known.get(value)
         if found is None:
             return 0 if previewed and self.has_previews else 1
-        goes_on = not found.stage or (found.kind == MotionKind.NOT_SETTLED and found.stage <= len(EXTENSIONS))
-        return found.stage + 1 if goes_on else None
+        if not found.windows:
+            return 1
+        stage = 2 + bisect_right(EXTENSIONS, found.windows)
+        return stage if found.kind == MotionKind.NOT_SETTLED and stage < 2 + len(EXTENSIONS) else None
 
     def work(self, values: Sequence[float], previews: Container[float] = ()) -> None:
         """Compute results for about as long as there is between two pictures."""
@@ -104,14 +112,15 @@ class ProgressiveSweep:
         while (left := self.left(values, previews)) and perf_counter() < end:
             stage = left[0][0]
             size = BATCH_SIZE if stage else PREVIEW_BATCH_SIZE
-            self._compute(stage, [value for its, value in left[:size] if its == stage])
+            batch = [value for its, value in left[:size] if its == stage]
+            if stage > 1:
+                self._go_on(batch)
+            else:
+                self._compute(stage, batch)
 
     def _compute(self, stage: int, values: list[float]) -> None:
-        transient, window, t_max = self.options.transient, self.options.window, None
-        if not stage:
-            transient = window
-        elif stage > 1:  # half a window more, so that rounding does not lose one
-            t_max = transient + (EXTENSIONS[stage - 2] + 0.5) * window
+        window = self.options.window
+        transient = self.options.transient if stage else window
         done = bifurcation(
             self.model,
             self.parameter,
@@ -119,12 +128,35 @@ class ProgressiveSweep:
             self.x0,
             transient=transient,
             window=window,
-            t_max=t_max,
             method=self.options.method,
             progress=False,
         )
-        for value, kind, states in zip(values, done.kinds, done.sections, strict=True):
-            self.known[value] = SteadyStatePoints(kind, states, stage)
+        for i, value in enumerate(values):
+            self.known[value] = SteadyStatePoints(done.kinds[i], done.sections[i], stage)
+            if stage and done.kinds[i] == MotionKind.NOT_SETTLED:
+                model, found, before = self._model_at(value), done.results[i], transient + window
+                start = initial_state_of(model, self.x0)
+                reach = reach_of_transient(model, start, replace(self.options, transient=before))
+                self._next_windows[value] = WindowStart(
+                    np.array(found["final"]), found["mode"], before, reach
+                )
+
+    def _model_at(self, value: float) -> Shown:
+        return self.model.replace(**{self.parameter: value})
+
+    def _go_on(self, values: list[float]) -> None:
+        """One window more for some values."""
+
+        def keep(task: int, found: tuple[SteadyState, WindowStart]) -> None:
+            value, (steady, following) = values[task], found
+            states, windows = steady.section.state[-MAX_SECTION_POINTS:], self.known[value].windows + 1
+            self.known[value] = SteadyStatePoints(steady.kind, states, windows)
+            self._next_windows[value] = following
+
+        starts = ((self._model_at(value), self._next_windows[value]) for value in values)
+        tasks = [(*start, self.options, False) for start in starts]
+        if not run_tasks(settle, tasks, keep=keep, name=lambda i: f"{self.parameter} = {values[i]:g}"):
+            raise KeyboardInterrupt
 
 
 def _coarse_to_fine(values: Sequence[float]) -> list[float]:
@@ -144,8 +176,8 @@ class BifurcationPanel:
     It is computed in parts, from coarse to fine, so that points appear while it is computed and newer
     settings need not wait: a preview of 24 values within a second, then these values and those between, 300
     in all.  The note says how many values are still previews.  Motions that have not settled are drawn as
-    such, and extended once all values are computed.  Results are kept until another parameter changes, so
-    that a narrower range only adds values in between.
+    such, and go on window by window once all values are computed.  Results are kept until another parameter
+    changes, so that a narrower range only adds values in between.
 
     Attributes
     ----------
@@ -197,8 +229,10 @@ class BifurcationPanel:
         waiting = kinds.count(MotionKind.NOT_SETTLED)
         note = f"{len(kinds)} values" if len(kinds) == wanted else f"{len(kinds)} of {wanted} values"
         note += f", {waiting} {MotionKind.NOT_SETTLED}" if waiting else ""
-        previews = sum(not steady.stage for steady in inside.values())
+        previews = sum(not steady.windows for steady in inside.values())
         note += f"\n{previews} of a short transient" if previews else ""
+        windows = max((s.windows for s in inside.values() if s.kind == MotionKind.NOT_SETTLED), default=0)
+        note += f"\n{windows} of {EXTENSIONS[-1]} windows" if progress and windows > 1 else ""
         return Drawing(*labels, curves, note=note, xlim=(low, high), progress=progress)
 
     def _fill(

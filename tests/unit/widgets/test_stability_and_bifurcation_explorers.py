@@ -239,7 +239,7 @@ def test_a_preview_of_a_short_transient_comes_first_and_is_said_to_be_one():
         assert drawn == known
     assert (sweep.options.transient, sweep.options.window) == (100.0, 10.0)
     options = {"transient": 10.0, "window": 10.0, "method": sweep.options.method, "progress": False}
-    value = max(value for value, found in sweep.known.items() if not found.stage)
+    value = max(value for value, found in sweep.known.items() if not found.windows)
     alone = fl.bifurcation(sweep.model, "mu_k", [value], **options)
     kind, states, _ = sweep.known[value]
     assert kind == alone.kinds[0]
@@ -316,7 +316,7 @@ def test_motions_that_have_not_settled_are_marked_and_go_on_until_they_have():
 
     explorer, notes = asyncio.run(browser())
     filled = [(note, left) for count, note, left in notes if count == 300]
-    assert filled[0][0] == f"300 values, {len(filled[0][1])} not settled yet"
+    assert filled[0][0].splitlines()[0] == f"300 values, {len(filled[0][1])} not settled yet"
     assert len(filled[0][1]) > 12
     assert [len(left) for _, left in filled] == sorted((len(left) for _, left in filled), reverse=True)
     assert filled[-1] == ("300 values", set())
