@@ -3,6 +3,8 @@
 ``jet_codegen``
     The jets of a mode (:mod:`frictionlab.hybrid.kernels.jets`), for one run, and for several side by side
     (lanes); the kernels that native code calls by name, for values and ranges of functions.
+``side_by_side``
+    The affine sums and states of a tape that are one vector there.
 ``remainder_codegen``
     The ranges and bounds of :mod:`frictionlab.hybrid.kernels.remainder`, for lanes.
 ``step_codegen``

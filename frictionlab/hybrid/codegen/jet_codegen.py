@@ -3,7 +3,8 @@
 It does the same operations in the same sequence as :func:`frictionlab.hybrid.kernels.jets.run_tape`, so its
 results are those of the interpreter to the last bit, and a run may change from one to the other at any step.
 If only the current coefficient of a slot is read, its row is not stored.  The values of the states' rates are
-always stored.
+always stored.  Affine sums of mostly the same slots are one vector, and so are the states whose derivatives
+they are (`side_by_side`).
 `LaneWriter` writes the same for several runs side by side: every value has one number for each run (lane).
 
 Functions and powers are computed by calls of their kernels, so that their code exists only once; a call takes
@@ -12,7 +13,7 @@ little time beside theirs.  The kernels' names are registered with LLVM when cod
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache, partial
 from itertools import islice
 from typing import Any, NamedTuple
@@ -27,6 +28,7 @@ from frictionlab.compilation.llvm_instructions import (
     write_loop,
 )
 from frictionlab.compilation.targets import processor_features
+from frictionlab.hybrid.codegen.side_by_side import Group, states_side_by_side, sums_side_by_side
 from frictionlab.hybrid.kernels.arithmetic import PARTS
 from frictionlab.hybrid.kernels.jets import JET_COLUMNS, LOG2_LEAST_RATIO
 from frictionlab.tape.elementary.exponentials import power
@@ -168,6 +170,10 @@ class JetWriter(Instructions):
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
         self.shares = self._table_of_shares()
+        self.sum_groups = sums_side_by_side(function.tape) if self.width == 1 else []
+        self.state_groups = states_side_by_side(function.flow, self.sum_groups)
+        self.vectors: dict[Group, Any] = {}  # the coefficients of groups at the current order
+        self.factors: dict[Group, Values] = {}  # the addresses of the factors of sums
         self.first_block = True
         self.sums: dict[Pair, Values] = {}  # of convolutions, for the next orders of the block
         self.block: list[dict[int, Any]] = []  # the values at the orders of this block before the current one
@@ -196,6 +202,7 @@ class JetWriter(Instructions):
         first, done = (self.build.append_basic_block() for _ in range(2))
         self.build.cbranch(self.build.icmp_signed("<", self.whole(0), self.order), first, done)
         self.build.position_at_end(first)
+        self._prepare_factors()
         rates = self._columns(done, self.whole(0), self._rates())
         self.first_block = False
         write_loop(self.build, self.order, rates, partial(self._following_columns, done))
@@ -203,7 +210,57 @@ class JetWriter(Instructions):
         self.build.position_at_end(done)
 
     def _rates(self) -> Values:
-        return [self.values[slot] for slot in self.function.flow]
+        """The coefficients of the derivatives of all states, a vector for each group."""
+        flow = self.function.flow
+        return [self._group(tuple(flow[state] for state in group)) for group in self.state_groups]
+
+    def _group(self, slots: Group) -> Any:
+        """The coefficients of some slots, as a vector if they are more than one."""
+        if slots in self.vectors:
+            return self.vectors[slots]
+        return self._together([self.values[slot] for slot in slots])
+
+    def _together(self, values: Values) -> Any:
+        """One value, or several numbers as a vector."""
+        if len(values) == 1:
+            return values[0]
+        vector = self.ir.Constant(self.ir.VectorType(self.kind, len(values)), self.ir.Undefined)
+        for place, value in enumerate(values):
+            vector = self.build.insert_element(vector, value, self.ir.IntType(32)(place))
+        return vector
+
+    def _set_group(self, slots: Group, at: OrderInLoop, value: Any) -> None:
+        self.vectors[slots] = value
+        for place, slot in enumerate(slots):
+            one = len(slots) == 1
+            each = value if one else self.build.extract_element(value, self.ir.IntType(32)(place))
+            self._set(slot, at, each)
+
+    def _prepare_factors(self) -> None:
+        """Put the factors of sums that are one vector side by side."""
+        first = self.function.first[1]
+        for group in self.sum_groups:
+            self.factors[group] = []
+            for numbers in self._terms_of(group):
+                factors = self._together([self._load(self.terms, first + j) for j in numbers])
+                with self.build.goto_entry_block():
+                    place = self.build.alloca(factors.type)
+                self.build.store(factors, place)
+                self.factors[group].append(place)
+
+    def _terms_of(self, group: Group) -> Iterable[Group]:
+        """The numbers of the first terms of all sums, then of the second ones, and so on."""
+        tape = self.function.tape
+        return zip(*(range(*tape.ops[slot - tape.inputs][1:]) for slot in group), strict=True)
+
+    def _sums(self, group: Group) -> Any:
+        """Affine sums as one vector."""
+        build, total = self.build, None
+        for place, numbers in zip(self.factors[group], self._terms_of(group), strict=True):
+            slots = tuple(self.function.tape.terms[j][0] for j in numbers)
+            term = build.fmul(build.load(place), self._group(slots))
+            total = term if total is None else build.fadd(total, term)
+        return total
 
     def _following_columns(self, done: Any, before: Any, rates: Values) -> Values:
         fours = self.build.add(before, self.whole(1))
@@ -218,7 +275,8 @@ class JetWriter(Instructions):
             k = build.add(first, self.whole(rest + 1))
             at = OrderInLoop(fours, rest, self._as_number(k), self._ahead(self.J, k))
             share = self._spread(build.load(build.gep(self.shares, [k])))
-            rates = self._column(at, [build.fmul(rate, share) for rate in rates])
+            shares = (self._together([share] * len(group)) for group in self.state_groups)
+            rates = self._column(at, list(map(build.fmul, rates, shares)))
             self.block.append(dict(self.values))
             following = build.append_basic_block()
             build.cbranch(build.icmp_signed("==", k, self.order), done, following)
@@ -229,15 +287,20 @@ class JetWriter(Instructions):
 
     def _column(self, at: OrderInLoop, states: Values) -> Values:
         """A column, from the coefficients of the states; returns the rates."""
-        for state, coefficient in enumerate(states):
-            self._set(state, at, coefficient)
+        for group, coefficient in zip(self.state_groups, states, strict=True):
+            self._set_group(group, at, coefficient)
         self._operations(at)
         return self._rates()
 
     def _operations(self, at: OrderInLoop | None) -> None:
-        for i, (kind, a, b) in enumerate(self.function.tape.ops):
-            value = self._value(i, kind, a, b) if at is None else self._coefficient(i, kind, a, b, at)
-            self._set(self.function.tape.inputs + i, at, value)
+        groups = {slot: group for group in self.sum_groups for slot in group}
+        for slot, (kind, a, b) in enumerate(self.function.tape.ops, start=self.function.tape.inputs):
+            i, group = slot - self.function.tape.inputs, groups.get(slot, (slot,))
+            if at is None:
+                self._set(slot, at, self._value(i, kind, a, b))
+            elif slot == group[-1]:
+                value = self._sums(group) if slot in groups else self._coefficient(i, kind, a, b, at)
+                self._set_group(group, at, value)
 
     def _value(self, i: int, kind: int, a: int, b: int) -> Any:
         """Coefficient 0."""

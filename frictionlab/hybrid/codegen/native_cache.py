@@ -24,7 +24,7 @@ import numpy as np
 from frictionlab import cache_folder
 from frictionlab.compilation import llvm_instructions, machine_code
 from frictionlab.compilation.decorators import prepare_arrays
-from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, step_codegen
+from frictionlab.hybrid.codegen import jet_codegen, remainder_codegen, side_by_side, step_codegen
 from frictionlab.hybrid.codegen.jet_codegen import ModeTape, jets_module
 from frictionlab.hybrid.codegen.remainder_codegen import StepStructure
 from frictionlab.hybrid.codegen.step_codegen import lane_step_module
@@ -233,7 +233,7 @@ def _host() -> str:
     import llvmlite
 
     llvm = _llvm()
-    writers: Any = (jet_codegen, step_codegen, remainder_codegen)
+    writers: Any = (jet_codegen, side_by_side, step_codegen, remainder_codegen)
     writers = (*writers, arithmetic, llvm_instructions, tape, functions)
     writer = "".join(module.__loader__.get_data(module.__file__).decode() for module in writers)
     cpu = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
