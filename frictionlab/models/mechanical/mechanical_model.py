@@ -145,8 +145,10 @@ class MechanicalModel(Model):
         from .law_coefficients import check_law_coefficients
         from .limits import check_dampers
         from .masses import check_masses
+        from .period_of_phase import check_period
 
         check_masses(self)
+        check_period(self)
         check_dampers(self)
         check_law_coefficients(self)
         check_contacts(self)

@@ -281,8 +281,9 @@ class Mechanics:
         contacts."""
         return names_of_law_states([getattr(contact, "law", None) for contact in self.contacts])
 
-    def depends_on(self, symbol: Any) -> bool:
-        """Whether any of it depends on a symbol."""
+    @property
+    def expressions(self) -> list[Any]:
+        """All that is stated but the frequency: energies, loads, rates, what contacts and laws are given."""
         potential = self.potential.values() if isinstance(self.potential, Mapping) else [self.potential]
         given = [self.kinetic, *potential, self.dissipation, *self.loads.values(), *self.rates.values()]
         for contact in self.contacts:
@@ -295,7 +296,11 @@ class Mechanics:
             given += [
                 each for law in parts if isinstance(law, Component) for each in expressions_of(law).values()
             ]
-        return any(symbol in getattr(one, "free_symbols", ()) for one in given)
+        return [one for one in given if hasattr(one, "free_symbols")]
+
+    def depends_on(self, symbol: Any) -> bool:
+        """Whether any of it depends on a symbol."""
+        return any(symbol in one.free_symbols for one in self.expressions)
 
     @property
     def stored(self) -> Any:

@@ -11,7 +11,7 @@ from frictionlab.components import Coulomb, PlasticImpact
 from frictionlab.models import MechanicalModel
 from frictionlab.models.mechanical.mechanics import Friction, Mechanics, SlidingStatics, Stop
 
-cos = fl.functions.cos
+cos, sin = fl.functions.cos, fl.functions.sin
 
 
 def energy(v):
@@ -141,6 +141,33 @@ def test_masses_that_are_not_positive_are_refused_by_value(variant, use):
     with pytest.raises(ValueError, match=WRONG_VALUES[variant][1]):
         use(Stated(variant=variant, m=-1.0))
     Stated(variant=variant, m=1.0 if variant != "coupled" else -2.5).automaton()
+
+
+PHASES = {
+    "half": lambda s, phase: cos(phase / 2),
+    "ratio": lambda s, phase: sin((s.m + 3) * phase / 4) * 2,
+    "coefficient": lambda s, phase: (1 + cos(s.m * phase * 0.3)) * s.m,
+    "squared": lambda s, phase: cos((s.m + 2) * phase / 2) ** 2,
+    "rectified": lambda s, phase: fl.functions.absolute(sin((s.m + 2) * phase / 2)),
+    "sawtooth": lambda s, phase: phase * s.m + sin((s.m + 4) * phase),
+}
+
+
+@pytest.mark.parametrize(
+    ("wave", "jumps"), [*zip(PHASES, [True, True, True, False, False, False], strict=True)]
+)
+def test_sines_that_jump_where_the_phase_starts_again_are_refused(wave, jumps):
+    WRONG[wave] = (
+        lambda s, q, v: Mechanics(energy(v), loads={"x": PHASES[wave](s, q.phase)}, frequency=2.0),
+        "",
+    )
+    if not jumps:
+        assert Stated(variant=wave, m=-1.0).automaton()
+        return
+    with pytest.raises(ValueError, match=r"q.phase must have its period, 2 pi, got .*write q\.t"):
+        fl.simulate(Stated(variant=wave, m=-1.0), 1.0)
+    if wave == "ratio":
+        assert Stated(variant=wave, m=1.0).automaton()
 
 
 def test_masses_that_depend_on_place_are_checked_where_the_run_starts():
