@@ -3,7 +3,7 @@
 At a fold an equilibrium meets another one and both end.  There f(x, q) = 0 and A r = 0 for a vector r, with
 c r = 1 for a fixed row c: 2 m + 1 equations for x, r and the parameter q, regular at a quadratic fold.  They
 are solved by Newton's method from the last equilibrium before it ends or gives way to another, which is found
-by halving intervals of the parameter.
+by dividing intervals of the parameter.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from frictionlab.models.model import ModelOrAutomaton
 
 SCAN_POINTS = 257
-HALVINGS = 40
+DIVISIONS, PARTS = 10, 16  # of an interval, whose points are followed together: to 2^-40 of it
 MAX_STEPS = 30
 STEP_RTOL = 1e-13
 JUMP_FACTOR = 8.0  # times the median change between scanned values: a larger change may be a jump
-JUMP_SHARE = 0.05  # share of such a change that is left after halving if it is a jump
+JUMP_SHARE = 0.05  # share of such a change that is left after the divisions if it is a jump
 FOLD_RTOL = 1e-3  # share of the bounds' distance that the fold may be from where the equilibrium ended
 
 
@@ -131,12 +131,13 @@ def _ends(
     for i in np.flatnonzero(jumps & ~(absent[1:] & absent[:-1])):
         low, high, x, y = points[i], points[i + 1], states[:, i], states[:, i + 1]
         first = np.abs(y - x).max()
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            z = at([middle])[:, 0]
-            before, after = np.abs(z - x).max(), np.abs(y - z).max()
-            beyond = np.isnan(z).any() == np.isnan(x).any() if np.isnan(first) else before <= after
-            low, high, x, y = (middle, high, z, y) if beyond else (low, middle, x, z)
+        for _ in range(DIVISIONS):
+            parts = np.linspace(low, high, PARTS + 1)
+            states_between = np.column_stack([x, at(parts[1:-1]), y])
+            gone: Any = np.isnan(states_between).any(axis=0)
+            change = np.abs(np.diff(states_between)).max(axis=0)
+            k = int(np.argmax(gone[1:] != gone[:-1] if np.isnan(first) else change))
+            low, high, x, y = parts[k], parts[k + 1], states_between[:, k], states_between[:, k + 1]
         if np.isnan(first) or np.abs(y - x).max() > JUMP_SHARE * first:
             yield from (
                 _End(float(v), state) for v, state in ((low, x), (high, y)) if np.isfinite(state).all()
