@@ -283,31 +283,50 @@ def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityCha
 
 
 def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityChange) -> HopfPoint:
-    states, matrices = problem.linearised({parameter: change.value})
-    state, matrix = states[:, 0], matrices[0]
-    pair = critical_pair(problem.without_following(matrix), change.frequency)
-    if pair is None:
+    found = _critical_motion(problem, parameter, change.value, change.frequency)
+    if found is None:
         raise ValueError(
             f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
-    left = problem.with_following(pair.left[:, None])[:, 0]
-    right = problem.with_following(pair.right[:, None], matrix)[:, 0]
-    pair = Eigenpair(pair.value, left, right, complex(left @ right)).normalised
-    values = {**problem.parameters, parameter: change.value}
-    at = EquilibriumDerivatives(problem.flow, state, tuple(values.values()))
-    slopes = at.bilinear(pair.left, pair.right)
+    at, pair = found
+    slope = complex(at.bilinear(pair.left, pair.right)[problem.parameter_names.index(parameter)])
+    cubic = cubic_coefficient(at, pair)
+    # What is above ZERO_RTOL of its terms may still be zero at the point itself, which is known to rounding.
+    near = ZERO_RTOL * abs(pair.value) / abs(slope) if slope else 0.0
+    beside = [
+        _critical_motion(problem, parameter, change.value + step, change.frequency) for step in (-near, near)
+    ]
+    signs = {np.sign(cubic_coefficient(*one).real) for one in beside if one is not None}
+    if len(signs) == 2:
+        cubic = complex(0.0, cubic.imag)
     return HopfPoint(
         problem.model,
         parameter,
         change,
         problem.names,
-        state,
+        at.x,
         pair.right,
-        complex(slopes[problem.parameter_names.index(parameter)]),
-        cubic_coefficient(at, pair),
+        slope,
+        cubic,
         _amplitude_at_guard(at, problem.derive_guards(), pair.right),
     )
+
+
+def _critical_motion(
+    problem: EquilibriumProblem, parameter: str, value: float, frequency: float
+) -> tuple[EquilibriumDerivatives, Eigenpair] | None:
+    """The equilibrium at a value, and its pair of that frequency (Hz); None where it has none of its own."""
+    states, matrices = problem.linearised({parameter: value})
+    state, matrix = states[:, 0], matrices[0]
+    pair = critical_pair(problem.without_following(matrix), frequency) if np.isfinite(matrix).all() else None
+    if pair is None:
+        return None
+    left = problem.with_following(pair.left[:, None])[:, 0]
+    right = problem.with_following(pair.right[:, None], matrix)[:, 0]
+    values = {**problem.parameters, parameter: value}
+    at = EquilibriumDerivatives(problem.flow, state, tuple(values.values()))
+    return at, Eigenpair(pair.value, left, right, complex(left @ right)).normalised
 
 
 def _amplitude_at_guard(at: EquilibriumDerivatives, guards: Formulas, vector: ComplexArray) -> float:

@@ -37,6 +37,15 @@ def test_van_der_pol():
     assert point.valid_until == np.inf
 
 
+@pytest.mark.parametrize("bounds", [(-0.5, 2.0), (-1.0, 1.0), (-0.3, 0.1)])
+def test_a_coefficient_that_is_zero_at_the_point_alone(bounds):
+    """x'' - p (1 - x^2) x' + x = 0: all amplitudes are cycles at p = 0, and 2 above it."""
+    point = hopf(automaton((Y, P * (1 - X**2) * Y - X), (X, Y), 1, p=-0.1), "p", bounds)
+    assert point.value == pytest.approx(0, abs=1e-12)
+    assert point.criticality == "degenerate"
+    assert np.isnan(point.valid_until)
+
+
 def test_a_mode_that_holds_all_states_has_no_vibration():
     """Van der Pol's oscillator, with an end stop behind it on which it may rest."""
     cycle = fl.Mode("cycle", (Y, (P - X**2) * Y - X), (fl.Event("stop", 5 - X, ("rest",)),))
