@@ -321,7 +321,8 @@ def plot_spectrogram(
     f_max : float or None
         Highest frequency, Hz; None takes about six times the model's own.
     window : float or None
-        Length of the window (s), one over which is the resolution in Hz; None takes a tenth of the run.
+        Length of the window (s), one over which is the resolution in Hz; None takes a tenth of the run, and of
+        a short one five periods of f_max.
 
     Returns
     -------
@@ -354,7 +355,7 @@ def plot_spectrogram(
     length = float(
         check_number(
             "window",
-            stop / 10 if window is None else window,
+            min(max(stop / 10, MIN_LINES / highest), stop / 2) if window is None else window,
             least=MIN_LINES / highest,
             most=stop / 2,
             cure="it holds five periods of f_max, and is half the run at most; run longer, or raise f_max",

@@ -214,6 +214,8 @@ def test_a_spectrogram_has_the_amplitude_of_a_sine_in_decibels():
     frequencies = np.linspace(0.0, 2.0, 21)
     assert np.all(frequencies[levels.argmax(axis=0)] == 0.5)
     assert mesh.axes.get_xlabel() == "time (s)"
+    short = fl.plot_spectrogram(fl.simulate(model, 8.0, x0=orbit.state, progress=False), name="x", f_max=2.0)
+    assert short.get_array().shape[0] == 6  # lines 0.4 Hz apart, as five periods of 2 Hz last 2.5 s
 
 
 @pytest.mark.parametrize(
