@@ -321,8 +321,8 @@ def plot_spectrogram(
     f_max : float or None
         Highest frequency, Hz; None takes about six times the model's own.
     window : float or None
-        Length of the window (s), one over which is the resolution in Hz; None takes a tenth of the run, and of
-        a short one five periods of f_max.
+        Length of the window (s), one over which is the resolution in Hz; None takes a tenth of the run, or
+        of a short one five periods of f_max.
 
     Returns
     -------
