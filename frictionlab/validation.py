@@ -375,6 +375,11 @@ def check_key(what: str, key: Any, known: Iterable[str]) -> None:
         raise KeyError(f"no {what} {abbreviate(key)}: name one of {', '.join(names) or 'none'}")
 
 
+def with_article(kind: type) -> str:
+    """A class in a message: "an ImpactLaw"."""
+    return f"a{'n' * kind.__name__.startswith(tuple('AEIO'))} {kind.__name__}"
+
+
 def unknown_parameter(owner: str, name: Any, known: Sequence[str], hint: str = "") -> TypeError:
     """The error for a parameter that does not exist, the same wherever parameters are named.
 

@@ -21,7 +21,7 @@ from frictionlab.automaton.modes_on_demand import ModesOnDemand, names_of_regime
 from frictionlab.components.component import StructureKey, structure_of
 from frictionlab.components.surroundings import surroundings_of
 from frictionlab.tape.automaton_data import DERIVED_FROM, automaton_from_data
-from frictionlab.validation import abbreviate
+from frictionlab.validation import abbreviate, with_article
 
 from .kept_structures import Derivations, derivations_of
 from .serialisation import loaded_class, value_from_data
@@ -253,12 +253,12 @@ def automaton_from_structure_data(data: Any, kind: type, parameters: Mapping[str
 def _structure_from_data(data: Any, base: type) -> StructureKey:
     if not isinstance(data, Mapping) or not isinstance(data.get("structure"), Mapping):
         raise ValueError(
-            f"a {base.__name__} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
+            f"{with_article(base)} must be a mapping with 'class' and 'structure', got {abbreviate(data)}"
         )
     cls, values = loaded_class(data.get("class"), base), data["structure"]
     names, roles = structure_of(cls), getattr(cls, "roles", {})
     if sorted(values) != sorted(names):
-        raise ValueError(f"a {cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
+        raise ValueError(f"{cls.__name__} has {', '.join(names)}, got {', '.join(values)}")
     return StructureKey(
         cls,
         tuple(

@@ -33,7 +33,7 @@ from frictionlab.components.contact import (
     SlidingOnly,
 )
 from frictionlab.presentation import html_rows, rotational_unit
-from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter
+from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter, with_article
 
 if TYPE_CHECKING:
     from frictionlab.models.model import Model, ModelOrAutomaton
@@ -204,13 +204,15 @@ def check_component(role: str, base: type, component: object) -> Component:
         return component
     if isinstance(component, type):
         name = component.__name__
-        raise TypeError(f"{role} must be a {base.__name__}, got the class {name}: write {name}()")
+        raise TypeError(f"{role} must be {with_article(base)}, got the class {name}: write {name}()")
     names = [kind.__name__ for kind in _laws_of_library(base)]
     if isinstance(component, str) and component in names:
-        raise TypeError(f"{role} must be a {base.__name__}, got the text {component!r}: write {component}()")
+        raise TypeError(
+            f"{role} must be {with_article(base)}, got the text {component!r}: write {component}()"
+        )
     kinds = ", ".join(f"{name}()" for name in names)
     raise TypeError(
-        f"{role} must be a {base.__name__}, got {abbreviate(component)}: take {kinds}, or a class of "
+        f"{role} must be {with_article(base)}, got {abbreviate(component)}: take {kinds}, or a class of "
         f"your own that derives from {base.__name__}"
     )
 

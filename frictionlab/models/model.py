@@ -487,10 +487,17 @@ def _tell_of_replace(cls: Any) -> None:
         try:
             set_frozen(self, name, value)
         except FrozenInstanceError as error:
-            cure = f"a model never changes, write model = model.replace({name}=...)"
-            raise FrozenInstanceError(f"{error}: {cure}") from None
+            raise FrozenInstanceError(_words_on_setting(self, name, error)) from None
 
     cls.__setattr__ = set_attribute
+
+
+def _words_on_setting(model: Model, name: str, error: FrozenInstanceError) -> str:
+    try:
+        refuse_unknown([name], type(model), model.parameters, model.components)
+    except TypeError as unknown:
+        return f"{unknown}; and a model never changes"
+    return f"{error}: a model never changes, write model = model.replace({name}=...)"
 
 
 def _order_parameters(cls: type, inherited: Mapping[str, Any]) -> None:

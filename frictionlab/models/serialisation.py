@@ -13,7 +13,7 @@ from typing import Any
 
 import frictionlab
 from frictionlab.components.component import Component, StructureKey, structure_of, subclasses_of
-from frictionlab.validation import MAX_CHARACTERS, abbreviate
+from frictionlab.validation import MAX_CHARACTERS, abbreviate, with_article
 
 
 def is_public(cls: type) -> bool:
@@ -78,7 +78,7 @@ def component_from_dict(data: Mapping[str, Any], base: type) -> Any:
     """
     if not isinstance(data, Mapping) or not isinstance(data.get("fields"), Mapping):
         raise ValueError(
-            f"a {base.__name__} must be a mapping with 'class' and 'fields', got {abbreviate(data)}"
+            f"{with_article(base)} must be a mapping with 'class' and 'fields', got {abbreviate(data)}"
         )
     cls = loaded_class(data.get("class"), base)
     roles: Mapping[str, type] = getattr(cls, "roles", {})

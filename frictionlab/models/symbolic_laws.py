@@ -28,7 +28,7 @@ from frictionlab.lazy_names import sympy
 from frictionlab.models.symbols import parameter_symbols, symbol
 from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 from frictionlab.tape.undefined_parts import doubtful_parts, undefined_words
-from frictionlab.validation import abbreviate
+from frictionlab.validation import abbreviate, with_article
 
 from .kept_structures import derivations_of
 
@@ -66,8 +66,8 @@ def symbolic_copy(key: StructureKey) -> Any:
     """
     if surroundings_of(key.component) != key.surroundings:
         raise ValueError(
-            f"a {key.component.__name__} must be as it was when this model was made, but it uses numbers or "
-            "methods that have changed: make the model anew"
+            f"{with_article(key.component)} must be as it was when this model was made, but it uses numbers "
+            "or methods that have changed: make the model anew"
         )
     law = object.__new__(key.component)
     for name in parameters_of(key.component):

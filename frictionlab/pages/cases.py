@@ -26,6 +26,7 @@ from frictionlab.models.model import parameters_about
 from frictionlab.models.symbols import symbol
 from frictionlab.pages.javascript import javascript_function
 from frictionlab.pages.scene import MARK, Data, Shown, mechanism_data
+from frictionlab.validation import with_article
 
 T = TypeVar("T")
 MAX_OUTCOMES = 64  # combinations of outcomes of one piece of code; with more it is left to Python
@@ -84,7 +85,7 @@ def picture_data(model: Shown, parameters: tuple[Any, ...]) -> Data | None:
         return {"numbers": javascript_function([parameters], numbers), "cases": cases}
     except Exception as error:  # any that functions of numbers raise
         warnings.warn(
-            f"the picture of a {type(model).__name__} does not follow its page's sliders ({error}): make "
+            f"the picture of {with_article(type(model))} does not follow its page's sliders ({error}): make "
             "its numbers by arithmetic, comparisons, numpy's functions and fl.functions",
             RuntimeWarning,
             stacklevel=2,

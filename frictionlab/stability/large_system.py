@@ -42,7 +42,7 @@ class LargeSystem(MovingSystem, ABC, Generic[E]):
         """See :func:`frictionlab.eigenvalues`."""
 
     @abstractmethod
-    def follow_modes(self, parameter: str, values: Any) -> RootLocus:
+    def find_root_locus(self, parameter: str, values: Any) -> RootLocus:
         """See :func:`frictionlab.root_locus`."""
 
     @abstractmethod

@@ -23,8 +23,7 @@ from scipy.optimize import linear_sum_assignment
 
 from frictionlab.interruption import progress_bar
 from frictionlab.stability.eigenproblems.eigenvalues import mode_shapes, participation_factors
-from frictionlab.stability.eigenproblems.root_locus import RootLocus
-from frictionlab.stability.eigenproblems.root_locus import follow_modes as follow_modes_of_matrices
+from frictionlab.stability.eigenproblems.root_locus import RootLocus, modes_along_path
 from frictionlab.stability.equilibrium_problem import check_path
 from frictionlab.stability.state_matrices import eigenvalues_of_matrices
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, Spectrum
@@ -57,7 +56,7 @@ MOST_ENTRIES = 4_000_000  # of state matrices that are made at once
 OTHER_MODES = 8  # beside those in the window, whose eigenvalues are kept
 
 
-def follow_modes(structure: Structure, parameter: str, values: Any) -> RootLocus:
+def locus_of_structure(structure: Structure, parameter: str, values: Any) -> RootLocus:
     """The root locus of a structure, see :func:`frictionlab.root_locus`."""
     at = check_path(structure, parameter, values)
     check_masses(structure, parameter, at)
@@ -144,25 +143,19 @@ class SmallSpectra:
 
         Those of open contacts, which are gone at once, are damped as much as anything else.
         """
+        return self.matrices_and_open(changes)[0]
+
+    def matrices_and_open(self, changes: Mapping[str, Array]) -> tuple[Array, NDArray[np.bool_]]:
+        """State matrices, and which rows (N, freedoms and states) are states of open contacts."""
         n = self.structure.size
         M, C, K = self.structure.stacks(changes)
-        gone = self._are_gone(C)
+        gone = (np.diagonal(C, axis1=1, axis2=2) == 0.0) & (np.arange(C.shape[1]) >= n)
         leading = np.concatenate([M[:, :, :n], C[:, :, n:]], axis=2) + gone[:, None] * np.eye(M.shape[1])
         A = state_matrices(leading, C, K, M.shape[1] - n)
         if gone.any():
             point, place = np.nonzero(gone)
             A[point, n + place, n + place] *= np.abs(A[point]).sum(axis=2).max(axis=1)
-        return A
-
-    def of_open_contacts(self, changes: Mapping[str, Array], right: ComplexArray) -> NDArray[np.bool_]:
-        """Which modes (N, k) with these right vectors (N, m, k) are states of open contacts, thus none."""
-        gone = self._are_gone(self.structure.stacks(changes)[1])
-        shares = np.abs(right[:, self.structure.size :]) ** 2 * gone[:, :, None]
-        return shares.sum(axis=1) > 0.5
-
-    def _are_gone(self, C: Array) -> NDArray[np.bool_]:
-        """Which rows (N, freedoms and states) of stacked C are states of open contacts."""
-        return (np.diagonal(C, axis1=1, axis2=2) == 0.0) & (np.arange(C.shape[1]) >= self.structure.size)
+        return A, gone
 
     @cached_property
     def has_matrices(self) -> bool:
@@ -244,12 +237,21 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     spectra = SmallSpectra(structure)
     n = structure.size
     further = range(2 * n, structure.order)
-    path: Any = follow_modes_of_matrices(at, lambda points: spectra.matrices({parameter: points}), further)
+    open_states: dict[float, NDArray[np.bool_]] = {}
+
+    def matrices(points: Array) -> Array:
+        found, gone = spectra.matrices_and_open({parameter: points})
+        open_states.update(zip(points.tolist(), gone))
+        return found
+
+    path: Any = modes_along_path(at, matrices, further)
     values, unstable, known = path.values, path.unstable, np.ones(path.values.shape, dtype=bool)
     if np.isnan(values).all():
         check_settling(structure, parameter, at)
     if structure.order > 2 * n:
-        known = ~spectra.of_open_contacts({parameter: at}, path.right)
+        gone = np.array([open_states[p] for p in at.tolist()])
+        # Modes that are states of open contacts are none.
+        known = (np.abs(path.right[:, n:]) ** 2 * gone[:, :, None]).sum(axis=1) <= 0.5
     if structure.window is not None:
         low, high = structure.window
         frequencies = values.imag / (2 * np.pi)

@@ -29,7 +29,14 @@ from frictionlab.structures.steady_friction import (
     steady_friction,
 )
 from frictionlab.tape.formulas import Formulas, formulas_of
-from frictionlab.validation import abbreviate, check_number, check_text, explains_fields, float_array
+from frictionlab.validation import (
+    abbreviate,
+    check_number,
+    check_text,
+    explains_fields,
+    float_array,
+    with_article,
+)
 
 Array = NDArray[np.float64]
 NAME_CURE = 'name the contacts, such as "inner"'
@@ -484,7 +491,7 @@ class SlidingContacts:
         for name, kind in kinds:
             law = getattr(self, name)
             if not isinstance(law, kind) and not (law is None and name != "contact"):
-                raise TypeError(f"{name} must be a {kind.__name__}, got {abbreviate(law)}: give one")
+                raise TypeError(f"{name} must be {with_article(kind)}, got {abbreviate(law)}: give one")
         if self.impact is not None and self.friction is None:
             raise ValueError(
                 f"impact must be None where contacts have no friction law, got {abbreviate(self.impact)}: "

@@ -187,8 +187,7 @@ class Statics:
             size = np.linalg.norm(left_over)
             if self._is_rounding(left_over, q, forces):
                 return q
-            tangent = self._tangent(forces)
-            step, solve = self._step(tangent, left_over, solve)
+            step, solve = self._step(self.tangent(forces), left_over, solve)
             scale = 1.0
             while scale >= SMALLEST_STEP:
                 ahead = q - scale * step
@@ -215,7 +214,8 @@ class Statics:
         bound = ROUNDING * (held + np.abs(self.load) + self._largest(forces))
         return bool((np.abs(left_over) <= bound).all())
 
-    def _tangent(self, forces: list[ContactForces]) -> Matrix:
+    def tangent(self, forces: list[ContactForces]) -> Matrix:
+        """K with what contacts add in steady sliding, (n, n)."""
         added = [one.steady_stiffness(f) for one, f in zip(self.contacts, forces, strict=True)]
         return self.K + sum(added)
 

@@ -228,10 +228,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     @property
     def static_stiffness(self) -> Matrix:
         """The real part of K + N (n, n) with what contacts add in steady sliding."""
-        K = self.structural_pencil.K.real
-        for one, each in zip(self.contacts, self.contact_forces, strict=True):
-            K = K + one.steady_stiffness(each)
-        return K.tocsc()
+        return self.statics.tangent(self.contact_forces).tocsc()
 
     @cached_property
     def law_states(self) -> tuple[tuple[str, ...], ...]:
@@ -457,10 +454,10 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
     def find_eigenvalues(self) -> WindowEigenvalues:
         return window_eigenvalues(self, self.find_equilibrium())
 
-    def follow_modes(self, parameter: str, values: Any) -> RootLocus:
-        from frictionlab.structures.mode_paths import follow_modes
+    def find_root_locus(self, parameter: str, values: Any) -> RootLocus:
+        from frictionlab.structures.mode_paths import locus_of_structure
 
-        return follow_modes(self, parameter, values)
+        return locus_of_structure(self, parameter, values)
 
     def find_stability_changes(self, parameter: str, bounds: Any) -> tuple[StabilityChange, ...]:
         from frictionlab.structures.changes_of_stability import find_stability_changes

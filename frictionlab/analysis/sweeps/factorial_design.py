@@ -24,7 +24,14 @@ from frictionlab.components.component import Component
 from frictionlab.models.composition import nonlinearities_of
 from frictionlab.models.model import Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import Drawable, dataframe, text_table
-from frictionlab.validation import abbreviate, check_key, check_mapping, did_you_mean, is_sequence
+from frictionlab.validation import (
+    abbreviate,
+    check_key,
+    check_mapping,
+    did_you_mean,
+    is_sequence,
+    with_article,
+)
 
 Array = NDArray[np.float64]
 Scene = tuple[int, ...]  # one level for each switch
@@ -80,7 +87,7 @@ def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, 
     if switches is None:
         if not isinstance(model, Model):
             raise ValueError(
-                f"switches must be a mapping of parameters of a {type(model).__name__}, which has no "
+                f"switches must be a mapping of parameters of {with_article(type(model))}, which has no "
                 "nonlinearities by name, got none: give parameters their alternatives, such as "
                 '{"k": [0.0, 1.0]}'
             )

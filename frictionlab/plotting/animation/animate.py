@@ -45,7 +45,7 @@ from frictionlab.plotting.time_histories import (
     window_limits,
 )
 from frictionlab.plotting.turns import turning_angles, within_turn
-from frictionlab.validation import abbreviate, check_number, check_path
+from frictionlab.validation import abbreviate, check_number, check_path, with_article
 
 from .parts import Parts, parts
 
@@ -126,8 +126,8 @@ def mechanism_of(run: Trajectory, function: str) -> Mechanism | None:
     source = run.source
     if isinstance(source, MovingSystem):
         raise ValueError(
-            f"{function} needs a run of a model or an automaton, got one of a {type(source).__name__}, whose "
-            "matrices do not tell what it looks like: take fl.plot_run(run)"
+            f"{function} needs a run of a model or an automaton, got one of {with_article(type(source))}, "
+            "whose matrices do not tell what it looks like: take fl.plot_run(run)"
         )
     return source.mechanism if isinstance(source, Model) else None
 

@@ -90,7 +90,7 @@ class Modes:
         )
 
 
-def follow_modes(at: Array, matrices: Callable[[Array], Array], further: Sequence[int]) -> Modes:
+def modes_along_path(at: Array, matrices: Callable[[Array], Array], further: Sequence[int]) -> Modes:
     """The modes of state matrices (N, m, m) at points (N,) of a path, each in one column throughout.
 
     Parameters
@@ -385,7 +385,7 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     ((3, 5), [True, True, False])
     """
     if isinstance(model, LargeSystem):
-        return model.follow_modes(parameter, values)
+        return model.find_root_locus(parameter, values)
     in_time = isinstance(parameter, str) and parameter == TIME
     if in_time and isinstance(model, Model) and depends_on_time(model):
         model = frozen_in_time(model)
@@ -395,7 +395,7 @@ def root_locus(model: ModelOrAutomaton, parameter: str, values: Any) -> RootLocu
     def matrices(points: Array) -> Array:
         return problem.without_following(problem.linearised({parameter: points})[1])
 
-    path: Any = follow_modes(at, matrices, problem.further)
+    path: Any = modes_along_path(at, matrices, problem.further)
     _refuse_nothing(path, parameter)
     return RootLocus(
         model,

@@ -245,7 +245,7 @@ def of_functions(function):
         (lambda: fl.model(anew(flag=True)())(flag=False), "Mine has no parameter 'flag': known are"),
         (lambda: fl.model(anew(friction=3)()), "the default of friction in Mine must be a FrictionLaw"),
         (an_unknown_annotation, "the annotation of friction in Mine must name a kind of law, got 'Nowhere'"),
-        (no_default, "the default of impact in Mine must be a ImpactLaw, got None"),
+        (no_default, "the default of impact in Mine must be an ImpactLaw, got None"),
         (lambda: fl.model(Popp()), r"fl.model is for classes of models, got Popp\(\)"),
         (lambda: fl.model(Popp), "fl.model is written once above a class, got Popp"),
         (of_functions(np.cos), r"Mine.mechanics must be a formula .* write fl.functions.cos"),

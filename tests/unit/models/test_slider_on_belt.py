@@ -43,6 +43,9 @@ def test_parameters_are_read_only():
         SliderOnBelt().parameters["F"] = 1.0  # type: ignore[index]  # what is tested
     with pytest.raises(dataclasses.FrozenInstanceError, match=r"'F': .* model = model.replace\(F=\.\.\.\)"):
         SliderOnBelt().F = 1.0  # type: ignore[misc]  # what is tested
+    unknown = "SliderOnBelt has no parameter 'mu_kk': did you mean 'mu_k'.*never changes"
+    with pytest.raises(dataclasses.FrozenInstanceError, match=unknown):
+        SliderOnBelt().mu_kk = 1.0  # type: ignore[attr-defined]  # what is tested
 
 
 def test_models_compare_and_hash_by_value():
