@@ -173,13 +173,15 @@ def parameter_of_field(field: dataclasses.Field[Any]) -> Parameter | None:
 
 def is_decorated(component: type) -> bool:
     """Whether a class that adds fields is a dataclass: else these would silently not be parameters."""
-    return not get_annotations(component) or "__dataclass_fields__" in component.__dict__
+    adds = get_annotations(component) or "__init__" in component.__dict__
+    return not adds or "__dataclass_fields__" in component.__dict__
 
 
 def _refuse_undecorated(component: type) -> None:
     if not is_decorated(component):
         raise TypeError(
-            f"{component.__name__} has fields but is no dataclass: write @dataclass(frozen=True) above it"
+            f"{component.__name__} has fields but is no dataclass: write each as mu: float = 0.5, without an "
+            "__init__, and @dataclass(frozen=True) above the class"
         )
 
 

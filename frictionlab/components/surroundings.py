@@ -6,13 +6,16 @@ with another number, and a method of the class may be replaced.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from dis import get_instructions
 from enum import Enum
 from functools import cache, cached_property, partial
 from hashlib import sha256
+from inspect import getattr_static
 from numbers import Number
-from types import CodeType, FunctionType
+from types import CodeType, FunctionType, MemberDescriptorType, SimpleNamespace
 from typing import Any
 
 PYTHONS = "abc", "builtins", "dataclasses", "enum", "typing"
@@ -29,11 +32,11 @@ HOLDERS = {
 def surroundings_of(kind: type) -> str:
     """Digest of the methods of a class and its bases, and of the numbers, texts and arrays that they use.
 
-    Empty for classes of the library.  Functions of the same module and those that a decorator wraps are
-    followed, other modules are not.
+    Empty for classes of the library.  Functions of the same module, those that a decorator wraps, and what
+    methods name of objects of one's own classes are followed, other modules are not.
     """
     notes: dict[str, Any] = {}
-    seen: set[FunctionType] = set()
+    seen: set[Any] = set()
     for cls in _own_classes(kind):
         for name, value in vars(cls).items():
             if not name.startswith("__"):
@@ -48,8 +51,10 @@ def _own_classes(kind: type) -> tuple[type, ...]:
     )
 
 
-def _note(name: str, value: Any, notes: dict[str, Any], seen: set[FunctionType]) -> None:
-    """Note a value, or a function and what it uses."""
+def _note(
+    name: str, value: Any, notes: dict[str, Any], seen: set[Any], attributes: tuple[str, ...] = ()
+) -> None:
+    """Note a value, a function and what it uses, or the `attributes` of an object."""
     for each in HOLDERS.get(type(value), ()):
         _note(f"{name}.{each}", getattr(value, each), notes, seen)
     if isinstance(value, FunctionType):
@@ -57,9 +62,47 @@ def _note(name: str, value: Any, notes: dict[str, Any], seen: set[FunctionType])
             seen.add(value)
             notes[name] = _instructions(value.__code__)
             for each, inner in _used(value):
-                _note(f"{name}.{each}", inner, notes, seen)
+                _note(f"{name}.{each}", inner, notes, seen, _attributes(value.__code__))
     elif (plain := _plain(value)) is not None:
         notes[name] = plain
+    elif attributes and _is_own(value if isinstance(value, type) else type(value)):
+        names = _with_those_of_methods(value, attributes)
+        if (id(value), names) not in seen:
+            seen.add((id(value), names))
+            for each in names:
+                _note(f"{name}.{each}", _held(value, each), notes, seen, names)
+
+
+@cache
+def _is_own(kind: type) -> bool:
+    """Whether a class is somebody's own, of no package that is installed; or a namespace."""
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None) or ""
+    package = kind.__module__.partition(".")[0]
+    known = package == "frictionlab" or package in sys.stdlib_module_names or "-packages" in file
+    return kind is SimpleNamespace or package == "__main__" or not known
+
+
+def _held(value: Any, name: str) -> Any:
+    """An attribute of an object, the property itself of one that is computed; None where it has none."""
+    held = getattr_static(value, name, None)
+    return getattr(value, name, None) if isinstance(held, MemberDescriptorType) else held
+
+
+def _with_those_of_methods(value: Any, attributes: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of attributes, and of those that methods among them name."""
+    names = [*attributes]
+    for name in names:
+        method = _held(value, name)
+        code = getattr(getattr(method, "fget", method), "__code__", None)
+        names += () if code is None else [each for each in _attributes(code) if each not in names]
+    return tuple(names)
+
+
+@cache
+def _attributes(code: CodeType) -> tuple[str, ...]:
+    """Names of attributes, and others, that a function mentions."""
+    inner = (name for each in code.co_consts if isinstance(each, CodeType) for name in _attributes(each))
+    return tuple(dict.fromkeys((*code.co_names, *inner)))
 
 
 @cache
@@ -79,7 +122,7 @@ def _used(function: FunctionType) -> Iterator[tuple[str, Any]]:
             continue
     for name in _names(function.__code__):
         value = function.__globals__.get(name)
-        if getattr(value, "__globals__", function.__globals__) is function.__globals__:
+        if not isinstance(value, FunctionType) or value.__globals__ is function.__globals__:
             yield name, value
 
 
@@ -92,7 +135,7 @@ def _names(code: CodeType) -> tuple[str, ...]:
 
 
 def _plain(value: Any) -> Any:
-    """A number, text, enum, array, or a collection of such as something to print; None for all else."""
+    """A number, text, enum, array, table, law, or a collection of such as something to print; else None."""
     if isinstance(value, (Number, str, bytes, Enum)):
         return type(value), value
     if isinstance(value, (tuple, list)):
@@ -101,6 +144,14 @@ def _plain(value: Any) -> Any:
         return type(value), sorted(map(repr, map(_plain, value)))
     if isinstance(value, dict):
         return dict, tuple((name, _plain(each)) for name, each in value.items())
-    if type(value).__module__ == "numpy" and hasattr(value, "tobytes") and not value.dtype.hasobject:
+    if type(value).__module__ == "numpy" and hasattr(value, "tobytes"):
+        if value.dtype.hasobject:
+            return _plain(value.tolist())
         return value.dtype.str, value.shape, sha256(value.tobytes()).hexdigest()
+    if isinstance(value, type):
+        return None
+    if hasattr(type(value), "to_numpy"):
+        return [_plain(one.to_numpy()) for one in getattr(value, "axes", ())], _plain(value.to_numpy())
+    if is_dataclass(value) and type(value).__module__.partition(".")[0] == "frictionlab":
+        return type(value).__qualname__, tuple(_plain(getattr(value, each.name)) for each in fields(value))
     return None

@@ -38,6 +38,13 @@ def test_a_class_without_the_decorator_is_refused():
     with pytest.raises(TypeError, match=r"Forgotten .* @dataclass\(frozen=True\)"):
         Forgotten()
 
+    class Constructed(ContactLaw):
+        def __init__(self):
+            self.k = 1.0
+
+    with pytest.raises(TypeError, match=r"Constructed has fields .* without an __init__, and @dataclass"):
+        parameters_of(Constructed)
+
 
 @pytest.mark.parametrize("value", [True, "5", 1j, None, [1.0], np.array([1.0]), np.array(True)])
 def test_what_is_no_real_number_is_a_type_error(value):

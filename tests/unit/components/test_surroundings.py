@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -133,3 +134,65 @@ def test_a_digest_of_equations_leaves_modes_to_runs():
 
     assert data_of(Pads())["equations"] == data_of(Pads(mu_k=0.2))["equations"]
     assert Pads().automaton().modes.derived == ()
+
+
+class Spring:
+    """An object that computes its stiffness, and holds itself."""
+
+    def __init__(self, n):
+        self.n, self.whole = n, self
+
+    @property
+    def k(self):
+        return self.whole.n
+
+
+class Record(dict):
+    __getattr__ = dict.__getitem__
+
+
+@dataclass(slots=True)
+class Slots:
+    k: float
+
+
+OBJECTS = {
+    "namespace": lambda n: SimpleNamespace(k=n),
+    "property": Spring,
+    "dictionary": lambda n: Record(k=n),
+    "slots": Slots,
+    "class": lambda n: type("Values", (), {"k": n, "__module__": __name__}),
+    "inner object": lambda n: SimpleNamespace(k=SimpleNamespace(k=n)),
+    "law": lambda n: fl.LinearContact(k2=n),
+    "series": lambda n: pytest.importorskip("pandas").Series({"k": n, "of": "steel"}),
+}
+
+
+@pytest.mark.parametrize("make", OBJECTS.values(), ids=OBJECTS)
+def test_a_number_is_found_in_an_object_that_a_method_names(make):
+    def digest(n):
+        held = make(n)
+        return surroundings_of(type("Own", (), {"one": lambda self: held.k}))
+
+    digests = [digest(n) for n in (2, 3, 3)]
+    assert digests[0] != digests[1] == digests[2]
+
+
+def test_an_object_that_changes_gives_new_equations():
+    values = SimpleNamespace(weight=9.0)
+    ball = falling_by(values)
+    assert fallen(ball) == pytest.approx(9.0)
+    values.weight = 4.0
+    assert fallen(ball) == pytest.approx(4.0)
+
+
+def falling_by(values):
+    @fl.model
+    class Ball(fl.MechanicalModel):
+        m: float = 1.0
+        coordinates = ("y",)
+
+        def mechanics(self, q, v):
+            return fl.Mechanics(self.m * v.y**2 / 2, self.m * values.weight * q.y)
+
+    return Ball
