@@ -352,12 +352,9 @@ class JetWriter(Instructions):
 
     def _with_sign(self, j: int, value: Any) -> Any:
         """A value times the factor -1, which is 1 in a majorant, of no more orders than the first block."""
-        build, whole = self.build, self.whole
-        if not self.first_block:
-            return build.fneg(value)
-        factor = build.bitcast(self._load(self.terms, self.function.first[1] + j), whole)
-        sign = build.and_(factor, whole(-(2**63)))
-        return build.bitcast(build.xor(build.bitcast(value, whole), sign), self.kind)
+        if self.first_block:
+            return self.build.fmul(self._load(self.terms, self.function.first[1] + j), value)
+        return self.build.fneg(value)
 
     def _product(self, a: int, b: int, at: OrderInLoop) -> Any:
         total = self._convolution_with_last(a, b, at)
