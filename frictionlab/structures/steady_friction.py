@@ -18,7 +18,12 @@ from frictionlab.components.friction import FrictionLaw
 from frictionlab.lazy_names import sympy
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
-from frictionlab.stability.equilibrium_points.newton import find_zeros, follow_zero, solve_matrices
+from frictionlab.stability.equilibrium_points.newton import (
+    find_zeros,
+    follow_zero,
+    settled_first,
+    solve_matrices,
+)
 from frictionlab.stability.flow import Flow
 from frictionlab.tape.formulas import Formulas, formulas_of
 
@@ -192,9 +197,9 @@ def _settled(law: FrictionLaw, sign: int, given: Sequence[Any]) -> Array:
 
 @lru_cache(maxsize=1024)
 def _searched(key: StructureKey, sign: int, values: tuple[float, ...]) -> Array:
-    """States (s,) whose rates are zero, those nearest to the origin; NaN where none are found."""
+    """States (s,) whose rates are zero, of several those `settled_first`; NaN where none are found."""
     flow = _flow(key, sign)
-    points = find_zeros(flow, values).points
+    points = settled_first(flow, find_zeros(flow, values).points, values, range(flow.size))
     return points[:, 0] if points.size else np.full(flow.size, np.nan)
 
 

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import has_regime
+from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.model import PROBLEM, Model, ModelOrAutomaton, automaton_of
 from frictionlab.presentation import PHASE, Drawable, force_symbol, output_unit, shorten, unit_of_state
 from frictionlab.stability.equilibrium_points.frozen_time import automaton_at_rest, is_sliding, refuse_time
-from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step
+from frictionlab.stability.equilibrium_points.newton import follow_zero, newton_step, settled_first
 from frictionlab.stability.equilibrium_points.sliding import (
     Statics,
     all_penetrations,
@@ -103,7 +104,7 @@ def _problem_within(
     some = [np.unique(np.min(values) + np.ptp(values) * BRANCH_SEARCH_SHARES) for values in within.values()]
     for point in sorted(product(*some), key=lambda one: np.abs((one - own) / spans).max()):
         change = dict(zip(within, map(float, point)))
-        mode, points, *_ = first_mode_equilibria(automaton.replace(**change), sliding)
+        mode, points = _first_equilibria(model, automaton.replace(**change))
         if points.size:
             return _problem_from_equilibrium(model, automaton, mode, points[:, 0], **change)
     return None
@@ -149,7 +150,7 @@ def _nearest_problem(model: ModelOrAutomaton, closest_to: Array | None = None) -
     """
     automaton = automaton_at_rest(model)
     if closest_to is None:
-        mode, points, *_ = first_mode_equilibria(automaton, is_sliding(model))
+        mode, points = _first_equilibria(model, automaton)
     else:
         mode, points, *_ = min(
             all_mode_equilibria(automaton, is_sliding(model)),
@@ -159,6 +160,21 @@ def _nearest_problem(model: ModelOrAutomaton, closest_to: Array | None = None) -
         raise _no_equilibrium_error(model)
     i = 0 if closest_to is None else int(np.argmin(_distances(points, closest_to)))
     return _problem_from_equilibrium(model, automaton, mode, points[:, i])
+
+
+def _first_equilibria(model: ModelOrAutomaton, automaton: HybridAutomaton) -> tuple[SteadyMode, Array]:
+    """The first mode that has equilibria, and these (m, K), the one that is taken first."""
+    mode, points, _ = first_mode_equilibria(automaton, is_sliding(model))
+    return mode, _in_order(model, automaton, mode, points)
+
+
+def _in_order(model: ModelOrAutomaton, automaton: HybridAutomaton, mode: SteadyMode, points: Array) -> Array:
+    """Equilibria (m, K) of a mode, by `settled_first`."""
+    if points.shape[1] < 2 or not isinstance(model, MechanicalModel):
+        return points
+    names = [name for about in model.states_of_laws().known for name in about["names"]]
+    places = [automaton.state_names.index(name) for name in names]
+    return settled_first(mode.flow, points, parameter_values(automaton), places)
 
 
 def _distances(points: Array, state: Array) -> Array:
@@ -371,13 +387,15 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     model : Model or HybridAutomaton
         If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of each
         mode, mode by mode, by their distance from the origin; of more than 27 modes, those of the first that
-        has any.  In a mode in which rigid contacts are closed they keep distances at
-        zero, and push.  A model's modes with stick are left out: there each place within the friction cone
-        is one.  States that enter linearly are eliminated.  If at most four remain, boxes of
-        their values are bisected by bounds of the equations, until each holds one equilibrium or none; a
-        threefold one counts once; of an angle, on which all depends with the period 2 pi, those within one
-        turn.  If that does not come to an end, Newton's method starts from all decades
-        of size.  In steady rotation cyclic coordinates turn; that from which others are measured is zero.
+        has any.  Where states of a friction law settle at several values, equilibria come last at which these
+        states grow with all others held; of the others those come first whose states are nearest to zero.
+        In a mode in which rigid contacts are closed they keep distances at zero, and push.  A model's modes
+        with stick are left out: there each place within the friction cone is one.  States that enter
+        linearly are eliminated.  If at most four remain, boxes of their values are bisected by bounds of the
+        equations, until each holds one equilibrium or none; a threefold one counts once; of an angle, on
+        which all depends with the period 2 pi, those within one turn.  If that does not come to an
+        end, Newton's method starts from all decades of size.  In steady rotation cyclic
+        coordinates turn; that from which others are measured is zero.
         So is a phase, or the time, that moves nothing, as where a load's amplitude is 0, or stands still.
         Of a straight line of equilibria, as where Jenkins' element sticks with any deflection, one is given,
         and so where a law underflows to zero, as exp(-x) does beyond 745.
@@ -409,7 +427,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
 def equilibrium(model: ModelOrAutomaton) -> Equilibrium:
     """The equilibrium of steady sliding with F_N > 0; of several the one with the smallest penetration.
 
-    That is the one whose penetration grows from zero with the preload.
+    That is the one whose penetration grows from zero with the preload.  States of a friction law that settle
+    at several values are where they do not grow by themselves; of several such the nearest to zero.
 
     Parameters
     ----------
@@ -463,7 +482,7 @@ def _automaton_equilibria(model: ModelOrAutomaton) -> Equilibria:
             names=names,
         )
         for mode, points, _ in searched
-        for x in points.T
+        for x in _in_order(model, automaton, mode, points).T
     )
     last = searched[-1]
     if not any(one.points.size for one in searched):

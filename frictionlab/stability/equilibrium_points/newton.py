@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from frictionlab.stability.equilibrium_points.root_boxes import RootBoxes, angles_of, root_boxes
 from frictionlab.stability.flow import Flow
-from frictionlab.stability.state_matrices import MACHINE_EPSILON, inverse_of
+from frictionlab.stability.state_matrices import (
+    MACHINE_EPSILON,
+    eigenvalues_of_matrices,
+    growth_rates,
+    inverse_of,
+)
 from frictionlab.tape.intervals import Interval, interval
 
 Array = NDArray[np.float64]
@@ -423,6 +428,23 @@ def find_zeros(flow: Flow, values: Sequence[float]) -> Zeros:
         )
         points = _within_turn(flow, values, angles, points, scale)
     return Zeros(points, boxes.why)
+
+
+def settled_first(flow: Flow, points: Array, values: Sequence[float], places: Sequence[int]) -> Array:
+    """Zeros (m, K) of a flow in the order in which one is taken, by the states of friction laws at `places`.
+
+    First come those at which these states, with all others held, do not grow.  Of them the nearest to zero in
+    these states are first; all others stay in their order.
+    """
+    if points.shape[1] < 2 or not places:
+        return points
+    with np.errstate(all="ignore"):
+        blocks = flow.jacobian(points, values)[:, places][:, :, places]
+    blocks[~np.isfinite(blocks).all(axis=(1, 2))] = 0.0  # without slopes nothing tells
+    grows = (growth_rates(eigenvalues_of_matrices(blocks)) > 0.0).any(axis=1)
+    sizes = np.linalg.norm(points[places], axis=0)
+    nearest = sizes[grows == grows.min()].min()
+    return points[:, np.lexsort((sizes > (1.0 + SAME_CANDIDATE_RTOL) * nearest, grows))]
 
 
 def _within_turn(

@@ -71,6 +71,20 @@ class Circle(fl.FrictionLaw):
         return {"z": self.rate * (1.0 - v**2 - z**2), "w": self.rate * (0.1 * z - w)}
 
 
+@dataclass(frozen=True)
+class Asperities(fl.FrictionLaw):
+    """Its state settles at -0.9 and 0.6, and between them at 0.1, from which it grows."""
+
+    rate: float = fl.parameter(1.0)
+    states = ("z",)
+
+    def force(self, F_N, v, z):
+        return v / abs(v) * (z + 0.9) * F_N
+
+    def rates(self, F_N, v, z):
+        return {"z": -self.rate * (z + 0.9) * (z - 0.1) * (z - 0.6)}
+
+
 LAWS = [
     fl.LuGre(),
     fl.Dahl(),
@@ -80,6 +94,7 @@ LAWS = [
     Ruina(),
     BoucWen(),
     CubicBristles(),
+    Asperities(),
 ]
 
 
@@ -100,6 +115,16 @@ def test_a_mass_on_a_belt_is_the_model(law, v):
     assert first.names[2:] == second.names[2:]
     assert len(first.events) == len(second.events)
     np.testing.assert_allclose(second.final_state, first.final_state, rtol=1e-12, atol=1e-12)
+
+
+def test_a_state_that_settles_at_several_values_is_where_it_does_not_grow_and_nearest_to_zero():
+    """At -0.9 the mass is nearest to zero, at 0.1 the state."""
+    models = [fl.MassOnBelt(friction=Asperities(rate=rate), v=0.2) for rate in (1.0, -1.0)]
+    found = [[each.state[2] for each in fl.equilibria(model)] for model in models]
+    np.testing.assert_allclose(found[0], [0.6, -0.9, 0.1], rtol=1e-12)
+    # With the other sign 0.1 alone is where it does not grow.
+    assert found[1][0] == pytest.approx(0.1, rel=1e-12)
+    assert [fl.eigenvalues(model).equilibrium.state[2] for model in models] == [row[0] for row in found]
 
 
 M, K, LOAD = np.diag([1.0, 1.0, 2.0, 2.0]), np.diag([30.0, 40.0, 25.0, 35.0]), np.array([0.0, 1.0, 0.0, 1.0])
