@@ -313,7 +313,7 @@ def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
         kind = matrix.dtype.kind
         if kind not in "iufc":
             raise TypeError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # an integer such as 10**400
         raise ValueError(
             f"{name} must be a matrix of numbers, got {abbreviate(given)}: give an array, a sparse matrix of "
             "scipy, the path of a file, a function of parameters, or a list of (coefficient, matrix)"

@@ -87,7 +87,8 @@ def test_a_failure_of_a_bifurcation_names_the_value(monkeypatch):
     def broken(model, *args, **options):
         raise ValueError(f"no {model.mu_k}")
 
-    monkeypatch.setattr("frictionlab.analysis.sweeps.bifurcation.find_steady_state", broken)
+    for name in ("find_steady_state", "settle"):  # the latter for values whose transients run in a group
+        monkeypatch.setattr(f"frictionlab.analysis.sweeps.bifurcation.{name}", broken)
     for x0 in ("rest", "continue"):
         with pytest.raises(RuntimeError, match=r"mu_k = 0.5 failed with ValueError: no 0.5"):
             fl.bifurcation(MODEL, "mu_k", [0.5, 0.6], x0, workers=1, **QUIET)
