@@ -18,6 +18,8 @@ Files, from the bottom up:
     external, adapters      base of the adapters, and other tools on the same automaton
     compared_methods        ours and theirs by name; the regularised model, without events
     timing, work_precision  runs in turns; a row for each method on a scene
+    processors              name and vectors of the processor; a process that does not see AVX-512
+    beside_heyoka           ours and heyoka at the same tolerance
     single_costs            the eight scenes without nonlinearities; first calls; native code of each mode;
                             where the time of a run goes
     stability_costs         many eigenvalue problems at once; exact derivatives; Floquet multipliers
@@ -33,13 +35,12 @@ import argparse
 import json
 import math
 import os
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from tempfile import mkdtemp
 
+import beside_heyoka
 import growth
 import many_runs
 import page_figures
@@ -49,10 +50,9 @@ import single_costs
 import stability_costs
 import work_precision
 from frictionlab.file_writing import write_text
+from processors import PRELOADED, environment_without_avx512
 from reference_scenes import ReferenceScene, scenes
 from work_precision import WorkPrecisionRow
-
-PRELOADED = "LD_PRELOAD"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     chosen = parser.parse_args(arguments)
     if chosen.avx2 and PRELOADED not in os.environ:
-        _restart_without_avx512()
+        os.execve(sys.executable, [sys.executable, *sys.argv], environment_without_avx512())
     if chosen.scene and chosen.output:
         parser.error("-o needs all scenes: leave --scene out, or take --picture")
     rows: list[WorkPrecisionRow] = []
@@ -87,14 +87,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
             pages.draw_scenes(chosen.output, rows)
             print("Written:", pages.write_exact_and_fast(chosen.output, rows, switched))
     measure_parts(chosen.part or pages.PARTS, chosen.quick, chosen.output)
-
-
-def _restart_without_avx512() -> None:
-    """Begin this process anew with a library before all others that hides AVX-512: see its source."""
-    library = Path(mkdtemp(), "without_avx512.so")
-    source = Path(__file__).with_name("without_avx512.c")
-    subprocess.run(["cc", "-O2", "-shared", "-fPIC", "-o", library, source], check=True)
-    os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {PRELOADED: str(library)})
 
 
 def measure_scenes(
@@ -122,6 +114,9 @@ def measure_parts(titles: Iterable[str], quick: bool, folder: Path | None) -> No
         return single_costs.nonlinearity_table(switched, starts.first, starts.imported)
 
     ways: dict[str, Callable[[], str]] = {
+        "At heyoka's tolerance": lambda: beside_heyoka.share_table(
+            beside_heyoka.measured_rows(3 if quick else beside_heyoka.TURNS)
+        ),
         "Where the time goes": lambda: single_costs.time_share_table(
             single_costs.time_shares(repeats=20 * repeats)
         ),

@@ -5,7 +5,6 @@ docs/exact-and-fast.md, three pictures for students.
 from __future__ import annotations
 
 import os
-import platform
 from collections.abc import Mapping, Sequence
 from datetime import date
 from pathlib import Path
@@ -15,16 +14,17 @@ import numpy as np
 
 import page_figures
 import work_precision
+from beside_heyoka import TURNS
 from frictionlab.file_writing import write_text
 from frictionlab.hybrid.methods.taylor import Taylor
 from many_runs import EQUILIBRIUM_SHARE
+from processors import processor, vectors
 from reference_scenes import scenes
 from single_costs import NonlinearityCost
 from work_precision import WorkPrecisionRow
 
 PAGE, PICTURE = "performance.md", Path("images", "performance.png")
 GROWTH_PICTURE = Path("images", "growth.png")
-VECTORS: Mapping[str, str] = MappingProxyType({"avx512f": "AVX-512", "avx2": "AVX2"})
 
 HEAD = """\
 # Performance
@@ -53,17 +53,12 @@ counts little, medians of runs in turns with warm caches; those of more than {sl
 
 Of our time on the linear scene Python around the kernel takes two thirds, the same for every tolerance.
 C is smooth and stiff. At the same tolerance of 1e-9 we take two thirds of the time of heyoka with fast_math,
-whose error is then 30 times smaller. So the table compares it with our run at 1e-12, which takes as long: we
-take 871 steps of order 26, heyoka 2,847 of order 12. For all steps these are 23,000 orders beside 34,000, but
-1,000,000 products in convolutions beside 720,000. heyoka rounds products and sums together, which we do not,
-as not every processor can; and it keeps no steps, of which we keep all, to give the motion at any time. Less
-than a tenth of our time is a run's fixed cost in Python. Orders from 22 to 30 take nearly the same time at
+whose error is then 200 times smaller. So the table compares it with our run at 1e-12, which takes as long: we
+take 807 steps of order 28, heyoka 2,847 of order 12. For all steps these are 23,000 orders beside 34,000, but
+1,100,000 products in convolutions beside 720,000. heyoka rounds products and sums together, which we do not,
+as not every processor can; and it keeps no steps, of which we keep all, to give the motion at any time. A tenth
+of our time is a run's fixed cost in Python. Orders from 22 to 30 take nearly the same time at
 1e-12. Multiplications and additions fill the jets' time.
-
-At the same tolerance, 1e-15 and then 1e-9, 15 runs in turns in one process, we take these shares of the time
-of the faster heyoka: A 0.14, 0.12; B 0.16, 0.14; C 0.77, 0.66; D 0.22, 0.20; Coulomb 0.08, 0.07; linear 0.27,
-0.20. With AVX-512 hidden from both (`--avx2`): A 0.15, 0.12; B 0.19, 0.15; C 0.80, 0.67; D 0.23, 0.20;
-Coulomb 0.08, 0.07; linear 0.28, 0.26.
 
 Ours at each tolerance, in ms. It falls as the tolerance is loosened, but for the scatter:
 
@@ -91,6 +86,10 @@ installed has a row that says so.
 # What the parts below the scenes say before their tables, in the sequence of the page.
 PARTS: Mapping[str, str] = MappingProxyType(
     {
+        "At heyoka's tolerance": """\
+Our share of the time of the faster heyoka at its own tolerance, 1e-15 and then 1e-9, whatever the errors:
+the median of {turns} turns in one process. A process that does not see AVX-512 stands for another processor.
+""",
         "Where the time goes": """\
 One run at a tolerance of 1e-15. Jets are the Taylor coefficients of all steps; the floor is the time in which
 one core does as many multiplications and additions in a product of matrices, which fuses the two (we do not,
@@ -309,20 +308,8 @@ COST_PICTURE, MISSED_PICTURE, SWITCHES_PICTURE = (
 
 def measured_on() -> str:
     """The day, the processor and how busy it is: what a part says of its numbers."""
-    import llvmlite.binding as llvm
-
-    has = llvm.get_host_cpu_features()
-    vectors = next((name for key, name in VECTORS.items() if has.get(key)), "neither AVX2 nor AVX-512")
     load = f", load {os.getloadavg()[0]:.0f}" if hasattr(os, "getloadavg") else ""
-    return f"{date.today()}, {processor()} ({vectors}), {os.cpu_count()} cores{load}"
-
-
-def processor() -> str:
-    """Name of the processor, where the system knows it."""
-    file = Path("/proc/cpuinfo")
-    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())
+    return f"{date.today()}, {processor()} ({vectors()}), {os.cpu_count()} cores{load}"
 
 
 def folded(title: str, text: str) -> str:
@@ -352,7 +339,7 @@ def draw_scenes(folder: Path, rows: Sequence[WorkPrecisionRow]) -> None:
 
 def part(title: str, table: str, when: str) -> str:
     """A part below the scenes."""
-    text = PARTS[title].format(share=EQUILIBRIUM_SHARE, growth=GROWTH_PICTURE.as_posix())
+    text = PARTS[title].format(share=EQUILIBRIUM_SHARE, growth=GROWTH_PICTURE.as_posix(), turns=TURNS)
     return folded(f"Measured {when}", f"{text}\n{table}")
 
 

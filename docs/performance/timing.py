@@ -34,17 +34,24 @@ def warm_up_lanes(automaton: HybridAutomaton, method: Taylor) -> None:
         native.compile_step(int(mode))
 
 
-def least_times(
+def times_in_turns(
     runs: Sequence[Callable[[], Any]], repeats: int, clock: Callable[[], float] = time.process_time
-) -> list[float]:
-    """Least time of each, after one call to warm up; in turns, so that a slow moment affects all.
+) -> list[list[float]]:
+    """All times of each, after one call to warm up; in turns, so that a slow moment affects all.
 
     The `clock` is the time of this process, in which other work on the machine counts little.
     """
     for run in runs:
         run()
     spent = [[_time_call(run, clock) for run in runs] for _ in range(repeats)]
-    return [min(column) for column in zip(*spent, strict=True)]
+    return [list(column) for column in zip(*spent, strict=True)]
+
+
+def least_times(
+    runs: Sequence[Callable[[], Any]], repeats: int, clock: Callable[[], float] = time.process_time
+) -> list[float]:
+    """The least of the :func:`times_in_turns` of each."""
+    return list(map(min, times_in_turns(runs, repeats, clock)))
 
 
 def _time_call(run: Callable[[], Any], clock: Callable[[], float]) -> float:

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
+import beside_heyoka
 import frictionlab as fl
 import many_runs
 import single_costs
 import stability_costs
 from frictionlab.tape.packing import program_of
 from growth import GrowthCurve, growth_table
+from reference_scenes import scenes
 from single_costs import TimeShares, operations_of_tape, time_share_table
 from work_precision import WorkPrecisionRow, ratio_table
 
@@ -85,3 +87,13 @@ def test_the_slope_of_a_power_is_its_exponent():
     growth = GrowthCurve("events", "events of a run", sizes, tuple(2.0 * np.array(sizes) ** 1.5), sizes)
     assert growth.slope(growth.seconds) == pytest.approx(1.5)
     assert "| 1.50 | 1 to 1000 MB | 1.00 |" in growth_table([growth])
+
+
+def test_the_share_beside_heyoka_is_of_its_faster_way(monkeypatch):
+    times = {"least": [0.002], "turns": [[1.0, 2.0, 3.0], [9.0, 8.0, 9.0], [4.0, 4.0, 5.0]]}
+    monkeypatch.setattr(beside_heyoka, "least_times", lambda runs, repeats: times["least"])
+    monkeypatch.setattr(beside_heyoka, "times_in_turns", lambda runs, repeats: times["turns"])
+    measured = beside_heyoka.shares()
+    assert measured == dict.fromkeys(scenes(), [0.5, 0.5])
+    table = beside_heyoka.share_table([("AVX2", measured)])
+    assert table.splitlines()[-1] == "| AVX2 |" + " 0.50, 0.50 |" * len(scenes())
