@@ -56,9 +56,9 @@ C is smooth and stiff. At the same tolerance of 1e-9 we take two thirds of the t
 whose error is then 200 times smaller. So the table compares it with our run at 1e-12, which takes as long: we
 take 807 steps of order 28, heyoka 2,847 of order 12. For all steps these are 23,000 orders beside 34,000, but
 1,100,000 products in convolutions beside 720,000. heyoka rounds products and sums together, which we do not,
-as not every processor can; and it keeps no steps, of which we keep all, to give the motion at any time. A tenth
-of our time is a run's fixed cost in Python. Orders from 22 to 30 take nearly the same time at
-1e-12. Multiplications and additions fill the jets' time.
+as not every processor can; and it keeps no steps, of which we keep all, to give the motion at any time. A
+tenth of our time is a run's fixed cost in Python. Orders from 22 to 30 take nearly the same time at 1e-12.
+Multiplications and additions fill the jets' time.
 
 Ours at each tolerance, in ms. It falls as the tolerance is loosened, but for the scatter:
 

@@ -94,6 +94,6 @@ def test_the_share_beside_heyoka_is_of_its_faster_way(monkeypatch):
     monkeypatch.setattr(beside_heyoka, "least_times", lambda runs, repeats: times["least"])
     monkeypatch.setattr(beside_heyoka, "times_in_turns", lambda runs, repeats: times["turns"])
     measured = beside_heyoka.shares()
-    assert measured == dict.fromkeys(scenes(), [0.5, 0.5])
+    assert measured == {name: [0.5, 0.5] for name in scenes()}
     table = beside_heyoka.share_table([("AVX2", measured)])
     assert table.splitlines()[-1] == "| AVX2 |" + " 0.50, 0.50 |" * len(scenes())
