@@ -170,7 +170,7 @@ class JetWriter(Instructions):
         outputs = {function.tape.inputs + i for i, op in enumerate(function.tape.ops) if op[0] > SQUARE}
         self.stored = function.kept | operands | outputs | set(range(function.tape.inputs))
         self.shares = self._table_of_shares()
-        self.sum_groups = sums_side_by_side(function.tape) if self.width == 1 else []
+        self.sum_groups = sums_side_by_side(function.tape, function.flow) if self.width == 1 else []
         self.state_groups = states_side_by_side(function.flow, self.sum_groups)
         self.vectors: dict[Group, Any] = {}  # the coefficients of groups at the current order
         self.factors: dict[Group, Values] = {}  # the addresses of the factors of sums

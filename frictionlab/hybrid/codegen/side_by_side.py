@@ -15,12 +15,15 @@ from frictionlab.tape.functions import AFFINE
 from frictionlab.tape.tape import Tape
 
 Group = tuple[int, ...]  # of slots, whose coefficients are one vector
-# The least number of terms of sums, the most with different slots, and among how many operations they are.
-LEAST_TERMS, MOST_DIFFERENT, NEAR = 3, 2, 8
+LEAST_TERMS, NEAR = 3, 8  # of the sums, and among how many operations they are
+TERMS_FOR_EACH = 4  # of them with different slots, as these must be brought together first
 
 
-def sums_side_by_side(tape: Tape) -> list[Group]:
-    """Groups of affine sums of mostly the same slots, of which nothing is needed before the last one."""
+def sums_side_by_side(tape: Tape, flow: Sequence[int]) -> list[Group]:
+    """Groups of affine sums of mostly the same slots, of which nothing is needed before the last one.
+
+    The sums of a group are all derivatives of states, whose slots are the `flow`, or none is.
+    """
     groups, taken = list[Group](), set[int]()
     slots = {
         slot: tape.slots_of(a, b)
@@ -31,6 +34,7 @@ def sums_side_by_side(tape: Tape) -> list[Group]:
         group = [first]
         for slot in range(first + 1, first + NEAR):
             free = first not in taken and slot in slots and slot not in taken
+            free = free and (first in flow) == (slot in flow)
             if free and _are_alike(slots[first], slots[slot]) and not _is_used(tape, group, slot):
                 group.append(slot)
         group = group[: PARTS if len(group) >= PARTS else 2]
@@ -42,7 +46,7 @@ def sums_side_by_side(tape: Tape) -> list[Group]:
 
 def _are_alike(some: list[int], others: list[int]) -> bool:
     """Whether few terms of two sums have different slots."""
-    return len(some) == len(others) and sum(map(ne, some, others)) <= MOST_DIFFERENT
+    return len(some) == len(others) and TERMS_FOR_EACH * sum(map(ne, some, others)) <= len(some)
 
 
 def _is_used(tape: Tape, group: list[int], last: int) -> bool:

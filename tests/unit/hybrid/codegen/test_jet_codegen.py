@@ -69,7 +69,7 @@ def coupled():
     x, v, k, (u, w, d) = sp.symbols("x:4"), sp.symbols("v:4"), sp.symbols("k:4"), sp.symbols("u w d")
     force = x[0] ** 2 * x[1]
     pulls = [sum(k[(i + j) % 4] * x[j] for j in range(4)) - d * v[i] + (i + 2) * force for i in range(4)]
-    pair = x[2] + d * u * w - k[1] * u, x[2] - d * u * w + k[2] * w
+    pair = x[2] + d * u * w - k[1] * u + v[0], x[2] - d * u * w + k[2] * w + v[0]
     flow = (*v, *pulls, *pair)
     values = dict(zip((*k, d), (0.3, 1.7, -0.9, 1.1, 0.2), strict=True))
     return HybridAutomaton((*x, *v, u, w), (Mode("m", flow, (), (sum(x) - 3,)),), values, 4)
@@ -122,16 +122,16 @@ def test_one_code_serves_every_order(make):
 
 
 def test_sums_of_much_the_same_slots_are_one_vector_unless_one_is_needed_before_the_last():
-    tape = Tape(4)
-    for terms in ((0, 1, 2), (0, 1, 3), (0, 1, 4), (0, 1, 2), (0, 1, 3), (0, 1, 2), (0, 1, 2), (1, 2, 3)):
+    tape, same, other = Tape(5), (0, 1, 2, 3), (0, 1, 2, 4)
+    for slots in (same, (0, 1, 2, 5), same, same, same, other, (0, 1, 4), other, other):
         first = len(tape.terms)
-        tape.terms += [(slot, sp.S.One) for slot in terms]
+        tape.terms += [(slot, sp.S.One) for slot in slots]
         tape.emit(AFFINE, first, len(tape.terms), sp.S.Zero)
-    groups = sums_side_by_side(tape)
-    assert groups == [(4, 5), (6, 7, 8, 9)]  # slot 6 needs slot 4; slots 10 and 11 differ in all terms
-    assert states_side_by_side([2, 3, 4, 5], groups) == [(2, 3), (0, 1)]
-    coupled_tape = native_cache.NativeCode(program_of(coupled())[0]).tapes[0].tape
-    assert sorted(map(len, sums_side_by_side(coupled_tape))) == [2, 4]
+    # Slot 6 needs slot 5, slot 11 has another number of terms, and slot 12 is a derivative.
+    assert sums_side_by_side(tape, [6, 7, 8, 9, 12]) == [(6, 7, 8, 9), (10, 13)]
+    assert states_side_by_side([2, 3, 6, 7, 1], [(6, 7)]) == [(2, 3), (0, 1), (4,)]
+    function = native_cache.NativeCode(program_of(coupled())[0]).tapes[0]
+    assert sorted(map(len, sums_side_by_side(function.tape, function.flow))) == [2, 4]
 
 
 def test_whether_a_power_has_a_series_depends_on_the_order():
