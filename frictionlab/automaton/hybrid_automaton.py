@@ -21,7 +21,7 @@ from frictionlab.validation import (
     unknown_parameter,
 )
 
-from .mode import Mode, Symbol, check_elements
+from .mode import Mode, Symbol, check_elements, keep_as_tuples
 from .modes_on_demand import ModeNames, ModesOnDemand
 
 
@@ -82,13 +82,16 @@ class HybridAutomaton:
     def __post_init__(self) -> None:
         if not isinstance(self.modes, ModesOnDemand):
             check_elements("modes", self.modes, Mode)
-            self._split()
         cure = "make them with sympy.symbols, and write the expressions with these"
         states = check_sequence("states", self.states, cure)
         check_mapping("parameters", self.parameters, "give symbols their values, {k: 1.0}", keys=object)
         for what, symbols in {"states": states, "parameters": self.parameters}.items():
             if others := [s for s in symbols if isinstance(s, str) or not getattr(s, "is_Symbol", False)]:
                 raise TypeError(f"{what} must be symbols, got {abbreviate(others[0])}: {cure}")
+        keep_as_tuples(self, "states")
+        if not isinstance(self.modes, ModesOnDemand):
+            keep_as_tuples(self, "modes")
+            self._split()
         check_field(
             self,
             "coordinates",

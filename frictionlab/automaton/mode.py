@@ -85,6 +85,7 @@ class Event:
         check_element(f"the reset of event {self.name!r}", self.reset, Reset)
         if self.accumulation is not None:
             check_element(f"the accumulation of event {self.name!r}", self.accumulation, Reset)
+        keep_as_tuples(self, "targets")
 
 
 class Balance(NamedTuple):
@@ -136,11 +137,19 @@ class Mode:
         check_sequence(f"the constraints of {of}", self.constraints, "give expressions, (v,)")
         check_mapping(f"the outputs of {of}", self.outputs, "give each a name, {'force': expression}")
         check_flag(f"limit of {of}", self.limit, "leave it out for usual modes")
+        keep_as_tuples(self, "flow", "events", "constraints")
 
     @property
     def holds(self) -> bool:
         """Whether the mode has constraints, as stick has."""
         return bool(self.constraints)
+
+
+def keep_as_tuples(of: Any, *names: str) -> None:
+    """Fields of a frozen dataclass as tuples where lists are given, which have no hash."""
+    for name in names:
+        if not isinstance(given := getattr(of, name), tuple):
+            object.__setattr__(of, name, tuple(given))
 
 
 def check_elements(what: str, elements: Any, *classes: type) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from math import isfinite
 from typing import Any
@@ -176,12 +176,14 @@ def check_mode(
             raise ValueError(
                 f"{what} of mode {abbreviate(mode.name)} uses {sorted(map(str, strange))}, "
                 "which is neither a state "
-                f"nor a parameter: {_cure_of_unknown(strange)}"
+                f"nor a parameter: {_cure_of_unknown(strange, allowed)}"
             )
         sound[id(whole)] = whole
 
 
-def _cure_of_unknown(strange: set[Any]) -> str:
+def _cure_of_unknown(strange: set[Any], known: Iterable[Any]) -> str:
+    if not {*map(str, strange)}.isdisjoint(map(str, known)):
+        return "take the symbol that the automaton holds, with the same assumptions"
     if any(str(each) in TIME_NAMES for each in strange):  # as a parameter, time would stand still
         return (
             "for a force that depends on time give Mechanics its frequency, and write cos(q.phase), or q.t; "

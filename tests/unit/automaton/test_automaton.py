@@ -72,6 +72,22 @@ def test_time_as_a_symbol_is_refused_with_a_cure_that_moves():
     assert run.final_state[0] == pytest.approx((math.cos(5) - math.cos(10)) / 3, rel=1e-12)
 
 
+def test_lists_are_as_good_as_tuples():
+    """x'' = -x up to x = 0, then x'' = -4 x: half a period and a quarter later x is 0 again."""
+    fast = fl.Mode("fast", [V, -4 * X], [fl.Event("back", -X, ["slow"])])
+    slow = fl.Mode("slow", [V, -X], [fl.Event("over", X, ["fast"])])
+    run = fl.solve(fl.HybridAutomaton([X, V], [slow, fast], {}, 1), 4.0, x0=[1.0, 0.0], progress=False)
+    assert run.events.t == pytest.approx([math.pi / 2, math.pi])
+
+
+def test_a_symbol_with_other_assumptions_is_another():
+    decay = fl.HybridAutomaton((sp.Symbol("x", real=True),), (fl.Mode("only", (-X,)),))
+    with pytest.raises(
+        ValueError, match="take the symbol that the automaton holds, with the same assumptions"
+    ):
+        fl.solve(decay, 1.0, x0=[1.0])
+
+
 def test_names_that_are_there_twice_are_refused():
     """Values go by names: of two parameters k the first kept its value, whatever replaced it."""
     other, on = sp.Symbol("k", positive=True), fl.Mode("on", (V, -X * K))
