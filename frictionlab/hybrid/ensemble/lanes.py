@@ -1,17 +1,20 @@
 """Kernels for many runs of one structure: runs in the same mode take their steps side by side.
 
-Runs wait in a queue for each mode.  As many as there are lanes are taken from the longest queue, in turn, so
-that all come to their ends at about the same time and few are left with empty lanes beside them; a step of
-all lanes is two calls of the mode's native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  The first
-one computes the jets and the lengths of the steps.  Between the calls the kernels of single runs find the
-events, in the jets of the lanes.  The second call advances all states, up to the event where there is one.  A
-run that meets an event leaves its lane to the next run in the queue.  Its next mode is chosen by a low order
-of its series.  The full order is computed once the run is in a lane again.  Until then it is noted which
-leading coefficients count as zero after the event.  Rare kinds of steps are taken by the kernels of single
-runs.  Every run takes the steps that it would take alone, so its results depend on no other run.
+Runs wait in a queue for each mode.  As many as there are lanes are taken from the longest queue, in turn.
+Now and then the mode of the run that is farthest behind comes first, so that all come to their ends at about
+the same time and few are left with empty lanes beside them.  A step of all lanes is two calls of the mode's
+native code (:mod:`frictionlab.hybrid.codegen.step_codegen`).  The first one computes the jets and the lengths
+of the steps.  Between the calls the kernels of single runs find the events, in the jets of the lanes.  The
+second call advances all states, up to the event where there is one.  A run that meets an event leaves its
+lane to the next run in the queue.  Its next mode is chosen by a low order of its series.  The full order is
+computed once the run is in a lane again.  Until then it is noted which leading coefficients count as zero
+after the event.  Rare kinds of steps are taken by the kernels of single runs.  Every run takes the steps that
+it would take alone, so its results depend on no other run.
 """
 
 from __future__ import annotations
+
+import math
 
 from frictionlab.compilation.decorators import inlined, kernel
 from frictionlab.hybrid.codegen.jet_codegen import (
@@ -62,8 +65,9 @@ from frictionlab.tape.program import Numbers, System
 
 MIN_RUNS_FOR_LANES = 2  # fewer runs in a mode are advanced one by one,
 LANES_PER_RUN = 3  # and fewer than one for so many lanes, whose step takes as long as that of a run alone
-SINGLE_STEPS = 20  # steps of a run alone, after which the kernel looks for the longest queue again
-MAX_CALLS = 1000  # most calls in one mode, after which the kernel looks for the longest queue again
+SINGLE_STEPS = 20  # steps of runs alone or farthest behind, after which it looks for the longest queue again
+MAX_CALLS = 50  # most calls in one mode, after which the kernel looks for the longest queue again
+LATE_STEPS = 400  # steps after which the run that is farthest behind comes first
 CAPPED = -1  # the status of a run that has reached its cap of steps or events
 ALONE = NO_GUARD - 1  # stands for the guard of a lane whose run takes its next step alone
 
@@ -366,18 +370,31 @@ def longest_queue(runs):
     return mode
 
 
+@inlined
+def farthest_behind(runs):
+    """The mode in which the run that has waited longest is at an earlier time than in other modes."""
+    mode, earliest = 0, math.inf
+    for other in range(runs.queued.shape[0]):
+        if runs.queued[other] > 0:
+            time = runs.times[runs.queue[other, runs.first[other]], NOW]
+            if time < earliest:
+                mode, earliest = other, time
+    return mode
+
+
 @kernel
-def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
+def advance_lanes(code, truncation, runs, lanes, mode, least, record, scratch):
     """Advance the runs in a mode; returns the number of calls.
 
-    It ends when few runs are left, or when another mode would fill more lanes.
+    It ends when few runs are left, or when another mode would fill more lanes, the latter after the `least`
+    number of calls.
     """
     calls, count = 0, lanes.runs.shape[0]
     arrays = lanes.z, lanes.constants, lanes.terms, lanes.jets, lanes.control
     while calls < MAX_CALLS:
         taken = load_lanes(runs, lanes, mode)
         others_fill_lanes = runs.queued[longest_queue(runs)] >= count
-        if taken < fewest_runs(lanes) or (taken < count and others_fill_lanes):
+        if taken < fewest_runs(lanes) or (calls >= least and taken < count and others_fill_lanes):
             break
         calls += 1
         call_lane_step(code.lanes[mode], *arrays, MEASURE, truncation.order)
@@ -396,8 +413,11 @@ def advance_lanes(code, truncation, runs, lanes, mode, record, scratch):
 @kernel
 def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds):
     """Advance the runs by about `rounds` steps in all; returns whether any run is left."""
+    late = rounds
     while rounds > 0:
-        mode = longest_queue(runs)
+        mode, least = longest_queue(runs), 0
+        if late - rounds >= LATE_STEPS:
+            mode, least, late = farthest_behind(runs), SINGLE_STEPS, rounds
         if runs.queued[mode] == 0:
             return False
         if (
@@ -406,7 +426,7 @@ def advance_batch_kernel(code, truncation, runs, lanes, record, scratch, rounds)
             and lanes.jets.shape[1] == JET_COLUMNS
             and runs.queued[mode] >= fewest_runs(lanes)
         ):
-            calls = advance_lanes(code, truncation, runs, lanes, mode, record, scratch)
+            calls = advance_lanes(code, truncation, runs, lanes, mode, least, record, scratch)
             rounds -= lanes.runs.shape[0] * calls
         else:
             advance_single(code, truncation, runs, dequeue(runs, mode), SINGLE_STEPS, record, scratch)

@@ -12,6 +12,8 @@ from frictionlab.analysis.ensemble import advance_group, start_group
 from frictionlab.automaton import Event, HybridAutomaton, Mode, Reset
 from frictionlab.hybrid.codegen import native_cache
 from frictionlab.hybrid.ensemble.arrays import select_runs
+from frictionlab.hybrid.ensemble.batch import advance_batch
+from frictionlab.interruption import Progress
 from frictionlab.tape.packing import program_of
 from tests.differential.laws import Smooth
 from tests.helpers.automata import ball
@@ -259,6 +261,28 @@ def test_a_run_goes_on_from_an_event_at_the_very_time_of_a_look():
         exact = np.where(heights > 1, 9 - t**2, height)
         np.testing.assert_allclose(group.runs.states[:, 0], exact, rtol=0, atol=1e-14)
     assert group.runs.totals[:, 1].tolist() == [2, 2, 0, 2]
+
+
+class StopAtOnce(Progress):
+    def update(self, value: float) -> bool:
+        return True
+
+
+@pytest.mark.plain_python
+def test_runs_that_are_stopped_have_come_about_as_far_whatever_their_mode(monkeypatch):
+    """Ten runs fill the lanes of their mode for ever, four that of another mode in part, one is alone."""
+    monkeypatch.setattr("frictionlab.hybrid.ensemble.batch.STEPS_PER_ROUND", 20_000)
+    x, v, s = sp.symbols("x v s")
+    rates = (v, -x - x**3, sp.S.Zero)
+    guards = {"low": 1 - s, "middle": (s - 1) * (3 - s), "high": s - 3}
+    modes = tuple(Mode(name, rates, (Event("leaves", guard, (name,)),)) for name, guard in guards.items())
+    automaton = HybridAutomaton((x, v, s), modes, {}, 1)
+    compiled(automaton)
+    states = np.array([[1.0, 0.0, s] for s, count in ((0.0, 4), (2.0, 10), (4.0, 1)) for _ in range(count)])
+    group = start_group(automaton, states, fl.Taylor())
+    advance_batch(group, 1e6, StopAtOnce(1e6, False))
+    steps = group.runs.totals[:, 0]
+    assert 100 < steps.max() < 8 * steps.min()
 
 
 def test_groups_too_small_for_a_second_round_have_their_steps_compiled():
