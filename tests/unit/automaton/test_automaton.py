@@ -81,7 +81,7 @@ def test_lists_are_as_good_as_tuples():
 
 
 def test_a_symbol_with_other_assumptions_is_another():
-    decay = fl.HybridAutomaton((sp.Symbol("x", real=True),), (fl.Mode("only", (-X,)),))
+    decay = fl.HybridAutomaton((sp.Symbol("x", positive=True),), (fl.Mode("only", (-X,)),))
     with pytest.raises(
         ValueError, match="take the symbol that the automaton holds, with the same assumptions"
     ):
