@@ -224,7 +224,7 @@ def amplitude_spectrum(
     check_choice("name", state, run.names)
     stop = float(run.raw.t)
     if f_max is None:
-        f_max = highest_frequency_of_run(run)
+        f_max = highest_frequency(period_of_run(run))
     else:
         f_max = float(
             check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
@@ -252,6 +252,6 @@ def amplitude_spectrum(
     return Spectrum(frequencies[in_range], amplitudes[in_range], 1 / length, stop - length, stop, state, unit)
 
 
-def highest_frequency_of_run(run: Trajectory) -> float:
-    """The highest frequency (Hz) that a spectrum of a run shows."""
-    return HARMONICS_SHOWN / round_down_1_2_5(period_of_run(run))
+def highest_frequency(period: float) -> float:
+    """The highest frequency (Hz) that a spectrum of a motion of this period (s) shows."""
+    return HARMONICS_SHOWN / round_down_1_2_5(period)

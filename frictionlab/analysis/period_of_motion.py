@@ -17,7 +17,7 @@ from frictionlab.models.model import ModelOrAutomaton, automaton_of
 from frictionlab.stability import eigenvalues
 
 from .initial_states import initial_state_of
-from .motion_scales import HARMONICS_SHOWN, SEEN, Array, mean_period, round_down_1_2_5, time_of_rest
+from .motion_scales import SEEN, Array, mean_period, time_of_rest
 
 STEPS = 400  # of the motion that is looked at: some fifty periods where nothing happens
 FOREVER = 1e30  # s: the steps end it
@@ -41,11 +41,6 @@ def oscillation_period(source: ModelOrAutomaton, x0: Any = "rest") -> float:
         return _period_from(automaton_of(source), initial_state_of(source, x0))
     except (ValueError, ArithmeticError):  # no run from there, as where a law's rule does not hold
         return NO_PERIOD
-
-
-def highest_frequency(period: float) -> float:
-    """The highest frequency (Hz) that a spectrum of a model of this period shows."""
-    return HARMONICS_SHOWN / round_down_1_2_5(period)
 
 
 def _period_from(automaton: HybridAutomaton, state: Array) -> float:

@@ -16,11 +16,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from frictionlab.analysis.initial_states import initial_state_of
-from frictionlab.analysis.motion_scales import round_down_1_2_5
-from frictionlab.analysis.period_of_motion import (
-    highest_frequency,
-    with_period,
-)
+from frictionlab.analysis.motion_scales import highest_frequency, round_down_1_2_5
+from frictionlab.analysis.period_of_motion import with_period
 from frictionlab.automaton import HybridAutomaton
 from frictionlab.automaton.modes_on_demand import ModeNames, regimes_in
 from frictionlab.components.component import Component, Parameter, structure_of

@@ -27,7 +27,8 @@ from frictionlab.analysis.motion_scales import (
     Spectrum,
     amplitude_spectrum,
     heard_state,
-    highest_frequency_of_run,
+    highest_frequency,
+    period_of_run,
 )
 from frictionlab.analysis.verify import TRUSTED_DEVIATION
 from frictionlab.hybrid.accuracy import largest_sound_defect
@@ -282,7 +283,7 @@ def plot_spectrum(
     """
     check_run(run)
     state = heard_state(run) if name is None else name
-    f_max = f_max or highest_frequency_of_run(run)
+    f_max = f_max or highest_frequency(period_of_run(run))
     spectrum = amplitude_spectrum(run, state, f_max=f_max)
     ax = axes_or_new(ax)
     if spectrum is None:
@@ -348,7 +349,7 @@ def plot_spectrogram(
     check_run(run)
     what: str = run.automaton.shown_state if name is None else name
     check_choice("name", what, (*run.names, *run.automaton.outputs))
-    stop, f_max = float(run.raw.t), highest_frequency_of_run(run) if f_max is None else f_max
+    stop, f_max = float(run.raw.t), highest_frequency(period_of_run(run)) if f_max is None else f_max
     highest = float(
         check_number("f_max", f_max, above=0.0, cure="leave it out for six times the model's own")
     )

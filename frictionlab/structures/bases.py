@@ -35,7 +35,6 @@ from frictionlab.structures.reduction import (
     points_in,
     proper_orthogonal,
     reduced,
-    sample_at,
 )
 from frictionlab.structures.sliding_equilibrium import static_solver
 from frictionlab.validation import (
@@ -424,7 +423,7 @@ def _with_samples_between(
     small = reduced(structure, samples)
     for point in between:
         if small.size < structure.size and _estimate_at(small, point) > ESTIMATE_SHARE * tol:
-            samples = [*samples, sample_at(structure, point)]
+            samples = [*samples, Sample.of(structure, point).weakly_damped(structure)]
             small = reduced(structure, samples)
     return samples
 

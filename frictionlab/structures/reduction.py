@@ -143,7 +143,7 @@ def estimated_errors(small: ReducedStructure) -> Array:
     return np.abs(known.values[:, None] - moved).min(axis=1)
 
 
-def bounded_errors(small: ReducedStructure, modes: Any = None) -> Array:
+def bounded_errors(small: ReducedStructure, modes: Any) -> Array:
     """Bounds of the distances of eigenvalues, or some of them, from those of the large structure, 1/s."""
     known, pencil = small.find_eigenvalues(), small.full.at_values(small.parameters).pencil
     values, vectors = known.values, small.expanded(unknowns(known.vectors, small.size))
@@ -259,10 +259,6 @@ def over_box(
         if known == 2:
             break
     return samples, max(errors[-2:]), number
-
-
-def sample_at(structure: Structure, point: Point) -> Sample:
-    return Sample.of(structure, point).weakly_damped(structure)
 
 
 def points_in(box: Mapping[str, tuple[float, float]]) -> Iterator[Point]:

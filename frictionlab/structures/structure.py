@@ -296,9 +296,7 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
             shared = {name: value for name, value in self.parameters.items() if name not in own}
             values = {name: value for name, value in values.items() if name not in own}
             others["parameters"] = {**shared, **(others.get("parameters") or {}), **values}
-        copy = object.__new__(type(self))  # those made from dimensions have constructors of their own
-        for each in fields(self):
-            object.__setattr__(copy, each.name, others.get(each.name, getattr(self, each.name)))
+        copy = self._copied(**others)
         copy.__post_init__()
         return copy
 
@@ -473,7 +471,9 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
         Unlike :meth:`replace` it does not ask for rules between parameters, as mu_s >= mu_k, on which no
         eigenvalue depends.
         """
-        return self._copied(parameters=MappingProxyType({**self.parameters, **values}))
+        there = self._copied(parameters=MappingProxyType({**self.parameters, **values}))
+        there._check_mass(False)
+        return there
 
     def in_window(self, window: tuple[float, float]) -> Self:
         """The structure with another window, which is right."""
@@ -564,12 +564,10 @@ class Structure(LargeSystem[WindowEigenvalues], OwnUnits):
                 first = own.stop
 
     def _copied(self, **changes: Any) -> Self:
-        """A copy with other values of fields, which are right."""
-        copy = object.__new__(type(self))
+        """A copy with other values of fields, which are not checked."""
+        copy = object.__new__(type(self))  # those made from dimensions have constructors of their own
         for each in fields(self):
             object.__setattr__(copy, each.name, changes.get(each.name, getattr(self, each.name)))
-        if "parameters" in changes:
-            copy._check_mass(False)
         return copy
 
     @property

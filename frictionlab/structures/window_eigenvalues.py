@@ -172,7 +172,9 @@ def dense_spectrum(pencil: QuadraticPencil) -> Spectrum:
     """All finite eigenvalues of a small pencil, from a full matrix of twice its size."""
     if not has_regular_mass(pencil):
         return _spectrum_with_massless_motions(pencil)
-    values, vectors = (part[0] for part in eigenpairs_of_matrices(state_matrix(pencil)[None]))
+    C, K = pencil.C.toarray(), pencil.K.toarray()
+    matrix = state_matrices(pencil.of_highest_rates, C, K, pencil.states)
+    values, vectors = (part[0] for part in eigenpairs_of_matrices(matrix[None]))
     return Spectrum(values.astype(complex), unknowns(vectors, pencil.size - pencil.states).astype(complex))
 
 
@@ -223,13 +225,11 @@ def _spectrum_with_massless_motions(pencil: QuadraticPencil) -> Spectrum:
     return Spectrum(values[finite].astype(complex), directions @ vectors[:n, finite].astype(complex))
 
 
-def state_matrix(pencil: QuadraticPencil) -> Array:
-    """The matrix of (q, v, z)' = A (q, v, z), of a regular M; z are the states of friction laws."""
-    return state_matrices(pencil.of_highest_rates, pencil.C.toarray(), pencil.K.toarray(), pencil.states)
-
-
 def state_matrices(of_highest_rates: Array, C: Array, K: Array, states: int) -> Array:
-    """The same of full matrices, which may be stacked."""
+    """The matrix A of (q, v, z)' = A (q, v, z), of a regular M; z are the states of friction laws.
+
+    The matrices are full and may be stacked.
+    """
     n = C.shape[-1] - states
     rates = np.linalg.solve(
         of_highest_rates, np.concatenate([-K[..., :n], -C[..., :n], -K[..., n:]], axis=-1)

@@ -14,7 +14,6 @@ from frictionlab.analysis.orbits.branches import (
     MAX_POINTS,
     BranchHalf,
     SpecialKind,
-    SpecialPoint,
     follow_branch,
 )
 from frictionlab.analysis.orbits.periodic_orbit import (
@@ -221,7 +220,10 @@ def continue_orbit(
         parameter=parameter,
         values=np.array([point.value for point in points]),
         orbits=tuple(_orbit_at(orbit.model, parameter, point) for point in points),
-        special=tuple(_special_orbit(orbit.model, parameter, each) for each in special),
+        special=tuple(
+            SpecialOrbit(each.kind, each.value, _orbit_at(orbit.model, parameter, each.point))
+            for each in special
+        ),
         ends=(back.end, ahead.end),
     )
     if INTERRUPTED in branch.ends:
@@ -272,7 +274,3 @@ def _orbit_at(model: ModelOrAutomaton, parameter: str, point: BranchPoint) -> Pe
     begins = mode_to_state(point.shot.run, 0.0)
     run = solve(automaton_of(here), point.period, x0=start, mode=begins, progress=False)
     return orbit_of_run(here, run, point.monodromy.copy(), point.shot.residual)
-
-
-def _special_orbit(model: ModelOrAutomaton, parameter: str, special: SpecialPoint) -> SpecialOrbit:
-    return SpecialOrbit(special.kind, special.value, _orbit_at(model, parameter, special.point))

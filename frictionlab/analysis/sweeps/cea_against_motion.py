@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from frictionlab.analysis.initial_states import initial_state_of
+from frictionlab.analysis.motion_scales import highest_frequency
 from frictionlab.analysis.options import Execution, SteadyStateOptions, StudyKeywords, settings_of
-from frictionlab.analysis.period_of_motion import highest_frequency, oscillation_period
+from frictionlab.analysis.period_of_motion import oscillation_period
 from frictionlab.analysis.steady_state.classification import MotionKind
-from frictionlab.analysis.steady_state.steady_state import check_section, find_steady_state
+from frictionlab.analysis.steady_state.steady_state import check_section, settled_motion
 from frictionlab.analysis.sweeps.sweep import sweep
 from frictionlab.hybrid.trajectory import Trajectory
 from frictionlab.models.composition import parameter_unit
@@ -166,7 +167,7 @@ class SettledMotion:
     def __call__(self, model: ModelOrAutomaton, x0: Any) -> dict[str, Any]:
         times = {name: each for name, each in _times(model).items() if name not in self.chosen}
         options = replace(self.options, **times)
-        steady = find_steady_state(model, initial_state_of(model, x0), options, progress=False)
+        steady = settled_motion(model, x0, options, progress=False)
         spectrum = steady.spectrum(self.state, f_max=self.f_max)
         result = {"kind": steady.kind, "amplitude": _amplitude(steady.trajectory, self.state)}
         if spectrum is None or steady.kind == MotionKind.EQUILIBRIUM:

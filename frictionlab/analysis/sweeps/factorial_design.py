@@ -74,7 +74,7 @@ class Switch:
         return " ".join(words if self.changes is None else reversed(words))
 
 
-def switches_of(model: ModelOrAutomaton, switches: Any = None) -> tuple[Switch, ...]:
+def switches_of(model: ModelOrAutomaton, switches: Any) -> tuple[Switch, ...]:
     """The switches that `fl.ablation` was asked for; all nonlinearities where `switches` is None.
 
     Raises

@@ -138,7 +138,7 @@ def _same_equilibrium(one: Equilibrium, other: Equilibrium) -> bool:
     return x.shape == y.shape and np.allclose(x, y, rtol=EQUILIBRIUM_RTOL, atol=0.0)
 
 
-def _nearest_problem(model: ModelOrAutomaton, closest_to: Array | None = None) -> EquilibriumProblem:
+def _nearest_problem(model: ModelOrAutomaton, closest_to: Array | None) -> EquilibriumProblem:
     """The problem of the equilibrium nearest to the origin, in the first mode that has one inside its guards.
 
     With `closest_to` (m,) it is the equilibrium nearest to this state.

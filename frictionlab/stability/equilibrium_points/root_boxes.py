@@ -135,7 +135,7 @@ def _with_margins(flow: Flow, x: Array, values: Sequence[float]) -> Array:
     return np.vstack([flow.rhs(x, values), *margins])
 
 
-def root_boxes(flow: Flow, values: Sequence[float], angles: tuple[int, ...] = ()) -> RootBoxes:
+def root_boxes(flow: Flow, values: Sequence[float], angles: tuple[int, ...]) -> RootBoxes:
     """Boxes that hold the zeros of a flow; of `angles` within one turn."""
     none, never = np.zeros((flow.size, 0)), np.zeros(0, dtype=bool)
     nowhere = RootBoxes(none, none, never, never)

@@ -650,9 +650,7 @@ def _real_roots(statics: Statics, values: Sequence[float], excess: Array) -> lis
     return distinct
 
 
-def sliding_problem(
-    model: Model, equations: SlidingEquations, start: Array | None = None
-) -> EquilibriumProblem:
+def sliding_problem(model: Model, equations: SlidingEquations, start: Array | None) -> EquilibriumProblem:
     """Steady sliding of a model at the equilibrium with F_N > 0 and the smallest penetration.
 
     With `start` (2n,) it is the equilibrium at this state, followed from there.

@@ -69,7 +69,7 @@ def _relative_rates(
     return rates, (*carriers, *idle)
 
 
-def static_rates(automaton: HybridAutomaton, mode: Mode, idle: Sequence[int] = ()) -> tuple[Any, ...]:
+def static_rates(automaton: HybridAutomaton, mode: Mode, idle: Sequence[int]) -> tuple[Any, ...]:
     """What vanishes at the steady motions of a mode, without M^-1: functions of states and reactions.
 
     Forces are in place of accelerations.  A distance of zero goes with each reaction.
