@@ -87,6 +87,7 @@ class BoundedGuards(Guards):
         """The next steps: at most so many, up to one at whose end a guard is negative."""
         steps: list[Step] = []
         while solver.status == "running" and len(steps) < most:
+            self.start = solver.y.copy()
             solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 break
@@ -106,6 +107,7 @@ class BoundedGuards(Guards):
         # What is below zero by less than that at the end of the last step has its zero there as well.
         last = steps[-1]
         if which == len(steps) - 1:
+            self.start = last.dense(last.start)
             for function in np.flatnonzero(self.values(last.state) < 0.0):
                 other = self._zero(last, int(function), last.end)
                 if not self.only_turned(int(function), last.dense(other[0])):
@@ -122,6 +124,7 @@ class BoundedGuards(Guards):
 
     def _zero(self, step: Step, function: int, end: float) -> tuple[float, int]:
         """The zero of a guard between the start of a step and a time at which it is negative."""
+        self.start = step.dense(step.start)
         zero = self.root(lambda t: self.values(step.dense(t))[function], step.start, end)
         return zero, self.numbers_of_guards.start + function
 

@@ -178,8 +178,9 @@ class RK4(OneStepMethod):
 
     The conditions of a mode are checked only at the end of a step; where one fails, bisection finds
     the instant within the step, the mode changes, and the rest of the step follows.  After a re-contact
-    slip is entered.  A condition that fails only within a step is not noticed, so the results depend on
-    `step`; use this method to compare with the paper.
+    slip is entered, also where an impact opens the gap again.  A condition that fails only within a step is
+    not noticed, so that flights shorter than a step are passed over.  Where a contact bounces, errors are of
+    first order in `step`; use this method to compare with the paper.
 
     Parameters
     ----------

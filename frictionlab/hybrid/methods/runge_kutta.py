@@ -102,7 +102,10 @@ def select_mode_by_values(system, queue, guard, run, scratch):
 
 @kernel
 def change_mode(system, queue, event, run, record, scratch):
-    """Record the event, reset the state, enter the mode that :func:`select_mode_by_values` chooses."""
+    """Record the event, reset the state, enter the mode that :func:`select_mode_by_values` chooses.
+
+    Where it finds none, nothing is done.
+    """
     counts, guard = run.counts, event.guard
     row = counts[EVENTS]
     record.event_times[row] = run.times[NOW]
@@ -111,8 +114,10 @@ def change_mode(system, queue, event, run, record, scratch):
     for i in range(run.state.shape[0]):
         run.sizes[i] = max(run.sizes[i], abs(run.state[i]))
     mode, missing = select_mode_by_values(system, queue, guard, run, scratch)
-    if missing != NO_MODE:
+    if mode == NO_MODE:
         copy_vector(record.event_states[row, 0], run.state)
+        if missing == NO_MODE:
+            return NO_ADMISSIBLE_MODE
         leave_event(event, run)
         return MODE_NOT_DERIVED
     copy_vector(run.state, record.event_states[row, 1])
@@ -121,8 +126,6 @@ def change_mode(system, queue, event, run, record, scratch):
     record.event_codes[row, 2] = 0
     counts[EVENTS] += 1
     count_at_instant(system.code, guard, run)
-    if mode == NO_MODE:
-        return NO_ADMISSIBLE_MODE
     counts[MODE] = mode
     return status_after_repeat(counts)
 
@@ -154,10 +157,16 @@ def order_of_choice(system, event, order, run, scratch):
 
 @kernel
 def enter_next_mode(system, event, order, run, record, scratch):
-    """Handle an event; the next mode is chosen by series up to `order`, or at 0 by values of conditions."""
+    """Handle an event; the next mode is chosen by series up to `order`, or at 0 by values of conditions.
+
+    Where values allow no mode, as several conditions fail at one instant, series say which of them are zero.
+    """
     order = order_of_choice(system, event, order, run, scratch)
     if order == BY_VALUES:
-        return change_mode(system, None, event, run, record, scratch)
+        status = change_mode(system, None, event, run, record, scratch)
+        if status != NO_ADMISSIBLE_MODE:
+            return status
+        order = LOW_ORDER
     return handle_event(system, exact(order), event, run, record, scratch)
 
 
@@ -166,7 +175,10 @@ def enter_next_mode_on_demand(system, queue, event, order, run, record, scratch)
     """As :func:`enter_next_mode`, for modes on demand, which are chosen among combinations of regimes."""
     order = order_of_choice(system, event, order, run, scratch)
     if order == BY_VALUES:
-        return change_mode(system, queue, event, run, record, scratch)
+        status = change_mode(system, queue, event, run, record, scratch)
+        if status != NO_ADMISSIBLE_MODE:
+            return status
+        order = LOW_ORDER
     return handle_event_on_demand(system, queue, exact(order), event, run, record, scratch)
 
 

@@ -17,7 +17,7 @@ from frictionlab.hybrid.methods.runge_kutta import guard_at_stop, record_step
 from frictionlab.validation import check_choice, check_field, explains_fields
 
 IMPLICIT_INTEGRATORS = ("Radau", "BDF", "LSODA")
-SMALL = 0.1  # of v_r at the start of a step: more is left where v_r only turns
+SMALL = 1e-3  # of v_r at the start of a step: more is left where v_r only turns
 INTEGRATORS = ("RK23", "RK45", "DOP853", *IMPLICIT_INTEGRATORS)
 
 
@@ -147,12 +147,13 @@ class Guards:
         slots = code.function_slots[self.numbers_of_guards.start : self.numbers_of_guards.stop]
         roots = [base_of_root(code, run.problem.numbers, self.mode, int(slot)) for slot in slots]
         self.slots, self.norms = slots, [(i, square) for i, square in enumerate(roots) if square >= 0]
+        self.start = run.cursor.state  # of the step
 
     def values(self, z: np.ndarray) -> np.ndarray:
         """Values of the guards.  A norm is positive on both sides of its zero, so twice the inner product of
         its vector with that at the start takes its place: 4 |(a + b)/2|^2 - |a|^2 - |b|^2; for another root
         its base, where that is less."""
-        values, start = self._slots(z, self.slots), self._run.cursor.state
+        values, start = self._slots(z, self.slots), self.start
         for i, square in self.norms:
             middle, one, other = (self._slots(at, square) for at in (0.5 * (start + z), start, z))
             values[i] = min(4.0 * middle - one - other, other)
@@ -169,7 +170,7 @@ class Guards:
         square = dict(self.norms).get(i)
         if square is None:
             return False
-        return bool(self._slots(z, square) > SMALL**2 * self._slots(self._run.cursor.state, square))
+        return bool(self._slots(z, square) > SMALL**2 * self._slots(self.start, square))
 
     def near_stop(self, z: np.ndarray, t: float) -> int:
         """The guard that is a norm, and so near to zero at `z` that steps would come to an end; or -1."""

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from frictionlab.components.friction import FrictionLaw
+from frictionlab.models.symbols import expand_products
 from frictionlab.validation import abbreviate
 
 from .mechanics import Friction
@@ -81,13 +82,24 @@ def limits_of_law(law: FrictionLaw, normal_force: Any) -> tuple[Any, ...]:
 
 def zeros_at_landing(contact: Friction, states: Sequence[Any]) -> dict[Any, int]:
     """Limits -+ states of an elastic-plastic law, zero where a contact lands if nothing presses there."""
-    if not callable(contact.normal_force) or not returns_to_zero(contact, states):
+    if contact.penetration is None or not returns_to_zero(contact, states):
         return {}
-    depth = sympy.Dummy("depth", real=True)
-    unpressed = replace(contact, penetration=depth).pressing.xreplace({depth: sympy.S.Zero})
+    unpressed = _pressing_at_closure(contact)
     limits = zip(limits_of_states(contact), limits_of_law(contact.law, unpressed), states, strict=False)
     zeros = ((limit - state, limit + state) for limit, at_zero, state in limits if at_zero == 0)
     return {sign * zero: 1 for pair in zeros for zero in pair for sign in (1, -1)}
+
+
+def _pressing_at_closure(contact: Friction) -> Any:
+    """F_N (N) where the gap closes: at a penetration of zero, from which one of the symbols follows."""
+    if callable(contact.normal_force):
+        depth = sympy.Dummy("depth", real=True)
+        return replace(contact, penetration=depth).pressing.xreplace({depth: sympy.S.Zero})
+    for x in sorted(contact.penetration.free_symbols, key=str):
+        slope = contact.penetration.diff(x)
+        if not slope.has(x):
+            return expand_products(contact.pressing.xreplace({x: x - contact.penetration / slope}))
+    return contact.pressing
 
 
 def check_elastic(law: FrictionLaw, states: Sequence[Any]) -> None:

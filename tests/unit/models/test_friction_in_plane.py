@@ -402,3 +402,28 @@ def test_sliding_in_one_direction_is_refused():
     with pytest.raises(ValueError, match="must have stick, got SlidingOnly"):
         with_contacts(PLANE, interface=fl.SlidingOnly()).automaton()
     assert "nonsmooth" not in Coupled().nonlinearities
+
+
+@fl.model
+class ThrownPast(fl.MechanicalModel):
+    """A body that a force brings back; v_r passes zero at a distance of eps.  Beside it a spring vibrates."""
+
+    eps: float = 0.01
+    k: float = 1.0
+    coordinates = ("x", "y", "z")
+
+    def mechanics(self, q, v):
+        smooth = fl.Friction((-v.x, self.eps - v.y), 0.0, fl.Coulomb(mu_k=1.0, mu_s=1.0))
+        kinetic = (v.x**2 + v.y**2 + v.z**2) / 2
+        return fl.Mechanics(kinetic, self.k * q.z**2 / 2 - q.x, contacts=(smooth,))
+
+
+@pytest.mark.parametrize(("eps", "k"), [(0.01, 1.0), (2e-5, 1e4)])
+@pytest.mark.parametrize("method", ["taylor", "DOP853"])
+def test_a_relative_velocity_that_passes_near_zero_does_not_stop(method, eps, k):
+    """x = t^2/2 - t throughout; the runs of `verify` agree."""
+    model, x0 = ThrownPast(eps=eps, k=k), {"x'": -1.0, "z": 1.0}
+    run = fl.simulate(model, 3.0, x0=x0, method=method, progress=False)
+    assert not len(run.events)
+    assert run.final_state[[0, 1, 3]] == pytest.approx([1.5, 0.0, 2.0], abs=1e-12)
+    assert fl.verify(model, 3.0, x0=x0, progress=False).ok
