@@ -36,8 +36,9 @@ class TimeRecord:
     t : array_like (N,)
         Ascending times, s, from the start of the motion at 0.  Time differences (timedelta64, timedelta) are
         such times as well.  Of time stamps (datetime64, datetime, a pandas index) the first is the start.
-    values : mapping of str to array_like (N,), or pandas.DataFrame
-        Measured values by the state's name, as "x1" or "x1'", in SI units; the columns of a table.
+    values : mapping of str to array_like (N,), or a table
+        Measured values by the state's name, as "x1" or "x1'", in SI units; or those of a table of pandas or
+        polars, or of a structured array of numpy.
     error : float or mapping of str to float
         Standard deviation of the measurement, in the unit of the state.
 
@@ -61,8 +62,9 @@ class TimeRecord:
     def __post_init__(self) -> None:
         t, start = _ascending(self.t, stamps=True)
         object.__setattr__(self, "start", start)
-        columns, errors = _columns(self.values, self.error, len(t), "times")
-        _check_order(self.t, self.values)
+        given = _by_state(self.values)
+        columns, errors = _columns(given, self.error, len(t), "times")
+        _check_order(self.t, given)
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "values", columns)
         object.__setattr__(self, "error", errors)
@@ -272,6 +274,14 @@ def check_data(data: Sequence[Any], automaton: HybridAutomaton) -> None:
             check_mode_name(one.target, automaton.names)
 
 
+def _by_state(values: Any) -> Any:
+    """The columns of a table or of a structured array by their names; all else as it is given."""
+    names = getattr(values, "columns", getattr(getattr(values, "dtype", None), "names", None))
+    if isinstance(values, Mapping) or names is None:
+        return values
+    return {name: values[name] for name in names}
+
+
 def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Array], dict[str, float]]:
     """Measured values by state, `count` of each, and their errors.
 
@@ -280,8 +290,6 @@ def _columns(values: Any, error: Any, count: int, of: str) -> tuple[dict[str, Ar
     ValueError
         For no values, values that are not finite, or not `count` of them; for an error that is not above 0.
     """
-    if not isinstance(values, Mapping) and hasattr(values, "columns"):
-        values = {name: values[name] for name in values.columns}
     check_mapping("values", values, 'give arrays by state, such as {"x1": measured}')
     if not values:
         raise ValueError('values must hold one state at least, got none: write {"x1": measured}')

@@ -349,12 +349,13 @@ def test_values_whose_index_has_the_times_in_another_order_are_refused(pd):
         fl.TimeRecord(t, {"x": values.set_axis(["c", "b", "a"])})
 
 
-def test_a_table_of_pandas_has_values_in_its_columns(pd):
+@pytest.mark.parametrize("of", [lambda table: table, lambda table: table.to_records(index=False)])
+def test_a_table_has_values_in_its_columns(pd, of):
     """The table of a motion in closed form, x = cos 2t, at times that are not equidistant."""
     t = pd.Index([0.0, 0.3, 1.0, 1.1, 2.5, 4.0], name="t")
     table = pd.DataFrame({"x": np.cos(2 * t), "x'": -2 * np.sin(2 * t)}, index=t)
     free = fl.MassOnBelt(m=1.0, k=3.9, c=0.0, N=0.0)
-    found = fl.fit(free, fl.TimeRecord(table.index, table, error=0.01), ["k"], x0=[1.0, 0.0], segments=1)
+    found = fl.fit(free, fl.TimeRecord(table.index, of(table), error=0.01), ["k"], x0=[1.0, 0.0], segments=1)
     np.testing.assert_allclose(found.model.k, 4.0, rtol=1e-9)
 
 
