@@ -184,7 +184,7 @@ def _settled(law: FrictionLaw, sign: int, given: Sequence[Any]) -> Array:
         if left.size and np.isfinite(start).all():
             states[:, left] = follow_zero(flow, start, base, _is_finite, [*values[:, left]], left.size)
             left = left[~_is_finite(states[:, left], ())]
-    states = states[:, places]
+    states = states[:, places.ravel()]  # numpy 2.0 gives them as a row
     if not any(map(np.iscomplexobj, given)):
         return states
     known = _is_finite(states, ())  # a step of Newton's method, with derivatives as imaginary parts
