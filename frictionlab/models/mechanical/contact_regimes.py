@@ -654,7 +654,7 @@ def terms_of_impact(system: LagrangeSystem, contact: Friction | Stop, law: Impac
 def _rate_of_law(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
     """The gradient (n, 1) of the rate at which a gap opens that a law changes, material or full."""
     material, full = _closing_rates(system, contact)
-    if material is not full and sympy.sympify(law.impulse(*RATE_SYMBOLS)).has(RATE_SYMBOLS[1]):
+    if material is not full and sympy.sympify(law.impulse(*RATE_SYMBOLS), strict=True).has(RATE_SYMBOLS[1]):
         return -sympy.ImmutableMatrix(system.gradient(full, system.v))
     return normal_direction(system, contact)
 

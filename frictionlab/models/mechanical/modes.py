@@ -118,8 +118,10 @@ def conditions_of_regime(regime: ContactRegime, unknown: set[Any]) -> Regime:
         needs += [] if regime.sliding is None else [regime.sliding]
     else:
         needs = [end.function for end in regime.ends(regime.force, None)]
-    rates = tuple(sympy.sympify(one).xreplace(dict.fromkeys(unknown, sympy.S.Zero)) for one in regime.rates)
-    needs = [one for one in needs if unknown.isdisjoint(sympy.sympify(one).free_symbols)]
+    rates = tuple(
+        sympy.sympify(one, strict=True).xreplace(dict.fromkeys(unknown, sympy.S.Zero)) for one in regime.rates
+    )
+    needs = [one for one in needs if unknown.isdisjoint(sympy.sympify(one, strict=True).free_symbols)]
     distances = len(regime.constraints) - len(regime.held)  # a rigid contact has one and its rate
     return Regime(regime.name, tuple(needs), len(regime.held) > distances, rates)
 
@@ -360,7 +362,7 @@ def mode_of(system: LagrangeSystem, combination: Combination, hold: Hold | None 
     events += period_events(system, name)
     constraints = tuple(c for regime in chosen for c in regime.constraints)
     outputs = contact_outputs(system, chosen, solved)
-    rates = [sympy.sympify(rate).xreplace(known) for regime in chosen for rate in regime.rates]
+    rates = [sympy.sympify(rate, strict=True).xreplace(known) for regime in chosen for rate in regime.rates]
     flow = system.flow(solved.accelerations, rates)
     return Mode(name, flow, tuple(events), constraints, outputs, balance=solved.balance)
 
