@@ -281,8 +281,9 @@ def _finish_tasks(run: _Run, interrupts: InterruptCounter) -> None:
 
 
 def thread_count(workers: int | None) -> int:
-    """The number of threads: one for each processor where none is given."""
-    return workers or os.cpu_count() or 1
+    """The number of threads: one for each processor that this process may use where none is given."""
+    allowed = getattr(os, "sched_getaffinity", None)  # a batch system or taskset gives a job some of them
+    return workers or (len(allowed(0)) if allowed else os.cpu_count()) or 1
 
 
 def worker_count(execution: Execution) -> int:

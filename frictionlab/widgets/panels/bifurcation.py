@@ -7,7 +7,6 @@ once; the coarse diagram; the values between; then longer runs of motions that h
 
 from __future__ import annotations
 
-import os
 from bisect import bisect_right
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
@@ -25,7 +24,7 @@ from frictionlab.analysis.options import SteadyStateOptions
 from frictionlab.analysis.steady_state.classification import MotionKind
 from frictionlab.analysis.steady_state.steady_state import SteadyState, WindowStart, settle
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation, reach_of_transient
-from frictionlab.analysis.sweeps.tasks import run_tasks
+from frictionlab.analysis.sweeps.tasks import run_tasks, thread_count
 from frictionlab.components.component import Parameter
 from frictionlab.models.model import automaton_of, check_parameter_name, parameters_about, values_of
 from frictionlab.pages.scene import Data, Shown, last_value, number, slider_range
@@ -39,7 +38,7 @@ from frictionlab.widgets.result import limit_steps, tighten_tolerance
 from frictionlab.widgets.update_scheduler import running_loop
 
 Array = NDArray[np.float64]
-BATCH_SIZE = os.cpu_count() or 1  # values computed at the same time, in threads
+BATCH_SIZE = thread_count(None)  # values computed at the same time, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
 EXTENSIONS = 40, 200  # windows that motions get which have not settled: first all so many, then all so many
 # The transient of a preview is one window.  There are previews only where the full transient has at least so

@@ -1,5 +1,6 @@
 """Many tasks: in chunks, in shards, in executors that are lost."""
 
+import os
 import pickle
 import subprocess
 import sys
@@ -288,3 +289,9 @@ def test_a_cluster_whose_jobs_have_not_begun_counts_as_many_workers():
     assert worker_count(Execution(executor=cluster)) == MANY_WORKERS
     client.nthreads = lambda: {"one": 2, "other": 1}
     assert worker_count(Execution(executor=cluster)) == 3
+
+
+def test_a_process_has_no_more_threads_than_processors_that_it_may_use(monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {5}, raising=False)
+    assert worker_count(Execution()) == 1
+    assert worker_count(Execution(workers=3)) == 3
