@@ -27,6 +27,7 @@ from frictionlab.tape.functions import POWER
 # Factor by which the tolerance of a function of the states is wider than theirs: room for rounding.
 FUNCTION_TOL_FACTOR, LOG2_FUNCTION_TOL_FACTOR = 64.0, 6.0
 SERIES_TRIES = 200  # most lengths tried
+BELOW_LIMIT = 0.999  # of the length that would do: the size falls with it, so it is approached from above
 LAST_SIZE_TERM = 2  # the size of a function is that of its first three terms
 # Share of a step; a function that asks for less may be all rounding error.
 ROUNDING_SUSPECT_SHARE = 0.02
@@ -162,7 +163,7 @@ def series_step(J, slot, truncation, h, rounds, majorants):
         most = FUNCTION_TOL_FACTOR * tol * size
         if size == 0.0 or not last > most:
             return h
-        shorter = h * max(0.1, exp2(log2(most / last) / (order - 1)))
+        shorter = h * max(0.1, BELOW_LIMIT * exp2(log2(most / last) / (order - 1)))
         if shorter == h:
             return h
         h = shorter
