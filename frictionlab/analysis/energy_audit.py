@@ -37,6 +37,7 @@ from frictionlab.models.mechanical.stored_energies import (
     Bristles,
     Energies,
     borders_of_law,
+    borders_within,
     energies_of_bristles,
     energy_of_spring,
 )
@@ -246,8 +247,8 @@ class Balance:
         """Energy stored by the contact (J): the integral of F_N from 0 to the penetration; none in flight."""
         law: Any = contact.law
         penetration = self._at(contact.penetration, states)
-        borders = sorted(float(border(*self._values)) for border in contact.borders)
-        borders = [border for border in borders if border > 0.0]
+        beyond = [lambda depth, of=of: of(depth, *self._values) for of in contact.borders]
+        borders = borders_within(beyond, penetration)
         energy = energy_of_spring(lambda depth: law(depth, *self._values), penetration, borders)
         return np.where(self._modes_in_contact(contact)[modes], energy, 0.0)
 
@@ -375,7 +376,9 @@ def _contact(system: LagrangeSystem, i: int, compiled: Callable[..., Any], key: 
         travel=None if contact.normal is None else compiled(travel),
         penetration=compiled(contact.penetration),
         law=function_along_run([GAP, *parameter_symbols(key)], force),
-        borders=tuple(function_along_run(parameter_symbols(key), one) for one in borders_of_law(force, GAP)),
+        borders=tuple(
+            function_along_run([GAP, *parameter_symbols(key)], one) for one in borders_of_law(force, GAP)
+        ),
     )
 
 

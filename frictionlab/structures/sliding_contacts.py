@@ -19,7 +19,7 @@ from frictionlab.components.component import Component, parameters_of
 from frictionlab.components.contact import ContactLaw, LinearContact
 from frictionlab.components.friction import Coulomb, FrictionLaw
 from frictionlab.components.impact import ImpactLaw
-from frictionlab.models.mechanical.stored_energies import borders_of_law, energy_of_spring
+from frictionlab.models.mechanical.stored_energies import borders_of_law, borders_within, energy_of_spring
 from frictionlab.models.symbolic_laws import symbolic_copy
 from frictionlab.models.symbols import symbol
 from frictionlab.structures.steady_friction import (
@@ -391,7 +391,8 @@ class SlidingContacts:
         """The energy (N,) of the contacts at displacements (N, n), J: the integral of F_N, by Gauss' rule."""
         depth = np.maximum(q @ self.normal.toarray().T + self.penetration, 0.0)
         law, given = self._contact_formulas[0], self._values(self.contact, values)
-        borders = sorted(one for one in self._borders_of_contact.numbers(*given) if one > 0.0)
+        beyond = [lambda one, of=of: _evaluated(of, [one, *given]) for of in self._borders_of_contact]
+        borders = borders_within(beyond, depth)
         energy = energy_of_spring(lambda one: _evaluated(law, [one, *given]), depth, borders)
         return energy @ self.area
 
@@ -466,10 +467,11 @@ class SlidingContacts:
         return formulas, formulas.jacobian([0])[1]
 
     @cached_property
-    def _borders_of_contact(self) -> Formulas:
+    def _borders_of_contact(self) -> tuple[Formulas, ...]:
         at = symbol("penetration")
         law = symbolic_copy(self.contact.structure_key).force(at)
-        return formulas_of([*map(symbol, self._names(self.contact))], [*borders_of_law(law, at)])
+        given = [at, *map(symbol, self._names(self.contact))]
+        return tuple(formulas_of(given, [one]) for one in borders_of_law(law, at))
 
     @cached_property
     def _friction_formulas(self) -> tuple[Formulas, Formulas, Formulas]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 # Of an integral over the root of the penetration: exact for its powers up to 15, of a law in pieces in each.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+PLACES = np.linspace(0.0, 1.0, 1001)  # shares of a depth, between which borders are looked for
 Energies = Mapping[int, tuple[Any, Any]]  # J, pressed and apart, by the place of the contact
 
 
@@ -39,14 +40,26 @@ def energy_of_spring(force: Callable[[Array], Any], depth: Array, borders: Seque
 
 
 def borders_of_law(force: Any, penetration: Any) -> set[Any]:
-    """The penetrations at which a force in pieces changes its formula, of borders of a linear function."""
-    pieces, found = module_of_pieces(), set[Any]()
-    for x, border in () if pieces is None else pieces.borders_in(force):
-        beyond = x - border
-        (slope,) = gradient(beyond, [penetration])
-        if slope != 0 and not slope.has(penetration):
-            found.add(-beyond.subs(penetration, 0) / slope)
-    return found
+    """Functions of the penetration at whose zeros a force in pieces changes its formula."""
+    pieces = module_of_pieces()
+    beyond = {x - border for x, border in (() if pieces is None else pieces.borders_in(force))}
+    return {one for one in beyond if one.has(penetration)}
+
+
+def borders_within(beyond: Iterable[Callable[[Array], Any]], depth: Array) -> list[float]:
+    """The zeros of functions of the penetration between 0 and the greatest depth, ascending."""
+    from scipy import optimize
+
+    brentq: Any = optimize.brentq
+
+    places, found = depth.max(initial=0.0) * PLACES, list[float]()
+    for function in beyond:
+        values = function(places) * np.ones(len(places))
+        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+            root = brentq(function, places[k], places[k + 1], xtol=1e-300, rtol=1e-15)
+            found.append(float(root))
+        found += places[1:-1][values[1:-1] == 0.0].tolist()
+    return sorted(found)
 
 
 def energies_of_bristles(system: LagrangeSystem) -> Energies:

@@ -1,6 +1,6 @@
 """The energy balance: it closes, and every term is what mechanics says it is."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -191,3 +191,23 @@ def test_impacts_at_one_instant_are_counted_at_one_sample():
     audit = fl.energy_audit(run, progress=False)
     assert audit.works["impacts"][-1] < -1e-3
     assert audit.error < 1e-12
+
+
+@dataclass(frozen=True, repr=False)
+class StiffenedBySquare(fl.ContactLaw):
+    """From a penetration of sqrt(c/b) on a square is added, whose border is not linear in the penetration."""
+
+    k2: float = 100.0
+    b: float = 4e3
+    c: float = 0.5
+
+    def force(self, penetration):
+        return self.k2 * penetration + fl.functions.maximum(self.b * penetration**2 - self.c, 0.0)
+
+
+def test_a_structure_on_a_contact_law_with_a_square_in_its_border_keeps_its_energy():
+    pads = fl.SlidingContacts([[1.0, 0.0]], [[0.0, 1.0]], StiffenedBySquare(), fl.Coulomb(0.2, 0.2), v=0.3)
+    structure = fl.Structure(np.eye(2), np.diag([1.0, 2.0]), contacts=pads)
+    run = fl.simulate(structure, 3.0, x0=[0.0, -0.1, 0.0, 1.0], progress=False)
+    assert len(run.events) > 5
+    assert fl.energy_audit(run, progress=False).error < 1e-13
