@@ -86,7 +86,7 @@ class ContactTerms:
         The penetration (m) as a function of states and parameters, and F_N (N) as one of penetration and
         parameters.
     borders : tuple of callable
-        The penetrations (m) at which a law in pieces changes, as functions of the parameters.
+        Functions of penetration and parameters at whose zeros a law in pieces changes its formula.
     normal : str
         The output that is its normal force.
     """

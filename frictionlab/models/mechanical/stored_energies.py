@@ -54,11 +54,11 @@ def borders_within(beyond: Iterable[Callable[[Array], Any]], depth: Array) -> li
 
     places, found = depth.max(initial=0.0) * PLACES, list[float]()
     for function in beyond:
-        values = function(places) * np.ones(len(places))
-        for k in np.flatnonzero(values[:-1] * values[1:] < 0.0):
+        signs = np.sign(function(places) * np.ones(len(places)))
+        for k in np.flatnonzero(signs[:-1] * signs[1:] < 0.0):
             root = brentq(function, places[k], places[k + 1], xtol=1e-300, rtol=1e-15)
             found.append(float(root))
-        found += places[1:-1][values[1:-1] == 0.0].tolist()
+        found += places[1:-1][signs[1:-1] == 0.0].tolist()
     return sorted(found)
 
 
