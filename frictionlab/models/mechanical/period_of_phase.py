@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 PLACES = 8  # at which what is stated is compared after a period
 BEGIN = 1  # of that period, rad: no zero of sines
-JUMP_RTOL = 1e-9  # share of the value: a ratio of frequencies that is a whole number has rounding errors
+JUMP_RTOL = 1e-9  # share of the terms: a ratio of frequencies that is a whole number has rounding errors
 
 
 def check_period(model: MechanicalModel) -> None:
@@ -37,18 +37,18 @@ def check_period(model: MechanicalModel) -> None:
     place = np.random.default_rng(SEED).normal(size=(states, PLACES))
     with np.errstate(all="ignore"):
         *rows, _ = np.broadcast_arrays(*formulas.arrays(*structure_values(model), *place), np.zeros(PLACES))
-    for text, start, end in zip(texts, rows[::2], rows[1::2], strict=True):
-        if (np.abs(end - start) > JUMP_RTOL * np.fmax(np.abs(start), np.abs(end))).any():
+    for text, jump, size in zip(texts, rows[::2], rows[1::2], strict=True):
+        if (np.abs(jump) > JUMP_RTOL * size).any():
             raise ValueError(
                 f"what {type(model).__name__} states of q.phase must have its period, 2 pi, got "
-                f"{abbreviate(text)}, which jumps where the phase starts again at 0: give Mechanics the "
+                f"{abbreviate(text)}, but the phase starts again at 0 after each: give Mechanics the "
                 "frequency of which all others are whole multiples, or write q.t, which goes on, for q.phase"
             )
 
 
 @cache
 def _oscillations(key: StructureKey) -> tuple[list[str], Formulas | None, int]:
-    """Texts of what may not return; formulas of the parameters and of states, how many, a period apart."""
+    """Texts of what may not return; formulas of its jump and size by parameters and states, how many."""
     derivations = derivations_of(key)
     about = derivations.value("oscillations", lambda: _about(key))
     if not about["texts"]:
@@ -58,36 +58,46 @@ def _oscillations(key: StructureKey) -> tuple[list[str], Formulas | None, int]:
 
 
 def _about(key: StructureKey) -> dict[str, Any]:
-    uneven = _uneven(key)
-    return {"texts": [str(one) for one, _ in uneven], "states": len(_states(key))}
+    return {"texts": [str(sympy.Add(*terms)) for terms in _uneven(key)], "states": len(_states(key))}
 
 
 def _formulas(key: StructureKey) -> Formulas:
     phase, sides = symbol(PHASE), []
-    for given, waves in _uneven(key):
-        for place in (BEGIN, BEGIN + 2 * sympy.pi):
-            at = {wave: wave.xreplace({phase: place}) for wave in waves}
-            sides.append(given.xreplace(at).xreplace({phase: sympy.S.Zero}))
+    for terms in _uneven(key):
+        start, end = ([one.xreplace({phase: at}) for one in terms] for at in (BEGIN, BEGIN + 2 * sympy.pi))
+        sizes = (sympy.Abs(one, evaluate=False) for one in start + end)
+        sides += [sympy.Add(*end) - sympy.Add(*start), sympy.Add(*sizes)]
     return formulas_of([*parameter_symbols(key), *_states(key)], sides)
 
 
 def _states(key: StructureKey) -> list[Any]:
     """What these expressions depend on beside parameters and the phase."""
-    there = {each for one, _ in _uneven(key) for each in one.free_symbols}
+    there = {each for terms in _uneven(key) for one in terms for each in one.free_symbols}
     return sorted(there - {*parameter_symbols(key), symbol(PHASE)}, key=str)
 
 
-def _uneven(key: StructureKey) -> list[tuple[Any, list[Any]]]:
-    """Expressions with sines of what may be no whole multiple of the phase, and all their sines of it.
+def _uneven(key: StructureKey) -> list[list[Any]]:
+    """The terms of each expression that are sines of the phase, where one may be no whole multiple of it.
 
-    A sawtooth that is written as the phase itself jumps as is meant.
+    What has the phase outside of sines too is meant to start anew with it, as a sawtooth or a short pulse.
     """
     from .equations_of_motion import system_of
 
     phase, found = symbol(PHASE), []
     for given in system_of(key).mechanics.expressions:
-        waves = [one for one in given.atoms(sympy.sin, sympy.cos, sympy.tan) if one.has(phase)]
-        multiples = [one.args[0].diff(phase) for one in waves]
+        terms = [one for one in sympy.Add.make_args(given) if _is_of_waves(one)]
+        multiples = [wave.args[0].diff(phase) for one in terms for wave in _waves(one)]
         if not all(one.is_integer or one.has(phase) for one in multiples):
-            found.append((given, waves))
+            found.append(terms)
     return found
+
+
+def _waves(term: Any) -> list[Any]:
+    phase = symbol(PHASE)
+    return [one for one in term.atoms(sympy.sin, sympy.cos, sympy.tan) if one.has(phase)]
+
+
+def _is_of_waves(term: Any) -> bool:
+    """Whether a term has the phase, and only in sines."""
+    names = {wave: sympy.Dummy() for wave in _waves(term)}
+    return bool(names) and not term.xreplace(names).has(symbol(PHASE))

@@ -150,12 +150,13 @@ PHASES = {
     "squared": lambda s, phase: cos((s.m + 2) * phase / 2) ** 2,
     "rectified": lambda s, phase: fl.functions.absolute(sin((s.m + 2) * phase / 2)),
     "sawtooth": lambda s, phase: phase * s.m + sin((s.m + 4) * phase),
+    "pulse": lambda s, phase: fl.functions.piecewise(phase, [1.0], [sin(np.pi * phase), 0.0]),
+    "burst": lambda s, phase: fl.functions.exp(-9 * phase) * sin(3.3 * phase),
+    "difference": lambda s, phase: sin((s.m + 3) * phase) - sin(2.0 * phase),
 }
 
 
-@pytest.mark.parametrize(
-    ("wave", "jumps"), [*zip(PHASES, [True, True, True, False, False, False], strict=True)]
-)
+@pytest.mark.parametrize(("wave", "jumps"), [*zip(PHASES, [True] * 3 + [False] * 6, strict=True)])
 def test_sines_that_jump_where_the_phase_starts_again_are_refused(wave, jumps):
     WRONG[wave] = (
         lambda s, q, v: Mechanics(energy(v), loads={"x": PHASES[wave](s, q.phase)}, frequency=2.0),
