@@ -43,10 +43,22 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
     Masses that change with time are computed at 16 phases of a period.  Those that depend on place may be
     positive in some places only: with `start`, a state, they must be positive there, without it somewhere.
     """
+    about, _ = _masses(model.structure_key)
+    if about["places"] and (start is None or about["in place"]):
+        _check_masses(model, model.parameters, start)
+
+
+def check_masses_along(model: MechanicalModel, name: str, values: Sequence[float]) -> None:
+    """Raise ValueError unless T is positive for every motion at values of a parameter on which it depends."""
+    about, _ = _masses(model.structure_key)
+    if about["places"] and name in about["parameters"]:
+        for value in values:
+            _check_masses(model, {**model.parameters, name: value}, None)
+
+
+def _check_masses(model: MechanicalModel, parameters: Mapping[str, float], start: Any) -> None:
     about, formulas = _masses(model.structure_key)
-    if not about["places"] or (start is not None and not about["in place"]):
-        return
-    n, masses = len(model.coordinates), _function(about, formulas, model.parameters)
+    n, masses = len(model.coordinates), _function(about, formulas, parameters)
     places = _places(n) if about["in place"] else [np.zeros(n)]
     if start is not None:
         places = [np.asarray(start, dtype=float)[:n]]
@@ -55,15 +67,8 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
         if all(motions):
             at = {} if start is None else dict(zip(model.coordinates, places[0], strict=True))
             at |= {PHASE: phase} if about["in time"] else {}
-            raise ValueError(_words(model, about, motions[0], masses(places[0], phase), at))
-
-
-def check_masses_along(model: MechanicalModel, name: str, values: Sequence[float]) -> None:
-    """Raise ValueError unless T is positive for every motion at values of a parameter on which it depends."""
-    about, _ = _masses(model.structure_key)
-    if about["places"] and name in about["parameters"]:
-        for value in values:
-            check_masses(model.replace(**{name: value}))
+            at = {name: parameters[name] for name in about["parameters"]} | at
+            raise ValueError(_words(model, motions[0], masses(places[0], phase), at))
 
 
 def _places(n: int) -> list[Array]:
@@ -79,18 +84,11 @@ def _without_positive_energy(mass: Array) -> list[int]:
     return motion_without_energy(mass)
 
 
-def _words(
-    model: MechanicalModel,
-    about: Mapping[str, Any],
-    motion: Sequence[int],
-    mass: Array,
-    place: Mapping[str, float],
-) -> str:
+def _words(model: MechanicalModel, motion: Sequence[int], mass: Array, values: Mapping[str, float]) -> str:
     names, value = [model.coordinates[i] for i in motion], mass[motion[0], motion[0]]
     got = f"that of {' and '.join(map(repr, names))} together is not"
     if len(names) == 1:
         got = f"the mass of {names[0]!r} is {value:g}"
-    values = {name: model.parameters[name] for name in about["parameters"]} | dict(place)
     at = ", ".join(f"{name} = {one:g}" for name, one in values.items())
     return KINETIC.format(of=type(model).__name__, got=got, at=f" at {at}" if at else "")
 

@@ -443,8 +443,10 @@ def settled_first(flow: Flow, points: Array, values: Sequence[float], places: Se
     blocks[~np.isfinite(blocks).all(axis=(1, 2))] = 0.0  # without slopes nothing tells
     grows = (growth_rates(eigenvalues_of_matrices(blocks)) > 0.0).any(axis=1)
     sizes = np.linalg.norm(points[places], axis=0)
-    nearest = sizes[grows == grows.min()].min()
-    return points[:, np.lexsort((sizes > (1.0 + SAME_CANDIDATE_RTOL) * nearest, grows))]
+    with np.errstate(all="ignore"):
+        rounding = SCALE_ROUNDING * _usual_sizes(flow, values)[places].max()
+    nearest = (1.0 + SAME_CANDIDATE_RTOL) * sizes[grows == grows.min()].min() + rounding
+    return points[:, np.lexsort((sizes > nearest, grows))]
 
 
 def _within_turn(
@@ -639,11 +641,10 @@ def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) ->
 
     Where the flow is linear it is the origin alone, as one start is enough.
 
-    The sizes are those of the linearised flow's zero.  The points lie in all decades about them: in half of
-    the points all coordinates share a decade, in the others each has one of its own.
+    The points lie in all decades about the sizes: in half of the points all coordinates share a decade, in
+    the others each has one of its own.
     """
-    origin = np.zeros((flow.size, 1))
-    scale = _replace_unknown(np.abs(newton_step(flow, origin, values)))
+    origin, scale = np.zeros((flow.size, 1)), _usual_sizes(flow, values)
     if flow.linear:
         return origin, scale
     scatter = random.normal(size=(len(origin), START_COUNT))
@@ -651,6 +652,11 @@ def _starts(flow: Flow, values: Sequence[float], random: np.random.Generator) ->
     scatter[:, 1::2] *= 10.0 ** random.uniform(-START_DECADES, START_DECADES, size=scatter[0, 1::2].shape)
     scatter[flow.unseen] = 0.0  # their values do not matter
     return np.hstack([origin, scale * scatter]), scale
+
+
+def _usual_sizes(flow: Flow, values: Sequence[float]) -> Array:
+    """Sizes of the states (m, 1): those of the linearised flow's zero."""
+    return _replace_unknown(np.abs(newton_step(flow, np.zeros((flow.size, 1)), values)))
 
 
 def _replace_unknown(sizes: Array) -> Array:

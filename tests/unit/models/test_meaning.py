@@ -171,6 +171,27 @@ def test_sines_that_jump_where_the_phase_starts_again_are_refused(wave, jumps):
         assert Stated(variant=wave, m=1.0).automaton()
 
 
+def test_a_path_of_masses_needs_no_rule_between_parameters():
+    """No eigenvalue depends on the rule, as on that of mu_s and mu_k."""
+
+    @fl.model
+    class Rotor(fl.MechanicalModel):
+        m: float = 1.0
+        most: float = 2.0
+        coordinates = ("x",)
+
+        def __post_init__(self):
+            super().__post_init__()
+            if self.m > self.most:
+                raise ValueError("m must be at most `most`")
+
+        def mechanics(self, q, v):
+            return Mechanics(self.m * v.x**2 / 2, q.x**2 / 2)
+
+    found = fl.root_locus(Rotor(), "m", [1.0, 4.0]).frequencies
+    np.testing.assert_allclose(2 * np.pi * found.max(axis=1), [1.0, 0.5], rtol=1e-12)
+
+
 def test_masses_that_depend_on_place_are_checked_where_the_run_starts():
     model = Stated(variant="in place", m=1.0)
     assert fl.simulate(model, 0.1, x0=[0.5, 0, 0.1, 0], progress=False).status.ok

@@ -127,6 +127,32 @@ def test_a_state_that_settles_at_several_values_is_where_it_does_not_grow_and_ne
     assert [fl.eigenvalues(model).equilibrium.state[2] for model in models] == [row[0] for row in found]
 
 
+def test_states_at_zero_to_rounding_leave_the_equilibrium_that_is_nearest_to_the_origin():
+    @dataclass(frozen=True)
+    class Fading(fl.FrictionLaw):
+        states = ("z",)
+
+        def force(self, F_N, v, z):
+            return v / abs(v) * (0.3 + z) * F_N
+
+        def rates(self, F_N, v, z):
+            return {"z": 1 - fl.functions.exp(z)}
+
+    @fl.model
+    class Wells(fl.MechanicalModel):
+        load: float = 0.0
+        coordinates = ("x",)
+
+        def mechanics(self, q, u):
+            pads = (fl.Friction(2.0 - u.x, 0.1, Fading()),)
+            return fl.Mechanics(u.x**2 / 2, -self.load * q.x - q.x**2 / 2 + q.x**4 / 4, contacts=pads)
+
+    for load in (0.1, 0.0, -0.1):  # beside that of friction
+        found = [each.state[0] for each in fl.equilibria(Wells(load=load))]
+        expected = sorted(np.roots([1.0, 0.0, -1.0, -load - 0.03]).real, key=abs)
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
 M, K, LOAD = np.diag([1.0, 1.0, 2.0, 2.0]), np.diag([30.0, 40.0, 25.0, 35.0]), np.array([0.0, 1.0, 0.0, 1.0])
 K[0, 2] = K[2, 0] = -8.0
 K[1, 3] = K[3, 1] = -9.0
