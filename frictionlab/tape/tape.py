@@ -444,7 +444,11 @@ class TapeBuilder:
     def _mul(self, expr: Expr) -> AffineTerms:
         factor, rest = self._factored(expr)
         factors: Any = sp.Mul.make_args(rest)
-        factors = factors if self.has_corners else _without_signs(factors)
+        if not self.has_corners:
+            for total in (f for f in factors if _has_corners_at_zeros_of(f, factors)):
+                others = [f for f in sp.Mul.make_args(expr) if f is not total]
+                return self._lower(sp.Add(*(sp.Mul(*others, term) for term in total.args)))
+            factors = _with_powers_of_sizes(factors)
         if len(factors) == 1:
             terms = self._lower(factors[0]).items()
             return {slot: factor if value is sp.S.One else factor * value for slot, value in terms}
@@ -515,14 +519,46 @@ def _cure(expr: Expr) -> str:
     return f"write it with {ALLOWED_OPERATIONS}"
 
 
-def _without_signs(factors: Sequence[Expr]) -> Sequence[Expr]:
-    """The factors of a product, with a |a|^(p - 1) instead of sign(a) |a|^p, the slope of |a|^(p + 1)."""
-    for sign in (f for f in factors if f.func is sp.sign):
-        size = sp.Abs(sign.args[0])
-        for power in (f for f in factors if f.is_Pow and f.base == size):
-            rest = [f for f in factors if f is not sign and f is not power]
-            return _without_signs([*rest, sign.args[0], size ** (power.exp - 1)])
+def _with_powers_of_sizes(factors: Sequence[Expr]) -> Sequence[Expr]:
+    """The factors of a product; |a| or sign(a) beside a power of a or of |a| becomes a power of |a|.
+
+    sympy writes |a|^3 as a^2 |a|, its slope as a^2 sign(a) + 2 a |a|, that of |a|^p as p sign(a) |a|^(p - 1).
+    """
+    for corner in filter(_is_corner, factors):
+        a, order = corner.args[0], int(corner.func is sp.Abs)
+        size = sp.Abs(a)
+        for other in (f for f in factors if f is not corner):
+            base, exponent = other.as_base_exp()
+            rest = [f for f in factors if f is not corner and f is not other]
+            if base == size:
+                return _with_powers_of_sizes([*rest, a, _power_of(size, exponent - 1)])
+            odd = (exponent + 1 - order) % 2 if exponent.is_Integer and exponent > 0 else None
+            if odd is not None and exponent + order > 1 and (ratio := _ratio(base, a)):
+                power = _power_of(size, exponent + order - odd)
+                return [*rest, *[ratio**exponent] * (ratio != 1), *[a] * odd, power]
     return factors
+
+
+def _power_of(size: Expr, exponent: Expr) -> Expr:
+    """|a|^p, also where sympy would write another product for it."""
+    return sp.Pow(size, exponent, evaluate=False)
+
+
+def _ratio(one: Expr, other: Expr) -> Any:
+    """The number by which one expression is a multiple of another; zero if it is none."""
+    (first, a), (second, b) = one.as_content_primitive(), other.as_content_primitive()
+    return first / second if a == b else -first / second if a == -b else 0
+
+
+def _has_corners_at_zeros_of(expr: Expr, factors: Sequence[Expr]) -> bool:
+    """Whether an expression is a sum with |a| or sign(a), and a is one of the factors."""
+    terms = expr.args if expr.is_Add else ()
+    corners = [f.args[0] for term in terms for f in sp.Mul.make_args(term) if _is_corner(f)]
+    return any(_ratio(f.as_base_exp()[0], a) for a in corners for f in factors)
+
+
+def _is_corner(expr: Expr) -> bool:
+    return expr.func in (sp.Abs, sp.sign)
 
 
 def _factored_power(base: Expr, powers: Sequence[tuple[Expr, Expr]]) -> Expr:

@@ -29,6 +29,10 @@ class Hardening(fl.MechanicalModel):
             return Mechanics(kinetic, rest, loads={"x": -odd})
         if self.stated == "energy":
             return Mechanics(kinetic, rest + self.k * abs(q.x) ** (self.p + 1) / (self.p + 1))
+        if self.stated == "cube":  # with a number as exponent, about x = 1
+            return Mechanics(kinetic, rest + abs(2 - 2 * q.x) ** 3 / 24)
+        if self.stated == "quadratic":
+            return Mechanics(kinetic, rest, loads={"x": (1 - q.x) * abs(1 - q.x)})
         if self.stated == "square":
             return Mechanics(kinetic, rest, loads={"x": -self.k * q.x * (q.x**2) ** ((self.p - 1) / 2)})
         if self.stated == "stop":
@@ -98,12 +102,14 @@ def test_the_cure_gives_the_motion_of_a_cubic_spring(stated, tol):
     np.testing.assert_allclose(run["x"], -0.5 * cn, atol=1e-13 + 10 * tol)
 
 
-def test_a_power_that_is_no_integer_has_the_period_of_its_closed_form():
+@pytest.mark.parametrize(("stated", "p", "centre"), [("odd", 1.7, 0), ("cube", 2, 1), ("quadratic", 2, 1)])
+def test_a_power_that_is_not_odd_has_the_period_of_its_closed_form(stated, p, centre):
     """The period of x'' = -x |x|^(p - 1) is 4 sqrt((p + 1)/2) A^((1 - p)/2) B(1/(p + 1), 1/2)/(p + 1)."""
     from scipy.special import beta
 
-    p, start = 1.7, 0.8
+    start = 0.8
     period = 4 * np.sqrt((p + 1) / 2) * start ** ((1 - p) / 2) * beta(1 / (p + 1), 0.5) / (p + 1)
-    run = fl.simulate(Hardening(p=p), 3 * period, x0=[start, 0, 0, 0], progress=False)
-    assert run.final_state[0] == pytest.approx(start, abs=1e-12)
+    model = Hardening(p=p, stated=stated)
+    run = fl.simulate(model, 3 * period, x0=[centre + start, 0, 0, 0], progress=False)
+    assert run.final_state[0] == pytest.approx(centre + start, abs=1e-12)
     assert run.final_state[2] == pytest.approx(0.0, abs=1e-11)
