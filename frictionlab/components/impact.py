@@ -28,7 +28,8 @@ class ImpactLaw(Component):
             Time derivative of the penetration (m/s), which is minus the gap rate; it includes the slider's
             travel along the tilted belt.
         compliance : float
-            W_N^T M^-1 W_N, 1/kg.
+            How much 1 N s changes the rate that the law uses, 1/kg: W_N^T M^-1 W_N of the material one,
+            g^T M^-1 W_N of the penetration's, if it is used; g is the gradient of the gap.
         """
         raise NotImplementedError(f"{type(self).__name__} must define impulse(...)")
 

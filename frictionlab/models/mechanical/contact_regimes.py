@@ -6,8 +6,8 @@ limit of impacts after each of which the slider leaves the belt again, in ever s
 Eq. (13) brings the velocity relative to the belt's *material* point to zero.  The slider then leaves the belt
 at the rate r = (x1' - x2') phi, which no impact changes.  Where r > 0 the gap opens; if in flight it closes
 with the acceleration a, the slider lands after 2 r/a, at the rate r, and so on.  Flights of length T differ
-from their limit T -> 0 by O(T^2).  In the limit the mean of the impulses is a force
-F_N = a/(W_N^T M^-1 W_N) that keeps gap and gap rate at zero, and there is no friction, as there is none in
+from their limit T -> 0 by O(T^2).  In the limit the mean of the impulses is a force F_N = a/(g^T M^-1 W_N)
+that keeps gap and gap rate at zero; g is the gap's gradient.  There is no friction, as there is none in
 flight and none in an impact.  Chatter ends where r comes to zero, which is the accumulation (Zeno) point of
 the flights, or where the flights grow long.  In the latter case the slider takes off, with an error of the
 order of r, as the limit does not tell at which point of a flight it is.
@@ -615,8 +615,35 @@ def _closing_rates(system: LagrangeSystem, contact: Friction | Stop) -> tuple[An
 
 def normal_impulse(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
     """The impulse p (N s) of an impact without friction, Eq. (14)."""
-    soft = compliance(system, normal_direction(system, contact))
-    return law.impulse(*_closing_rates(system, contact), soft)
+    return law.impulse(*_closing_rates(system, contact), _compliance_of_law(system, contact, law))
+
+
+@lru_cache(maxsize=4096)
+def _compliances(system: LagrangeSystem, contact: Friction | Stop) -> tuple[Any, Any]:
+    """How much an impulse along W_N changes material rate and rate (1/kg): one expression if equal.
+
+    They are W_N^T M^-1 W_N and g^T M^-1 W_N with the gap's gradient g, which the masses may tell apart.
+    """
+    normal, (material, full) = normal_direction(system, contact), _closing_rates(system, contact)
+    soft = compliance(system, normal)
+    if material is full:
+        return soft, soft
+    of_gap = dot(_gradient_of_gap(system, contact), _pushed(system, normal, 1))
+    return soft, soft if expand_products(of_gap - soft) == 0 else of_gap
+
+
+def _compliance_of_law(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
+    """How much an impulse along W_N changes the rate of a law, 1/kg."""
+    return _compliances(system, contact)[_uses_gap_rate(law)]
+
+
+def _uses_gap_rate(law: ImpactLaw) -> bool:
+    """Whether a law changes the full rate of the gap; else it changes the material one."""
+    return sympy.sympify(law.impulse(*RATE_SYMBOLS), strict=True).has(RATE_SYMBOLS[1])
+
+
+def _gradient_of_gap(system: LagrangeSystem, contact: Friction | Stop) -> Any:
+    return -sympy.ImmutableMatrix(system.gradient(_closing_rates(system, contact)[1], system.v))
 
 
 def impact_rubs(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> bool:
@@ -644,7 +671,7 @@ def terms_of_impact(system: LagrangeSystem, contact: Friction | Stop, law: Impac
     work = softness = compliance(system, tangent) - coupling * share
     if rate != normal:
         work -= share * dot(normal, along_tangent - share * along_normal)
-    values = (*_closing_rates(system, contact), compliance(system, normal))
+    values = (*_closing_rates(system, contact), _compliance_of_law(system, contact, law))
     before = dict(zip(RATE_SYMBOLS, values, strict=True))
     opening = -rates_after_impact(system, contact, law)[0].xreplace(before)
     sliding = contact.relative_velocity - coupling * impulse
@@ -654,8 +681,8 @@ def terms_of_impact(system: LagrangeSystem, contact: Friction | Stop, law: Impac
 def _rate_of_law(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> Any:
     """The gradient (n, 1) of the rate at which a gap opens that a law changes, material or full."""
     material, full = _closing_rates(system, contact)
-    if material is not full and sympy.sympify(law.impulse(*RATE_SYMBOLS), strict=True).has(RATE_SYMBOLS[1]):
-        return -sympy.ImmutableMatrix(system.gradient(full, system.v))
+    if material is not full and _uses_gap_rate(law):
+        return _gradient_of_gap(system, contact)
     return normal_direction(system, contact)
 
 
@@ -665,8 +692,9 @@ def rates_after_impact(system: LagrangeSystem, contact: Friction | Stop, law: An
     rates = _closing_rates(system, contact)
     if rates[0] is rates[1]:
         material = full
-    change = soft * law.impulse(material, full, soft)
-    return expand_products(material - change), expand_products(full - change)
+    change, own = soft * law.impulse(material, full, soft), _compliance_of_law(system, contact, law)
+    changes = (change if one is own else change * one / own for one in _compliances(system, contact))
+    return tuple(expand_products(rate - one) for rate, one in zip((material, full), changes, strict=True))
 
 
 def _landing(system: LagrangeSystem, contact: Friction, law: Any) -> Reset:
@@ -775,7 +803,7 @@ def chatter_mode(system: LagrangeSystem) -> Mode | None:
 
 def _limit(system: LagrangeSystem, contact: Friction, rate: Any) -> Mode:
     closing = closing_acceleration(system, contact)
-    force = closing / compliance(system, system.normal(contact))
+    force = closing / _compliances(system, contact)[1]
     outputs = {
         "penetration": contact.penetration,
         "gap": -contact.penetration,
@@ -798,9 +826,9 @@ def leaving_rate(system: LagrangeSystem, contact: Friction) -> Any:
     """
     material, full, soft = RATE_SYMBOLS
     rate, other = sympy.symbols("rate other")
-    law, w = rates_after_impact(system, contact, contact.impact)[1], system.normal(contact)
-    before = {material: rate + other, full: rate, soft: compliance(system, w)}
-    after = law.subs(before, simultaneous=True)
+    law: Any = contact.impact
+    before = {material: rate + other, full: rate, soft: _compliance_of_law(system, contact, law)}
+    after = rates_after_impact(system, contact, law)[1].subs(before, simultaneous=True)
     slope = sympy.diff(after, rate)
     if slope.has(rate) or (1 + slope).is_zero:
         return sympy.S.Zero

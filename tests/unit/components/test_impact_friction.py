@@ -71,6 +71,29 @@ def test_newtons_rate_coulombs_cone_and_no_energy_of_friction_with_the_moving_lo
     assert work.min() < -1e-3
 
 
+@fl.model
+class LeaningBlock(fl.MechanicalModel):
+    """Masses couple x and y, and F_N acts along another direction than the gap's gradient."""
+
+    impact: fl.ImpactLaw = fl.PlasticImpact()
+    coordinates = ("x", "y")
+
+    def mechanics(self, q, v):
+        rough, kinetic = fl.Coulomb(mu_k=0.2, mu_s=0.2), v.x**2 + v.x * v.y + v.y**2
+        foot = fl.Friction(v.x, 9.0 * -q.y, rough, penetration=-q.y, normal=(0.4, 1.0), impact=self.impact)
+        return fl.Mechanics(kinetic, contacts=(foot,))
+
+
+@pytest.mark.parametrize("mu_i", [0.0, 0.3])
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_newtons_rate_where_masses_tell_the_normal_from_the_gradient_of_the_gap(e, mu_i):
+    start = [0.0, 1e-6, 0.3, -1.0]
+    run = fl.simulate(LeaningBlock(impact=fl.FrictionalImpact(e, mu_i)), 1e-5, x0=start, progress=False)
+    assert run.events.state[0, 3] == pytest.approx(e, abs=1e-14)
+    run = fl.simulate(LeaningBlock(impact=fl.PlasticImpact("material")), 1e-5, x0=start, progress=False)
+    assert run.events.state[0, 2:] @ [0.4, 1.0] == pytest.approx(0.0, abs=1e-14)
+
+
 def test_the_equations_show_both_impulses():
     found = fl.SliderOnBelt(impact=fl.FrictionalImpact(e=0.5, mu_i=0.3)).equations("impact")
     assert "p_T" in repr(found)
