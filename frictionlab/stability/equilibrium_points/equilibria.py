@@ -36,6 +36,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
     parameter_values,
     steady_modes,
 )
+from frictionlab.stability.equilibrium_points.steady_rates import clocks_of
 from frictionlab.stability.equilibrium_problem import EquilibriumProblem
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
@@ -222,11 +223,36 @@ def _no_equilibrium_error(model: ModelOrAutomaton) -> ValueError:
     elastic = (
         f"{elastic}the potential for its eigenvalues" if search.why and has_regime([*modes], "stick") else ""
     )
+    drift = _drift_in_words(automaton, sliding)
     return ValueError(
         f"{what} must have a mode with an equilibrium inside its guards, {got} in "
-        f"{shorten([*modes.values()]) or 'no mode'}{unsure}{left_out}: change its parameters{still}, or "
-        f"simulate its motion{elastic}"
+        f"{shorten([*modes.values()]) or 'no mode'}{unsure}{left_out}{drift}: change its "
+        f"parameters{still}, or simulate its motion{elastic}"
     )
+
+
+def _drift_in_words(automaton: HybridAutomaton, sliding: bool) -> str:
+    """The further states without whose drift there is an equilibrium; "" where it is not they."""
+    names, values = automaton.state_names, parameter_values(automaton)
+    clocks, first = clocks_of(automaton), 2 * automaton.coordinates or len(names)
+
+    def rates_with(held: tuple[int, ...]) -> Array | None:
+        """The rates (m,) at an equilibrium of the other states; None where there is none."""
+        for mode in steady_modes(automaton, sliding) if held else ():
+            if (points := mode.equilibria_with(held, values)).size:
+                return mode.flow.rhs(points[:, 0], values)
+        return None
+
+    held = tuple(place for place in range(first, len(names)) if place not in clocks)
+    if (rates := rates_with(held)) is None:
+        return ""
+    for place in held:
+        others = tuple(each for each in held if each != place)
+        if (of_others := rates_with(others)) is not None:
+            held, rates = others, of_others
+    drifts = shorten(f"{names[place]} drifts by {rates[place]:.4g} per s" for place in held)
+    which = shorten(names[place] for place in held)
+    return f"; with {which} held at zero, as parameters are, there is one, where {drifts}"
 
 
 def equilibrium_branches(

@@ -216,6 +216,11 @@ class SteadyMode:
             sizes[row] += np.abs(slope * x[column])
         return formulas.arrays(*x, *values), sizes
 
+    def equilibria_with(self, held: tuple[int, ...], values: tuple[float, ...]) -> Array:
+        """Equilibria (m, K) inside its guards of the other states, with some (their places) held at zero."""
+        points = _zeros_of_mode(_known(replace(self, idle=(*self.idle, *held))), values).points
+        return points[:, self.admits(points, values)]
+
     def can_last_at_rest(self, values: Sequence[float]) -> bool:
         """Whether its conditions can hold at zero velocities: not in slip against a running belt."""
 

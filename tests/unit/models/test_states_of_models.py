@@ -178,6 +178,35 @@ def of(states, rates=None, load=0, stored=0, rubbing=None):
     return lambda: fl.simulate(Mine(), 1.0, progress=False)
 
 
+@fl.model
+class Worn(fl.MechanicalModel):
+    """A mass on a belt, two depths of wear, and a temperature that settles."""
+
+    wear: float = 0.01
+    heat: float = 0.0
+    friction: fl.FrictionLaw = fl.Coulomb(mu_k=0.3, mu_s=0.4)
+    coordinates = ("x",)
+    states = ("w", "u", "T")
+
+    def mechanics(self, q, v, s):
+        speed = 1.0 - v.x
+        rub = fl.Friction(speed, 1.0 - 0.1 * s.w + 0.1 * s.T, self.friction)
+        rates = {"w": self.wear * speed, "u": 2 * self.heat * speed - (1 - self.heat) * s.u, "T": 1 - s.T}
+        return fl.Mechanics(v.x**2 / 2, q.x**2 / 2, contacts=(rub,), rates=rates)
+
+
+@pytest.mark.parametrize(
+    ("heat", "words"),
+    [
+        (0.0, "; with w held at zero, as parameters are, there is one, where w drifts by 0.01 per s: "),
+        (1.0, "; with w, u held at zero, .* w drifts by 0.01 per s, u drifts by 2 per s: "),
+    ],
+)
+def test_states_that_drift_are_named_where_there_is_no_equilibrium(heat, words):
+    with pytest.raises(ValueError, match=words):
+        fl.eigenvalues(Worn(heat=heat))
+
+
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
