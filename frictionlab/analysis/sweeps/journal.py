@@ -83,14 +83,14 @@ class Journal:
         self._synced = monotonic()
 
     def __enter__(self) -> Journal:
-        if self._path is not None:
-            self._lock = _locked(self._path)
-            try:
-                self._open(self._path)
-            except BaseException:
-                self._lock.release()
-                raise
         self._interrupts.__enter__()
+        try:
+            if self._path is not None:
+                self._lock = _locked(self._path)
+                self._open(self._path)
+        except BaseException as error:
+            self.__exit__(type(error), error, None)
+            raise
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:

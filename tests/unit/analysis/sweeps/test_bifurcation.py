@@ -14,6 +14,7 @@ import frictionlab as fl
 from frictionlab.analysis.steady_state.steady_state import settle
 from frictionlab.analysis.sweeps import tasks
 from frictionlab.analysis.sweeps.bifurcation import MAX_SECTION_POINTS, bifurcation_from_results
+from frictionlab.analysis.sweeps.journal import write_journal
 from frictionlab.automaton import HybridAutomaton, Mode
 from frictionlab.interruption import STOP_SIGN
 from tests.helpers.cases import slow_but
@@ -194,6 +195,20 @@ def test_a_second_ctrl_c_leaves_what_a_group_has_done(monkeypatch, tmp_path):
     monkeypatch.undo()
     assert set(fl.partial_result().results) == {0, 1}
     assert set(fl.load_bifurcation(tmp_path / "sweep.jsonl").results) == {0, 1}
+
+
+def test_ctrl_c_while_the_file_is_written_first_leaves_a_result_without_values(monkeypatch, tmp_path):
+    def pressed(*arguments):
+        signal.raise_signal(signal.SIGINT)
+        return write_journal(*arguments)
+
+    options = {"transient": 2.0, "window": 2.0, "progress": False, "resume": tmp_path / "sweep.jsonl"}
+    with monkeypatch.context() as patch:
+        patch.setattr("frictionlab.analysis.sweeps.journal.write_journal", pressed)
+        with pytest.raises(KeyboardInterrupt, match="stopped after 0 of 4 tasks"):
+            fl.bifurcation(FLAT, "mu_k", VALUES, **options)
+    assert set(fl.partial_result().kinds) == {""}
+    assert "" not in fl.bifurcation(FLAT, "mu_k", VALUES, **options).kinds
 
 
 class Pool(ThreadPoolExecutor):
