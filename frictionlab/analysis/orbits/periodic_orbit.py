@@ -616,7 +616,11 @@ def check_orbit(shot: ShootingResult, guess: OrbitGuess) -> None:
     matrix = shot.matrix * guess.size / guess.size[:, None]
     missed = np.abs(matrix @ first - last).max() / (np.abs(matrix) @ np.abs(first)).max()
     if not missed < FLOW_DIRECTION_RTOL:
-        raise ValueError(
-            f"the monodromy matrix misses the flow's direction by {missed:.2g}: "
-            "the orbit is too unstable for single shooting; take other parameters"
-        )
+        growth = np.abs(matrix).max()
+        why = "the orbit is too unstable for single shooting; take other parameters"
+        if growth * FLOW_DIRECTION_RTOL < 1.0:
+            why = (
+                f"no deviation grows by more than {growth:.2g} in a period, so a law may lack a finite slope "
+                "at a state of the orbit, as sqrt(v_r) does at v_r = 0: write one that has it"
+            )
+        raise ValueError(f"the monodromy matrix misses the flow's direction by {missed:.2g}: {why}")

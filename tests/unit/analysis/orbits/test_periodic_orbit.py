@@ -1,5 +1,6 @@
 """Periodic orbits and their multipliers: closed forms, Liouville's formula, differences of the return map."""
 
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -190,6 +191,25 @@ def test_what_comes_back_to_its_state_in_another_mode_is_no_orbit():
     guess = np.concatenate([rest, np.zeros(5)]) + 1e-2 * shape
     with pytest.raises(ValueError, match=r"begins in mode 'slip\+' and comes back to .* in mode 'stick'"):
         fl.periodic_orbit(model, guess, period=1.0 / found.frequencies[i])
+
+
+@dataclass(frozen=True, repr=False)
+class Rooted(fl.FrictionLaw):
+    """Friction that falls with the fourth root of the speed, whose slope is infinite where slip begins."""
+
+    mu: float = fl.parameter(0.5, symbol=r"\mu")
+
+    def kinetic(self, normal_force, speed):
+        return (self.mu - 0.3 * speed**0.25) * normal_force
+
+    def static_limit(self, normal_force):
+        return self.mu * normal_force
+
+
+def test_a_law_without_a_slope_is_not_called_too_unstable():
+    run = fl.simulate(fl.MassOnBelt(friction=Rooted(), v=0.3), 100.0, progress=False)
+    with pytest.raises(ValueError, match=r"by more than 1\.\d in a period, so a law may lack a finite slope"):
+        fl.periodic_orbit(run.model, run)
 
 
 def return_map(model, orbit, i, z):
