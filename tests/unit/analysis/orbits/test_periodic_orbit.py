@@ -207,9 +207,10 @@ class Rooted(fl.FrictionLaw):
 
 
 def test_a_law_without_a_slope_is_not_called_too_unstable():
-    run = fl.simulate(fl.MassOnBelt(friction=Rooted(), v=0.3), 100.0, progress=False)
+    model = fl.MassOnBelt(friction=Rooted(), v=0.3)
+    run = fl.simulate(model, 100.0, progress=False)
     with pytest.raises(ValueError, match=r"by more than 1\.\d in a period, so a law may lack a finite slope"):
-        fl.periodic_orbit(run.model, run)
+        fl.periodic_orbit(model, run)
 
 
 def return_map(model, orbit, i, z):
