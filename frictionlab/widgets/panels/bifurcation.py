@@ -1,7 +1,7 @@
 """A bifurcation diagram that is refined in the range shown, computed in parts.
 
 `ProgressiveSweep` computes steady states a few at a time: a preview after a short transient, almost at
-once; the coarse diagram; the values between; then longer runs of motions that have not settled.
+once; the coarse diagram; the values between; then further windows of motions that have not settled.
 `BifurcationPanel` lets it compute some more at each update and draws what has been found so far.
 """
 
@@ -40,7 +40,7 @@ from frictionlab.widgets.update_scheduler import running_loop
 Array = NDArray[np.float64]
 BATCH_SIZE = thread_count(None)  # values computed at the same time, in threads
 TIME_SLICE = 0.2  # seconds between two pictures of a diagram in progress
-EXTENSIONS = 40, 200  # windows that motions get which have not settled: first all so many, then all so many
+EXTENSIONS = 40, 200  # windows that motions have in the end if they do not settle: first all 40, then all 200
 # The transient of a preview is one window.  There are previews only where the full transient has at least so
 # many windows: otherwise they would take hardly less time than the results.
 LEAST_WINDOWS_OF_TRANSIENT = 4
