@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from frictionlab.components.component import check_value
 from frictionlab.models.composition import parameter_metadata
-from frictionlab.models.mechanical.masses import check_masses_along
+from frictionlab.models.mechanical.masses import check_masses_within
 from frictionlab.models.mechanical.mechanical_model import MechanicalModel
 from frictionlab.models.model import Model, ModelOrAutomaton, check_parameter_name, check_varied
 from frictionlab.stability.flow import Flow
@@ -155,7 +155,7 @@ class EquilibriumProblem:
 
 
 def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float]) -> None:
-    """Refuse an unknown parameter, and values that break its own rule, or leave a motion without a mass.
+    """Refuse an unknown parameter, and values that break its own rule.
 
     Rules between parameters (mu_s is at least mu_k) do not matter here: no steady motion depends on both.
     """
@@ -164,8 +164,12 @@ def check_parameter(model: ModelOrAutomaton, name: Any, values: Sequence[float])
         about = parameter_metadata(type(model), model.components)[name]
         for value in values:
             check_value(name, value, about)
+
+
+def check_masses_of(model: ModelOrAutomaton, within: Mapping[str, Sequence[float] | Array]) -> None:
+    """Refuse values of parameters that in some combination leave a motion without a mass."""
     if isinstance(model, MechanicalModel):
-        check_masses_along(model, name, values)
+        check_masses_within(model, within)
 
 
 def check_path(model: ModelOrAutomaton, name: Any, values: Any) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ from frictionlab.models.model import (
     values_of,
 )
 from frictionlab.presentation import Drawable, text_table
-from frictionlab.stability.equilibrium_problem import check_bounds
+from frictionlab.stability.equilibrium_problem import check_bounds, check_masses_of
 from frictionlab.validation import (
     abbreviate,
     check_choice,
@@ -260,6 +260,7 @@ def _check(
     if not bounds:
         raise ValueError("bounds must hold one parameter at least, got none: name those that may change")
     ranges = {name: check_bounds(model, name, ends) for name, ends in bounds.items()}
+    check_masses_of(model, ranges)
     limits = [_limit(one) for one in check_sequence("constraints", constraints, LIMIT_CURE)]
     for one in (quantity, *(limit.quantity for limit in limits)):
         if not isinstance(one, Quantity):

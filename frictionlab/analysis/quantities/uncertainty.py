@@ -26,7 +26,7 @@ from frictionlab.models.model import (
     require_model_or_automaton,
 )
 from frictionlab.presentation import Drawable, dataframe, text_table
-from frictionlab.stability.equilibrium_problem import check_parameter
+from frictionlab.stability.equilibrium_problem import check_masses_of, check_parameter
 from frictionlab.validation import abbreviate, check_mapping, check_number, seed_of
 
 Array = NDArray[np.float64]
@@ -75,7 +75,8 @@ def quantiles(model: ModelOrAutomaton, distributions: Mapping[str, Any], points:
     columns = [d.ppf(column) for d, column in zip(distributions.values(), points.T, strict=True)]
     for name, column in zip(distributions, columns):
         try:
-            check_parameter(model, name, [float(column.min()), float(column.max())])
+            check_parameter(model, name, ends := [float(column.min()), float(column.max())])
+            check_masses_of(model, {name: ends})
         except ValueError as error:
             raise ValueError(
                 f"distributions[{abbreviate(name)}] must keep to the parameter's rule: {error}; "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,12 +49,13 @@ def check_masses(model: MechanicalModel, start: Any = None) -> None:
         _check_masses(model, model.parameters, start)
 
 
-def check_masses_along(model: MechanicalModel, name: str, values: Sequence[float]) -> None:
-    """Raise ValueError unless T is positive for every motion at values of a parameter on which it depends."""
+def check_masses_within(model: MechanicalModel, within: Mapping[str, Sequence[float] | Array]) -> None:
+    """Raise ValueError unless T is positive for every motion at all combinations of values of parameters."""
     about, _ = _masses(model.structure_key)
-    if about["places"] and name in about["parameters"]:
-        for value in values:
-            _check_masses(model, {**model.parameters, name: value}, None)
+    names = [name for name in within if name in about["parameters"]]
+    if about["places"] and names:
+        for values in product(*(map(float, within[name]) for name in names)):
+            _check_masses(model, {**model.parameters, **dict(zip(names, values))}, None)
 
 
 def _check_masses(model: MechanicalModel, parameters: Mapping[str, float], start: Any) -> None:

@@ -21,7 +21,7 @@ from frictionlab.stability.equilibrium_points.equilibria import (
     equilibrium_branches,
     equilibrium_problem,
 )
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_bounds, check_masses_of
 from frictionlab.stability.flow import EquilibriumDerivatives
 from frictionlab.stability.state_matrices import (
     Eigenpair,
@@ -254,6 +254,7 @@ def hopf(
     if isinstance(model, MovingSystem):
         check_varied(model, parameter)
     low, high = check_bounds(model, parameter, bounds)
+    check_masses_of(model, {parameter: (low, high)})
     if equilibrium is None:
         problems = equilibrium_branches(model, parameter, (low, high))
     else:

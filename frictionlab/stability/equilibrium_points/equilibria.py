@@ -37,7 +37,7 @@ from frictionlab.stability.equilibrium_points.steady_modes import (
     steady_modes,
 )
 from frictionlab.stability.equilibrium_points.steady_rates import clocks_of
-from frictionlab.stability.equilibrium_problem import EquilibriumProblem
+from frictionlab.stability.equilibrium_problem import EquilibriumProblem, check_masses_of
 from frictionlab.stability.flow import Flow
 from frictionlab.stability.large_system import LargeSystem
 from frictionlab.validation import abbreviate
@@ -72,8 +72,9 @@ def equilibrium_problem(
     TypeError
         If it is neither.
     ValueError
-        If the equilibrium is not one of the model.
+        If the equilibrium is not one of the model, or values `within` a study leave a motion without a mass.
     """
+    check_masses_of(model, within or {})
     if equilibrium is not None:
         return _new_problem(model, _check_equilibrium(model, equilibrium))
     if within and sliding_equations(model) is None and (problem := _problem_within(model, within)):

@@ -192,6 +192,23 @@ def test_a_path_of_masses_needs_no_rule_between_parameters():
     np.testing.assert_allclose(2 * np.pi * found.max(axis=1), [1.0, 0.5], rtol=1e-12)
 
 
+def test_masses_of_a_map_are_checked_at_its_own_values():
+    """m y'^2 is more than (r x' y')^2 / x'^2 where m > r^2, which the model's own r does not say."""
+
+    @fl.model
+    class Pair(fl.MechanicalModel):
+        m: float = 1.0
+        r: float = 0.9
+        coordinates = ("x", "y")
+
+        def mechanics(self, q, v):
+            return Mechanics(v.x**2 / 2 + self.m * v.y**2 / 2 + self.r * v.x * v.y, energy(q))
+
+    assert not fl.stability_map(Pair(), ("m", [0.5, 1.0]), ("r", [0.0, 0.6])).unstable.any()
+    with pytest.raises(ValueError, match=r"that of 'x' and 'y' together is not at m = 0\.1, r = 0\.6"):
+        fl.stability_map(Pair(r=0.0), ("m", [0.1, 1.0]), ("r", [0.0, 0.6]))
+
+
 def test_masses_that_depend_on_place_are_checked_where_the_run_starts():
     model = Stated(variant="in place", m=1.0)
     assert fl.simulate(model, 0.1, x0=[0.5, 0, 0.1, 0], progress=False).status.ok
