@@ -265,12 +265,26 @@ class StatedMechanics:
     def rubbing_direction(self, contact: StatedContact, states: Array) -> Array:
         """-dv_r/dv (N, n), along which friction acts; in the plane that of the first component."""
         assert contact.speed is not None
-        return -self.gradient(contact.speed, states, 1)[0]
+        return -self._velocity_coefficients(contact.speed, states)
 
     def direction_across(self, contact: StatedContact, states: Array) -> Array:
         """The same (N, n) of the second component of a contact in the plane."""
         assert contact.across is not None
-        return -self.gradient(contact.across, states, 1)[0]
+        return -self._velocity_coefficients(contact.across, states)
+
+    def _velocity_coefficients(self, speed: StateFunction, states: Array) -> Array:
+        """Derivatives (N, n) of a relative velocity by the velocities; it is linear, so no step is too long.
+
+        A belt may be far faster than all that moves: the second step changes v_r by as much as v_r itself.
+        """
+        size, coefficients = np.abs(self.at(speed, states)).max(initial=0.0), np.zeros((len(states), self.n))
+        for i in range(self.n):
+            h, step = np.zeros(states.shape[1]), self._velocity_step(states, i)
+            for _ in range(2):
+                h[self.n + i] = step
+                coefficients[:, i] = (self.at(speed, states + h) - self.at(speed, states - h)) / (2.0 * step)
+                step = max(step, size / (np.abs(coefficients[:, i]).max(initial=0.0) or np.inf))
+        return coefficients
 
     def normal_direction(self, contact: StatedContact, states: Array) -> Array:
         """W_N (N, n), along which the normal force or the reaction acts."""

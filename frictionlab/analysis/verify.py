@@ -209,6 +209,8 @@ class RunSetup:
         size = np.minimum(motion_size(run, FIRST_SAMPLES), motion_size(run))
         signs, n = np.where(np.arange(len(size)) % 2, -1.0, 1.0), self._automaton.coordinates
         signs[2 * n if n else len(size) :] = 0.0  # phases and states of laws stay
+        if (moves := np.abs(run.states).max(axis=0) > 0.0)[:n].any() and not moves[n : 2 * n].any():
+            signs[n : 2 * n] = 0.0  # at rest beside the origin no velocity has a size
         offset = NEIGHBOUR_OFFSET * (initial_frame(run) @ (size * signs))
         for start in (self.start + offset, self.start - offset):
             with suppress(ValueError):

@@ -295,3 +295,12 @@ def test_an_explorer_and_a_bifurcation_pass_it_on():
     assert found.warnings == (None, None)
     results = {**found.results, 1: {**found.results[1], "warning": "steps are wrong"}}
     assert replace(found, results=results).warnings == (None, "steps are wrong")
+
+
+@pytest.mark.parametrize("scale", [{"v": 2e9}, {"m": 1e9, "k": 2.0}])
+def test_rest_at_an_equilibrium_is_trusted_whatever_its_scales(scale):
+    """A belt far faster than the mass is displaced; a mass so slow that 1e-9 m/s would lead elsewhere."""
+    model = fl.MassOnBelt(**scale)
+    verified = fl.verify(model, 1e5, x0=[*fl.equilibrium(model).q, 0.0], progress=False)
+    assert verified.ok, verified.verdict
+    assert verified.until == 1e5
