@@ -414,8 +414,8 @@ def equilibria(model: ModelOrAutomaton) -> Equilibria:
     model : Model or HybridAutomaton
         If the model has no `statics` (SliderOnBelt has), the equilibria are those inside the guards of each
         mode, mode by mode, by their distance from the origin; of more than 27 modes, those of the first that
-        has any.  Where states of a friction law settle at several values, equilibria come last at which these
-        states grow with all others held; of the others those come first whose states are nearest to zero.
+        has any.  Where states of a friction law settle at several values, equilibria at which these states
+        grow, with all others held, come last; of the others, those nearest to zero in these states are first.
         In a mode in which rigid contacts are closed they keep distances at zero, and push.  A model's modes
         with stick are left out: there each place within the friction cone is one.  States that enter
         linearly are eliminated.  If at most four remain, boxes of their values are bisected by bounds of the
