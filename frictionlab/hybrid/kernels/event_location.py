@@ -228,7 +228,6 @@ def isolate_roots(n, limit, roots):
 
 
 COEFFICIENT_ROUNDING = 64 * MACHINE_EPSILON
-GUARD_ROUNDING = 8 * MACHINE_EPSILON  # a guard below this share of its terms counts as zero
 LOW_ORDER = 2  # orders that nearly always decide, examined first
 SUSPECT_SHARE = 1e-9  # share of the terms; a smaller leading coefficient is compared with its rounding error
 SAME_PLACE = 4 * MACHINE_EPSILON  # share of a step within which two zeros are at one instant
@@ -366,9 +365,9 @@ def refine_event_time(system, mode, guard, order, s, scratch):
 
     The guard's own polynomial is truncated.  At its zero the guard itself may therefore be of the size of the
     tolerance, and of either sign.  So may be what vanishes with it, such as the acceleration after stick if
-    mu_s = mu_k.  Newton's method makes the guard zero up to rounding.
+    mu_s = mu_k.  Newton's method makes the guard zero up to rounding: until its size is no longer halved.
     """
-    code, z, values, bounds = system.code, scratch.states, scratch.values, scratch.bounds
+    code, z, values = system.code, scratch.states, scratch.values
     slot = code.function_slots[guard]
     time, best, least = s, s, math.inf
     for _ in range(NEWTON_STEPS):
@@ -378,9 +377,6 @@ def refine_event_time(system, mode, guard, order, s, scratch):
         if value < least:
             best = time
         if not value < 0.5 * least:  # what is left is rounding, or Newton's method does not converge
-            break
-        majorant(code, system.magnitudes, mode, 0, z, values, bounds)
-        if value <= GUARD_ROUNDING * bounds[slot, 0]:
             break
         least = value
         time -= values[slot, 0] / polynomial_slope(scratch.jets[slot], order, time)

@@ -167,7 +167,7 @@ def test_a_structure_of_a_model_is_checked():
     model = fl.TwoBlocks()
     data, numbers = model.automaton().modes.origin(), model.parameters
     assert automaton_from_structure_data(data, fl.Model, numbers).modes is model.automaton().modes
-    with pytest.raises(ValueError, match="a TwoBlocks has"):
+    with pytest.raises(ValueError, match="TwoBlocks has"):
         automaton_from_structure_data({**data, "structure": {}}, fl.Model, numbers)
     with pytest.raises(ValueError, match="it lacks the parameters m1, m2"):
         automaton_from_structure_data(data, fl.Model, {})
