@@ -434,7 +434,7 @@ def settled_first(flow: Flow, points: Array, values: Sequence[float], places: Se
     """Zeros (m, K) of a flow in the order in which one is taken, by the states of friction laws at `places`.
 
     First come those at which these states, with all others held, do not grow.  Of them the nearest to zero in
-    these states are first; all others stay in their order.
+    these states are first, of -z and z the positive one; all others stay in their order.
     """
     if points.shape[1] < 2 or not places:
         return points
@@ -446,7 +446,9 @@ def settled_first(flow: Flow, points: Array, values: Sequence[float], places: Se
     with np.errstate(all="ignore"):
         rounding = SCALE_ROUNDING * _usual_sizes(flow, values)[places].max()
     nearest = (1.0 + SAME_CANDIDATE_RTOL) * sizes[grows == grows.min()].min() + rounding
-    return points[:, np.lexsort((sizes > nearest, grows))]
+    far, states = sizes > nearest, points[places]
+    signs = np.where(far | (np.abs(states) <= rounding), 0.0, np.sign(states))
+    return points[:, np.lexsort((*-signs[::-1], far, grows))]
 
 
 def _within_turn(

@@ -85,6 +85,19 @@ class Asperities(fl.FrictionLaw):
         return {"z": -self.rate * (z + 0.9) * (z - 0.1) * (z - 0.6)}
 
 
+@dataclass(frozen=True)
+class Latch(fl.FrictionLaw):
+    """Its state settles at -1 and 1, which are as near to zero; the mass is nearer to zero at -1."""
+
+    states = ("z",)
+
+    def force(self, F_N, v, z):
+        return v / abs(v) * (0.5 + 0.2 * z) * F_N
+
+    def rates(self, F_N, v, z):
+        return {"z": z - z**3}
+
+
 LAWS = [
     fl.LuGre(),
     fl.Dahl(),
@@ -95,6 +108,7 @@ LAWS = [
     BoucWen(),
     CubicBristles(),
     Asperities(),
+    Latch(),
 ]
 
 
