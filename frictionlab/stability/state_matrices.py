@@ -116,6 +116,9 @@ def _refine_slow(matrices: Array, values: ComplexArray, vectors: ComplexArray | 
     If a matrix has no inverse, its zero eigenvalue is taken out first.
     """
     slow = is_slow(values)
+    for i in np.flatnonzero((values == 0.0).any(axis=1)):
+        if inverse_of(matrices[i]) is not None:  # a zero of a regular matrix is rounding
+            slow[i] = is_slow(np.where(values[i] == 0.0, SMALLEST_EIGENVALUE, values[i]))
     for i in np.flatnonzero(slow.any(axis=1)):
         inverse = inverse_of(matrices[i])
         if inverse is None:
