@@ -374,11 +374,9 @@ def refine_event_time(system, mode, guard, order, s, scratch):
         states_at(scratch.jets, order, time, z)
         mode_jets(code, system.numbers, mode, 0, z, values)
         value = abs(values[slot, 0])
-        if value < least:
-            best = time
         if not value < 0.5 * least:  # what is left is rounding, or Newton's method does not converge
             break
-        least = value
+        best, least = time, value
         time -= values[slot, 0] / polynomial_slope(scratch.jets[slot], order, time)
         if not time >= 0.0:
             break
