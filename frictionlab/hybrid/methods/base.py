@@ -41,7 +41,7 @@ from frictionlab.hybrid.kernels.run_state import (
 )
 from frictionlab.hybrid.problem import Problem, RunData, Status
 from frictionlab.interruption import Progress
-from frictionlab.tape.program import Code, Program, System
+from frictionlab.tape.program import Program, System
 from frictionlab.validation import check_field
 
 # Steps between two updates of the progress bar, which check for ctrl-C; 20 s of the slider take one record.
@@ -102,6 +102,7 @@ class ActiveRun(NamedTuple):
     cursor: run_state.RunState
     scratch: run_state.Scratch
     record: run_state.Record  # to be filled again and again
+    nothing: run_state.Record  # without steps, events and points, for all results that lack some of these
     queue: CombinationQueue | None
     event: GuardZero | None = None
 
@@ -126,7 +127,8 @@ class ActiveRun(NamedTuple):
         scratch.ended[0], scratch.ended[1] = NO_MODE, 0
         numbers, queue = problem.numbers, self.queue and new_queue(problem.program.demand)
         system = self.system if self.system.numbers is numbers else self.native.system(numbers)
-        return ActiveRun(problem, self.native, system, self.order, cursor, scratch, self.record, queue)
+        arrays = cursor, scratch, self.record, self.nothing
+        return ActiveRun(problem, self.native, system, self.order, *arrays, queue)
 
     def handle_event(
         self, truncation: run_state.Truncation, event: GuardZero, record: run_state.Record
@@ -162,7 +164,8 @@ def new_run(problem: Problem, order: int, before: ActiveRun | None = None) -> Ac
         cursor = prepare_arrays(new_run_state(code.inputs, sections)) if before is None else before.cursor
     native = native_code(program)
     system, queue = native.system(problem.numbers), new_queue(program.demand)
-    return ActiveRun(problem, native, system, order, cursor, scratch, record, queue)
+    nothing = new_record(code, 0, 0, 0)
+    return ActiveRun(problem, native, system, order, cursor, scratch, record, nothing, queue)
 
 
 SPARE_RUNS = SpareArrays()  # runs that are over, by program and order of the series
@@ -217,8 +220,9 @@ def _roundings_at_start(problem: Problem) -> Iterator[Rounding]:
 class RecordList:
     """Records in the order in which they were filled."""
 
-    def __init__(self) -> None:
+    def __init__(self, nothing: run_state.Record) -> None:
         self._parts: list[list[np.ndarray]] = []
+        self._nothing = nothing
         self.steps, self.events = 0, 0
         self._bytes, self._next_look = 0, min(BYTES_AT_FIRST_LOOK, BYTES_BETWEEN_LOOKS)
 
@@ -226,7 +230,7 @@ class RecordList:
         """Keep a copy of the filled part of a record; without memory for one (False) the part itself."""
         lengths = (steps, steps, steps, events, events, events, points, points, points)
         try:
-            arrays = [array[:n].copy() if n else array[:0] for array, n in zip(record, lengths)]
+            arrays = [a[:n].copy() if n else none for a, none, n in zip(record, self._nothing, lengths)]
             copied = True
         except MemoryError:
             arrays, copied = [array[:n] for array, n in zip(record, lengths)], False
@@ -247,13 +251,13 @@ class RecordList:
         self._next_look = self._bytes + growth
         return free_memory() < self._bytes + 2 * growth
 
-    def raw(self, code: Code, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
+    def raw(self, t: float, state: np.ndarray, mode: int, status: Status) -> RunData:
         """All records joined, with the end of the run.  The records are given up, which saves memory."""
         parts, self._parts = self._parts, []
         if len(parts) > 1:
             arrays = [_joined(parts, i) for i in range(len(run_state.Record._fields))]
         else:
-            arrays = parts[0] if parts else new_record(code, 0, 0, 0)
+            arrays = parts[0] if parts else [*self._nothing]
         return RunData(*arrays, t=t, state=state, mode=mode, status=status)
 
 
@@ -315,7 +319,8 @@ class Method(ABC):
     @np.errstate(all="ignore")
     def integrate(self, problem: Problem, order: int, progress: Progress) -> RunData:
         """Run the problem to its end, or as far as it goes, with series of an order."""
-        run, pieces = self._begin(problem, order), RecordList()
+        run = self._begin(problem, order)
+        pieces = RecordList(run.nothing)
         counts, times = run.cursor.counts, run.cursor.times
         status = Status.RUNNING if counts[run_state.MODE] >= 0 else Status.NO_ADMISSIBLE_MODE
         while status is Status.RUNNING:
@@ -340,7 +345,7 @@ class Method(ABC):
         else:
             SPARE_RUNS.give((run.problem.program, run.order), run)
         state, mode = run.cursor.state.copy(), int(counts[run_state.MODE])
-        return pieces.raw(run.problem.program.code, float(times[run_state.NOW]), state, mode, status)
+        return pieces.raw(float(times[run_state.NOW]), state, mode, status)
 
     def _advance_or_enter(self, run: ActiveRun, record: run_state.Record) -> int:
         """Go on, or first enter a mode that was derived meanwhile; handle the events that kernels leave."""
