@@ -240,9 +240,9 @@ def _full_locus(structure: Structure, parameter: str, at: Array) -> RootLocus:
     open_states: dict[float, NDArray[np.bool_]] = {}
 
     def matrices(points: Array) -> Array:
-        found, gone = spectra.matrices_and_open({parameter: points})
+        stacked, gone = spectra.matrices_and_open({parameter: points})
         open_states.update(zip(points.tolist(), gone))
-        return found
+        return stacked
 
     path: Any = modes_along_path(at, matrices, further)
     values, unstable, known = path.values, path.unstable, np.ones(path.values.shape, dtype=bool)

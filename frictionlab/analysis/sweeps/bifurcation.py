@@ -319,21 +319,23 @@ def _run_independently(
     models, starts, names = zip(*values)
 
     def compute(groups: Sequence[Sequence[int]]) -> bool:
-        found: deque[tuple[int, dict[str, Any]]] = deque()  # threads fill it before their groups are done
+        arrivals: deque[tuple[int, dict[str, Any]]] = deque()  # threads fill it before their groups are done
 
-        def keep_found() -> None:
-            while found:
-                i, result = found.popleft()
+        def keep_arrivals() -> None:
+            while arrivals:
+                i, result = arrivals.popleft()
                 if i not in journal.results:
                     journal.keep(i, result)
 
         def keep(task: int, results: list[dict[str, Any]]) -> None:
-            found.extend(zip(groups[task], results))
-            keep_found()
+            arrivals.extend(zip(groups[task], results))
+            keep_arrivals()
 
         def arguments(group: Sequence[int]) -> tuple[Any, ...]:
             each = [models[i] for i in group], [starts[i] for i in group], options
-            return each if execution.executor else (*each, lambda k, result: found.append((group[k], result)))
+            return (
+                each if execution.executor else (*each, lambda k, result: arrivals.append((group[k], result)))
+            )
 
         return run_tasks(
             steady_states_task,
@@ -343,7 +345,7 @@ def _run_independently(
             execution=execution,
             title=TITLE,
             parts=lambda task: len(groups[task]),
-            watch=keep_found,
+            watch=keep_arrivals,
         )
 
     def left() -> list[int]:

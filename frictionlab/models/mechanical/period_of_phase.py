@@ -83,13 +83,13 @@ def _uneven(key: StructureKey) -> list[list[Any]]:
     """
     from .equations_of_motion import system_of
 
-    phase, found = symbol(PHASE), []
+    phase, uneven = symbol(PHASE), []
     for given in system_of(key).mechanics.expressions:
         terms = [one for one in sympy.Add.make_args(given) if _is_of_waves(one)]
         multiples = [wave.args[0].diff(phase) for one in terms for wave in _waves(one)]
         if not all(one.is_integer or one.has(phase) for one in multiples):
-            found.append(terms)
-    return found
+            uneven.append(terms)
+    return uneven
 
 
 def _waves(term: Any) -> list[Any]:

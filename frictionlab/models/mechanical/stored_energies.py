@@ -52,14 +52,14 @@ def borders_within(beyond: Iterable[Callable[[Array], Any]], depth: Array) -> li
 
     brentq: Any = optimize.brentq
 
-    places, found = depth.max(initial=0.0) * PLACES, list[float]()
+    places, roots = depth.max(initial=0.0) * PLACES, list[float]()
     for function in beyond:
         signs = np.sign(function(places) * np.ones(len(places)))
         for k in np.flatnonzero(signs[:-1] * signs[1:] < 0.0):
             root = brentq(function, places[k], places[k + 1], xtol=1e-300, rtol=1e-15)
-            found.append(float(root))
-        found += places[1:-1][signs[1:-1] == 0.0].tolist()
-    return sorted(found)
+            roots.append(float(root))
+        roots += places[1:-1][signs[1:-1] == 0.0].tolist()
+    return sorted(roots)
 
 
 def energies_of_bristles(system: LagrangeSystem) -> Energies:

@@ -284,13 +284,13 @@ def _no_hopf_message(parameter: str, bounds: Any, changes: Sequence[StabilityCha
 
 
 def _hopf_point(problem: EquilibriumProblem, parameter: str, change: StabilityChange) -> HopfPoint:
-    found = _critical_motion(problem, parameter, change.value, change.frequency)
-    if found is None:
+    motion = _critical_motion(problem, parameter, change.value, change.frequency)
+    if motion is None:
         raise ValueError(
             f"one pair of eigenvalues must cross the imaginary axis at {parameter} = {change.value:.9g}, "
             "got two that coalesce, or others without growth or decay: give every mode some damping"
         )
-    at, pair = found
+    at, pair = motion
     slope = complex(at.bilinear(pair.left, pair.right)[problem.parameter_names.index(parameter)])
     cubic = cubic_coefficient(at, pair)
     # What is above ZERO_RTOL of its terms may still be zero at the point itself, which is known to rounding.
