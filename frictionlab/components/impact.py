@@ -133,6 +133,11 @@ def _has_formulas_of(law: ImpactLaw, base: type) -> bool:
     return all(getattr(type(law), name) is getattr(base, name) for name in methods)
 
 
+def has_friction(law: ImpactLaw) -> bool:
+    """Whether an impact has a tangential impulse, Coulomb's or the law's own."""
+    return law.has_own_friction or law.friction_coefficient != 0
+
+
 def _impact_friction_coefficient() -> Any:
     return parameter(
         0.3,

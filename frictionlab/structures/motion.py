@@ -25,7 +25,7 @@ from frictionlab.automaton.matrix_rows import MatrixProduct, MatrixRow, matrix_r
 from frictionlab.automaton.modes_on_demand import JOINT, Combination, ModesOnDemand, check_mode_name
 from frictionlab.components.contact import StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import ImpactLaw
+from frictionlab.components.impact import ImpactLaw, has_friction
 from frictionlab.models.mechanical.common_directions import CommonDirection
 from frictionlab.models.mechanical.contact_regimes import (
     CLOSING,
@@ -531,8 +531,7 @@ class StructureSystem(LagrangeSystem):
         along_normal, along_tangent = self._pushed_by_normals[:, i], self._pushed_by_tangents[:, i]
         normal, softness = self.normals[i], self._compliance[i, i]
         soft = softness + (normal @ along_tangent) ** 2 / (normal @ along_normal)
-        rubs = law.has_own_friction or law.friction_coefficient != 0
-        both = rubs and soft > DEPENDENT * softness
+        both = has_friction(law) and soft > DEPENDENT * softness
         return np.array([along_normal, along_tangent] if both else [along_normal])
 
     def _impact(self, contact: Friction, law: ImpactLaw) -> Reset:

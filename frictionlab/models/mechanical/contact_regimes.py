@@ -26,7 +26,7 @@ import sympy
 from frictionlab.automaton import Event, Mode, Reset
 from frictionlab.automaton.expressions import exact_number
 from frictionlab.components.friction import FrictionLaw
-from frictionlab.components.impact import ImpactLaw, PlasticImpact, clip
+from frictionlab.components.impact import ImpactLaw, PlasticImpact, clip, has_friction
 from frictionlab.models.mechanical.common_directions import RUBBING
 from frictionlab.models.mechanical.coupled_masses import numbers_of, pivot_of, solved_for
 from frictionlab.models.mechanical.dynamic_laws import (
@@ -648,8 +648,7 @@ def _gradient_of_gap(system: LagrangeSystem, contact: Friction | Stop) -> Any:
 
 def impact_rubs(system: LagrangeSystem, contact: Friction | Stop, law: ImpactLaw) -> bool:
     """Whether an impact has friction, and this acts along another direction than the normal impulse."""
-    rough = law.has_own_friction or law.friction_coefficient != 0
-    if not rough or (isinstance(contact, Stop) and not contact.rubs) or contact.in_plane:
+    if not has_friction(law) or (isinstance(contact, Stop) and not contact.rubs) or contact.in_plane:
         return False
     w, t = normal_direction(system, contact), rubbing_direction(system, contact)
     pairs = combinations(range(w.rows), 2)

@@ -28,6 +28,7 @@ import sympy
 
 from frictionlab.automaton import Reset
 from frictionlab.components.contact import Interface
+from frictionlab.components.impact import has_friction
 from frictionlab.models.symbols import dot, expand_products, gradient
 from frictionlab.validation import abbreviate
 
@@ -178,7 +179,7 @@ def check_plane(contact: Friction, of: str, interface: Interface) -> tuple[Any, 
             "would be vectors; take a law such as Coulomb's, or write bristles as further states and loads"
         )
     law = contact.impact
-    if law is not None and (law.has_own_friction or law.friction_coefficient != 0):
+    if law is not None and has_friction(law):
         raise ValueError(
             f"the impact law of {what} must have no friction, got {type(law).__name__}: take "
             "RestitutionImpact"
