@@ -53,26 +53,27 @@ def _oscillations(key: StructureKey) -> tuple[list[str], Formulas | None, int]:
     about = derivations.value("oscillations", lambda: _about(key))
     if not about["texts"]:
         return [], None, 0
-    formulas = kept_formulas(derivations, "oscillations", lambda: _formulas(key))
+    formulas = kept_formulas(derivations, "oscillations", lambda: _formulas(key, _uneven(key)))
     return about["texts"], formulas, about["states"]
 
 
 def _about(key: StructureKey) -> dict[str, Any]:
-    return {"texts": [str(sympy.Add(*terms)) for terms in _uneven(key)], "states": len(_states(key))}
+    uneven = _uneven(key)
+    return {"texts": [str(sympy.Add(*terms)) for terms in uneven], "states": len(_states(key, uneven))}
 
 
-def _formulas(key: StructureKey) -> Formulas:
+def _formulas(key: StructureKey, uneven: list[list[Any]]) -> Formulas:
     phase, sides = symbol(PHASE), []
-    for terms in _uneven(key):
+    for terms in uneven:
         start, end = ([one.xreplace({phase: at}) for one in terms] for at in (BEGIN, BEGIN + 2 * sympy.pi))
         sizes = (sympy.Abs(one, evaluate=False) for one in start + end)
         sides += [sympy.Add(*end) - sympy.Add(*start), sympy.Add(*sizes)]
-    return formulas_of([*parameter_symbols(key), *_states(key)], sides)
+    return formulas_of([*parameter_symbols(key), *_states(key, uneven)], sides)
 
 
-def _states(key: StructureKey) -> list[Any]:
+def _states(key: StructureKey, uneven: list[list[Any]]) -> list[Any]:
     """What these expressions depend on beside parameters and the phase."""
-    there = {each for terms in _uneven(key) for one in terms for each in one.free_symbols}
+    there = {each for terms in uneven for one in terms for each in one.free_symbols}
     return sorted(there - {*parameter_symbols(key), symbol(PHASE)}, key=str)
 
 
@@ -84,8 +85,9 @@ def _uneven(key: StructureKey) -> list[list[Any]]:
     from .equations_of_motion import system_of
 
     phase, uneven = symbol(PHASE), []
-    for given in system_of(key).mechanics.expressions:
-        terms = [one for one in sympy.Add.make_args(given) if _is_of_waves(one)]
+    system = system_of(key)
+    for stated in system.mechanics.expressions if system.phase else ():
+        terms = [one for one in sympy.Add.make_args(stated) if _is_of_waves(one)]
         multiples = [wave.args[0].diff(phase) for one in terms for wave in _waves(one)]
         if not all(one.is_integer or one.has(phase) for one in multiples):
             uneven.append(terms)
