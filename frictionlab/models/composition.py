@@ -32,6 +32,7 @@ from frictionlab.components.contact import (
     LinearContact,
     SlidingOnly,
 )
+from frictionlab.models.serialisation import is_public
 from frictionlab.presentation import html_rows, rotational_unit
 from frictionlab.validation import abbreviate, did_you_mean, unknown_parameter, with_article
 
@@ -263,8 +264,7 @@ def parameters_of_model(model: Any, moving_as: Any = None) -> dict[str, Paramete
 
 def _laws_of_library(base: type) -> list[type]:
     """The library's laws of a kind; those of a session are no help to one who has mistyped a name."""
-    kinds = (kind for kind in subclasses_of(base) if kind is not base and kind.__name__[0] != "_")
-    return [kind for kind in kinds if kind.__module__.startswith("frictionlab.components.")]
+    return [kind for kind in subclasses_of(base) if kind is not base and is_public(kind)]
 
 
 def owner_hint(name: Any, cls: Any, components: Mapping[str, Component]) -> str:

@@ -79,14 +79,14 @@ def impact_equations(model: MechanicalModel) -> tuple[tuple[Any, ...], dict[str,
     symbols = {str(x): x for x in (*before.q, *before.v, *after.v, NORMAL_IMPULSE)}
     if impact_rubs(before, contact, contact.impact):
         return _with_friction(before, after), symbols | {str(x): x for x in IMPULSES_OF_FRICTION}
-    solved = normal_impulse(before, contact, contact.impact)
+    impulse = normal_impulse(before, contact, contact.impact)
     factors = before.inverse * before.normal(contact)
     jumps = [row for row in zip(before.v, after.v, factors, strict=True) if row[2] != 0]
     equations = (
         *(equation(new - old, factor * NORMAL_IMPULSE) for old, new, factor in jumps),
         *_impact_law(before, after),
-        equation(NORMAL_IMPULSE, solved),
-        *(equation(new, old + factor * solved) for old, new, factor in jumps),
+        equation(NORMAL_IMPULSE, impulse),
+        *(equation(new, old + factor * impulse) for old, new, factor in jumps),
     )
     return equations, symbols
 
@@ -98,14 +98,14 @@ def _with_friction(before: LagrangeSystem, after: LagrangeSystem) -> tuple[Any, 
     terms = terms_of_impact(before, contact, contact.impact)
     if terms.least == terms.stopping:
         least = stopping
-    solved = impulse_of_friction(contact.impact, alone, stopping, least, terms.share)
-    named = {
-        one: term for one, term in zip((alone, stopping, least), terms) if one is alone or solved.has(one)
+    friction = impulse_of_friction(contact.impact, alone, stopping, least, terms.share)
+    needs = {
+        one: term for one, term in zip((alone, stopping, least), terms) if one is alone or friction.has(one)
     }
     return (
         *(equation(new - old, p) for old, new, p in zip(before.v, after.v, pushed, strict=True)),
-        *(equation(one, term) for one, term in named.items()),
-        equation(rubbing, solved.xreplace({sympy.Float(LEAST_IMPULSE): sympy.S.Zero})),
+        *(equation(one, term) for one, term in needs.items()),
+        equation(rubbing, friction.xreplace({sympy.Float(LEAST_IMPULSE): sympy.S.Zero})),
         equation(NORMAL_IMPULSE, alone - terms.share * rubbing),
     )
 

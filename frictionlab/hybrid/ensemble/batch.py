@@ -90,8 +90,10 @@ def advance_batch(group: Batch, t_end: float, progress: Progress) -> None:
 
 
 def takes_lanes(program: Program, order: int, t_end: float) -> bool:
-    """Whether runs of a program step in lanes: not where a step is a product with the run's own matrix, nor
-    where they are longer than the longest step of their order."""
+    """Whether runs of a program step in lanes.
+
+    They do not where a step is a product with the run's own matrix, nor beyond the longest step of the order.
+    """
     return not (is_affine(program) or t_end > longest_step(order))
 
 
