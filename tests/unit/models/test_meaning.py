@@ -126,14 +126,14 @@ def test_what_is_no_mechanical_system_is_refused(variant):
         fl.simulate(Stated(variant=variant), 1.0)
 
 
-def _followed(model):
+def _root_locus(model):
     """Its root locus to m = -1, from a model whose masses are positive."""
     return fl.root_locus(model.replace(m=-2.5 if model.variant == "coupled" else 1.0), "m", [-1.0])
 
 
 @pytest.mark.parametrize(
     "use",
-    [lambda m: fl.simulate(m, 1.0), fl.equilibria, _followed],
+    [lambda m: fl.simulate(m, 1.0), fl.equilibria, _root_locus],
     ids=["simulate", "equilibria", "root_locus"],
 )
 @pytest.mark.parametrize("variant", WRONG_VALUES)
@@ -188,8 +188,8 @@ def test_a_path_of_masses_needs_no_rule_between_parameters():
         def mechanics(self, q, v):
             return Mechanics(self.m * v.x**2 / 2, q.x**2 / 2)
 
-    found = fl.root_locus(Rotor(), "m", [1.0, 4.0]).frequencies
-    np.testing.assert_allclose(2 * np.pi * found.max(axis=1), [1.0, 0.5], rtol=1e-12)
+    frequencies = fl.root_locus(Rotor(), "m", [1.0, 4.0]).frequencies
+    np.testing.assert_allclose(2 * np.pi * frequencies.max(axis=1), [1.0, 0.5], rtol=1e-12)
 
 
 def test_masses_of_a_map_are_checked_at_its_own_values():

@@ -149,14 +149,14 @@ def test_rk4_passes_over_flights_shorter_than_a_step(contact, friction):
 
     model, x0 = BouncingPad(contact=contact, friction=friction), [-0.2, 0.15, 0.5, -1.2]
 
-    def run(method):
-        found = fl.simulate(model, 3.0, x0=x0, method=method, progress=False)
-        assert found.status.ok
-        return found.final_state
+    def end(method):
+        run = fl.simulate(model, 3.0, x0=x0, method=method, progress=False)
+        assert run.status.ok
+        return run.final_state
 
-    exact = run(fl.Taylor())
+    exact = end(fl.Taylor())
     methods = BySeries(step=1e-4), fl.RK4(step=4e-4), fl.RK4(step=2.5e-5)
-    least, coarse, fine = (np.abs(run(method) - exact).max() for method in methods)
+    least, coarse, fine = (np.abs(end(method) - exact).max() for method in methods)
     assert 1e3 * least < fine < coarse / 8
 
 
