@@ -6,7 +6,7 @@ Most models need no look: their masses are parameters that cannot be zero or neg
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 # Phases, and sizes of coordinates, at which masses are checked that change with time, or depend on place.
 PHASES: list[float] = np.linspace(0.0, 2 * np.pi, 16, endpoint=False).tolist()
 SIZES: list[float] = np.geomspace(1e-3, 1.0, 8).tolist()
+SURE_SHARE = 1e-9  # least energy of a motion, as a share of that of its parts, that is no rounding error
 
 KINETIC = (
     "kinetic of {of} must be positive for every motion, and {got}{at}: give it a mass above 0; "
@@ -54,13 +55,38 @@ def check_masses_within(model: MechanicalModel, within: Mapping[str, Sequence[fl
     about, _ = _masses(model.structure_key)
     names = [name for name in within if name in about["parameters"]]
     if about["places"] and names:
-        for values in product(*(map(float, within[name]) for name in names)):
-            _check_masses(model, {**model.parameters, **dict(zip(names, values))}, None)
+        *others, last = names
+        at = np.asarray(within[last], dtype=float)
+        for values in product(*(map(float, within[name]) for name in others)):
+            parameters = {**model.parameters, **dict(zip(others, values))}
+            for value in at[~_are_surely_positive(model, {**parameters, last: at}, len(at))]:
+                _check_masses(model, {**parameters, last: float(value)}, None)
+
+
+def _are_surely_positive(
+    model: MechanicalModel, parameters: Mapping[str, Any], count: int
+) -> NDArray[np.bool_]:
+    """Where (count,) no closer look is needed, as masses are constant and far from singular.
+
+    All are computed at once: of a map of 100 by 100 values that is some fifty times as fast as one by one.
+    """
+    about, formulas = _masses(model.structure_key)
+    if about["in place"] or about["in time"]:
+        return np.zeros(count, dtype=bool)
+    n = len(model.coordinates)
+    with np.errstate(all="ignore"):
+        mass = _mass_matrix(about, formulas.arrays, parameters, np.zeros(n), 0.0, (count,))
+    diagonal = np.diagonal(mass, axis1=1, axis2=2)
+    sure: Any = np.isfinite(mass).all(axis=(1, 2)) & (diagonal > 0.0).all(axis=1)
+    size = np.sqrt(diagonal[sure])
+    shares = np.linalg.eigvalsh(mass[sure] / size[:, :, None] / size[:, None])
+    sure[sure] = shares[:, 0] > SURE_SHARE
+    return sure
 
 
 def _check_masses(model: MechanicalModel, parameters: Mapping[str, float], start: Any) -> None:
     about, formulas = _masses(model.structure_key)
-    n, masses = len(model.coordinates), _function(about, formulas, parameters)
+    n, masses = len(model.coordinates), partial(_mass_matrix, about, formulas.numbers, parameters)
     places = _places(n) if about["in place"] else [np.zeros(n)]
     if start is not None:
         places = [np.asarray(start, dtype=float)[:n]]
@@ -95,21 +121,22 @@ def _words(model: MechanicalModel, motion: Sequence[int], mass: Array, values: M
     return KINETIC.format(of=type(model).__name__, got=got, at=f" at {at}" if at else "")
 
 
-def _function(
-    about: Mapping[str, Any], formulas: Formulas, values: Mapping[str, float]
-) -> Callable[[Array, float], Array]:
-    """M as a function of coordinates and phase; NaN where an entry has no real value."""
+def _mass_matrix(
+    about: Mapping[str, Any],
+    evaluate: Callable[..., Any],
+    values: Mapping[str, Any],
+    place: Array,
+    phase: float,
+    shape: tuple[int, ...] = (),
+) -> Array:
+    """M (*shape, n, n) at a place and a phase, of values of this shape; NaN where it has no real value."""
+    mass = np.zeros((*shape, len(place), len(place)))
+    at_start = [0.0] if about["timed"] else []
     numbers = [values[name] for name in about["parameters"]]
-
-    def masses(place: Array, phase: float) -> Array:
-        mass = np.zeros((len(place), len(place)))
-        at_start = [0.0] if about["timed"] else []
-        entries = formulas.numbers(*map(float, place), float(phase), *at_start, *numbers)
-        for (i, j), entry in zip(about["places"], entries, strict=True):
-            mass[i, j] = mass[j, i] = entry
-        return mass
-
-    return masses
+    entries = evaluate(*map(float, place), float(phase), *at_start, *numbers)
+    for (i, j), entry in zip(about["places"], entries, strict=True):
+        mass[..., i, j] = mass[..., j, i] = entry
+    return mass
 
 
 @cache
