@@ -38,3 +38,19 @@ class Saturating(fl.ContactLaw):
         """Levels off."""
         linear = self.stiff * penetration
         return self.top * linear / (self.top**2 + linear**2) ** 0.5
+
+
+@dataclass(frozen=True)
+class Circle(fl.FrictionLaw):
+    """Its state settles below a speed of 1 alone."""
+
+    rate: float = fl.parameter(1.0)
+    states = ("z", "w")
+
+    def force(self, F_N, v, z, w):
+        """By both states."""
+        return (0.1 * z + w) * F_N
+
+    def rates(self, F_N, v, z, w):
+        """Zero where z^2 is 1 - v^2."""
+        return {"z": self.rate * (1.0 - v**2 - z**2), "w": self.rate * (0.1 * z - w)}

@@ -14,6 +14,7 @@ from frictionlab.structures import bases, eigenvalue_bounds
 from frictionlab.structures.quadratic_pencil import QuadraticPencil, real_modes
 from frictionlab.structures.reduction import contact_responses
 from tests.helpers.finite_elements import beam, unsymmetric_chain
+from tests.helpers.laws import Circle
 from tests.unit.structures.test_sliding_contacts import beam_under_pads
 
 
@@ -415,22 +416,10 @@ def test_a_range_is_reduced_where_it_has_an_equilibrium(basis):
     """The states of the law settle below 1 m/s alone."""
     n = 40
     K = 100.0 * (2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1))
-    contacts = fl.SlidingContacts(np.eye(1, n, 0), N=5.0, friction=SettlesSlowly(), v=0.5)
+    contacts = fl.SlidingContacts(np.eye(1, n, 0), N=5.0, friction=Circle(), v=0.5)
     structure = fl.Structure(np.eye(n), K, 1e-4 * K, contacts=contacts, window=(0.0, 1.2))
     small = fl.reduce(structure, {"v": (0.1, 1.5)}, tol=1e-6, basis=basis)
     for v in (0.15, 0.6, 0.9):
         reduced, every = (one.replace(v=v).find_eigenvalues().values for one in (small, structure))
         assert np.abs(reduced[:, None] - every).min(axis=1).max() < 1e-5 * np.abs(every).max()
         assert len(reduced) == len(every)
-
-
-class SettlesSlowly(fl.FrictionLaw):
-    """z' = 1 - v^2 - z^2, w' = z/10 - w."""
-
-    states = ("z", "w")
-
-    def force(self, F_N, v, z, w):
-        return (0.1 * z + w) * F_N
-
-    def rates(self, F_N, v, z, w):
-        return {"z": 1.0 - v**2 - z**2, "w": 0.1 * z - w}

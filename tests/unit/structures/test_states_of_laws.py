@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import frictionlab as fl
+from tests.helpers.laws import Circle
 
 
 @dataclass(frozen=True)
@@ -55,20 +56,6 @@ class CubicBristles(fl.FrictionLaw):
 
     def rates(self, F_N, v, z):
         return {"z": v - 50.0 * abs(v) * z**3 / self.mu}
-
-
-@dataclass(frozen=True)
-class Circle(fl.FrictionLaw):
-    """Its state settles below a speed of 1 alone."""
-
-    rate: float = fl.parameter(1.0)
-    states = ("z", "w")
-
-    def force(self, F_N, v, z, w):
-        return (0.1 * z + w) * F_N
-
-    def rates(self, F_N, v, z, w):
-        return {"z": self.rate * (1.0 - v**2 - z**2), "w": self.rate * (0.1 * z - w)}
 
 
 @dataclass(frozen=True)
