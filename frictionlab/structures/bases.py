@@ -98,8 +98,8 @@ class ComplexModes(ReductionBasis):
 
     def reduced(self, structure: Structure, box: Box, tol: float) -> tuple[ReducedStructure, float]:
         """The structure on this basis, and by what share eigenvalues may err over ranges of parameters."""
-        samples, error, looked_at = over_box(structure, box, tol)
-        others = islice(points_in(box), looked_at, looked_at + len(samples)) if box else ()
+        samples, error, count = over_box(structure, box, tol)
+        others = islice(points_in(box), count, count + len(samples)) if box else ()
         between = [point for point in others if _has_equilibrium(structure, point)]
         samples = _with_samples_between(structure, samples, between, tol)
         small, left_out = _smallest(structure, samples, between, max(tol, error))
@@ -125,8 +125,8 @@ class _ModesUpToFrequency(ReductionBasis):
     def reduced(self, structure: Structure, box: Box, tol: float) -> tuple[ReducedStructure, float]:
         """The structure on this basis, and by what share eigenvalues may err over ranges of parameters."""
         count = 2 ** len(box) + bool(box)
-        found = Sample.where_known(structure, islice(points_in(box), count))
-        samples = [one.weakly_damped(structure) for one in found if one is not None]
+        at_points = Sample.where_known(structure, islice(points_in(box), count))
+        samples = [one.weakly_damped(structure) for one in at_points if one is not None]
         if not any(len(one.values) for one in samples):
             raise no_modes(structure)
         fixed = self.fixed(structure)

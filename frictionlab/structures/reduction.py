@@ -235,10 +235,9 @@ def extended(basis: Array, vectors: Array, tol: float) -> Array:
 def over_box(
     structure: Structure, box: Mapping[str, tuple[float, float]], tol: float = KNOWN_RTOL
 ) -> tuple[list[Sample], float, int]:
-    """Samples over ranges of parameters, by which modes there are known, by what share they may err, and how
-    many points were looked at.
+    """Samples over ranges of parameters, by which modes there are known, and by what share they may err.
 
-    Points without an equilibrium are left out.
+    Points without an equilibrium have no sample.  The last number counts all points.
     """
     corners = 2 ** len(box)
     points = islice(points_in(box), max(corners, MOST_SAMPLES * len(box)))

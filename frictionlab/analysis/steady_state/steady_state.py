@@ -290,8 +290,7 @@ def find_steady_state(
         run = run_transient(model, x0, mode, options, progress)
         if not run.status.ok:
             return steady_state_of_window(model, run, options.section, options.tolerance, passed=0.0)
-        reach = largest_coordinate(run)
-        start = WindowStart(*end_of(run), options.transient, lambda: reach)
+        start = WindowStart(*end_of(run), options.transient, reach=largest_coordinate(run))
     return settle(model, start, options, progress)[0]
 
 
@@ -305,9 +304,9 @@ class WindowStart(NamedTuple):
     transient : float
         Seconds before the window.
     first_reach : callable
-        Gives the largest coordinate in the first of these seconds; asked for only where it decides.
+        Gives the largest coordinate in the first of these seconds; called only where it decides.
     reach : float
-        The largest coordinate after them.
+        The largest coordinate in the others.
     """
 
     state: Any

@@ -152,8 +152,7 @@ class ProgressiveSweep:
             self.known[value] = SteadyStatePoints(steady.kind, states, windows)
             self._next_windows[value] = following
 
-        starts = ((self._model_at(value), self._next_windows[value]) for value in values)
-        tasks = [(*start, self.options, False) for start in starts]
+        tasks = [(self._model_at(value), self._next_windows[value], self.options, False) for value in values]
         if not run_tasks(settle, tasks, keep=keep, name=lambda i: f"{self.parameter} = {values[i]:g}"):
             raise KeyboardInterrupt
 
