@@ -175,7 +175,7 @@ def _bounds(x: Any, about: Parameter) -> Iterator[Rule]:
 
 
 def _rule_of(limit: Limit) -> Rule:
-    """The rule of a mass, a damper or a normal force."""
+    """The rule of a mass, a load, a damper or a normal force."""
     names = re.findall(r"\{(\w+)\}", limit.words)
     values = tuple(limit.value if name == "value" else symbol(name) for name in names)
     relation, count = sp.Le if limit.above else sp.Lt, iter(range(len(names)))

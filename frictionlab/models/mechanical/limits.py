@@ -1,8 +1,9 @@
-"""What energies and contacts say of parameters without bounds: masses are above 0, dampers and given normal
-forces at least 0.
+"""What energies, loads and contacts say of parameters without bounds: masses are above 0, dampers and given
+normal forces at least 0, and loads have the period of the phase.
 
-Masses and contacts are checked with numbers by `masses.py` and `contact_numbers.py`, dampers here.  A page,
-which has no Python, checks the masses and dampers of single coordinates by the formulas of :func:`limits_of`.
+Masses, loads and contacts are checked with numbers by `masses.py`, `period_of_phase.py` and
+`contact_numbers.py`, dampers here.  A page, which has no Python, checks loads, and the masses and dampers of
+single coordinates, by the formulas of :func:`limits_of`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from frictionlab.tape.formulas import Formulas, formulas_of, kept_formulas
 
 from .contact_numbers import NORMAL_FORCE, given_normal_forces
 from .masses import KINETIC, known_signs
+from .period_of_phase import period_limits
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -132,7 +134,7 @@ def _second_derivatives(key: StructureKey) -> list[list[Any]]:
 
 
 def limits_of(model: MechanicalModel) -> Iterator[Limit]:
-    """What masses, dampers and given normal forces ask of parameters whose bounds do not ensure it."""
+    """What masses, loads, dampers and given normal forces ask of parameters whose bounds do not ensure it."""
     from .equations_of_motion import system_of
 
     key, of = model.structure_key, type(model).__name__
@@ -146,6 +148,8 @@ def limits_of(model: MechanicalModel) -> Iterator[Limit]:
             )
             got = f"the mass of {q.name!r} is {{value}}"
             yield Limit(mass, True, KINETIC.format(of=of, got=got, at=f" at {values}"))
+    for margin, words in period_limits(model):
+        yield Limit(margin, False, words)
     second = _second_derivatives(key)
     for i, name in enumerate(model.coordinates):
         if second[i][i].free_symbols <= within and not second[i][i].xreplace(signs).is_nonnegative:

@@ -6,6 +6,7 @@ that is no whole multiple of the first, and the motion would be another than is 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -34,16 +35,38 @@ def check_period(model: MechanicalModel) -> None:
     texts, formulas, states = _oscillations(model.structure_key)
     if formulas is None:
         return
-    place = np.random.default_rng(SEED).normal(size=(states, PLACES))
     with np.errstate(all="ignore"):
-        *rows, _ = np.broadcast_arrays(*formulas.arrays(*structure_values(model), *place), np.zeros(PLACES))
+        numbers = formulas.arrays(*structure_values(model), *_places(states))
+        *rows, _ = np.broadcast_arrays(*numbers, np.zeros(PLACES))
     for text, jump, size in zip(texts, rows[::2], rows[1::2], strict=True):
         if (np.abs(jump) > JUMP_RTOL * size).any():
-            raise ValueError(
-                f"what {type(model).__name__} states of q.phase must have its period, 2 pi, got "
-                f"{abbreviate(text)}, but the phase starts again at 0 after each: give Mechanics the "
-                "frequency of which all others are whole multiples, or write q.t, which goes on, for q.phase"
-            )
+            raise ValueError(_words(model, text))
+
+
+def period_limits(model: MechanicalModel) -> Iterator[tuple[Any, str]]:
+    """Formulas of parameters that :func:`check_period` asks to be at least 0, each with its message."""
+    key = model.structure_key
+    uneven = _uneven(key)
+    states = _states(key, uneven)
+    for terms in uneven:
+        jump, size = _jump_and_size(terms)
+        for place in _places(len(states)).T if states else [()]:
+            margin = (JUMP_RTOL * size - abs(jump)).xreplace(dict(zip(states, map(sympy.Float, place))))
+            if margin.free_symbols:
+                yield margin, _words(model, str(sympy.Add(*terms)))
+
+
+def _places(states: int) -> Any:
+    """Values of the states (states, PLACES) at which what is stated is compared after a period."""
+    return np.random.default_rng(SEED).normal(size=(states, PLACES))
+
+
+def _words(model: MechanicalModel, text: str) -> str:
+    return (
+        f"what {type(model).__name__} states of q.phase must have its period, 2 pi, got "
+        f"{abbreviate(text)}, but the phase starts again at 0 after each: give Mechanics the "
+        "frequency of which all others are whole multiples, or write q.t, which goes on, for q.phase"
+    )
 
 
 @cache
@@ -63,12 +86,16 @@ def _about(key: StructureKey) -> dict[str, Any]:
 
 
 def _formulas(key: StructureKey, uneven: list[list[Any]]) -> Formulas:
-    phase, sides = symbol(PHASE), []
-    for terms in uneven:
-        start, end = ([one.xreplace({phase: at}) for one in terms] for at in (BEGIN, BEGIN + 2 * sympy.pi))
-        sizes = (sympy.Abs(one, evaluate=False) for one in start + end)
-        sides += [sympy.Add(*end) - sympy.Add(*start), sympy.Add(*sizes)]
+    sides = [side for terms in uneven for side in _jump_and_size(terms)]
     return formulas_of([*parameter_symbols(key), *_states(key, uneven)], sides)
+
+
+def _jump_and_size(terms: list[Any]) -> tuple[Any, Any]:
+    """What the sum of these terms changes by after a period, and the sum of their sizes before and after."""
+    phase = symbol(PHASE)
+    start, end = ([one.xreplace({phase: at}) for one in terms] for at in (BEGIN, BEGIN + 2 * sympy.pi))
+    sizes = (sympy.Abs(one, evaluate=False) for one in start + end)
+    return sympy.Add(*end) - sympy.Add(*start), sympy.Add(*sizes)
 
 
 def _states(key: StructureKey, uneven: list[list[Any]]) -> list[Any]:
