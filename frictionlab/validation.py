@@ -225,7 +225,7 @@ def check_path(name: str, value: Any, suffixes: Sequence[str] = (), cure: str = 
 def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> np.ndarray:
     """The values as a new array of floats; raises unless they are real numbers, finite ones if so asked.
 
-    An imaginary part, a mask, a text or None would be lost without a word.
+    An imaginary part, a mask, a text or None would be lost without a word, also in arrays of objects.
     """
     import numpy as np
 
@@ -238,7 +238,7 @@ def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> n
         array = np.array(values)
         if array.dtype.kind not in "iufO":
             raise TypeError
-        numbers = array if array.dtype.kind != "O" else np.array(_floats(array.tolist()), dtype=float)
+        numbers = array if array.dtype.kind != "O" else floats_of_objects(array)
     except (TypeError, ValueError, OverflowError, RecursionError):
         raise refusal("numbers") from None
     if finite and not np.isfinite(numbers).all():
@@ -246,13 +246,14 @@ def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> n
     return numbers.astype(float, copy=False)
 
 
-def _floats(values: Any) -> Any:
-    """Numbers of any class, such as fractions, in nested lists, as floats."""
-    if isinstance(values, list):
-        return [_floats(each) for each in values]
-    if values is None or isinstance(values, (bool, str, bytes)) or not hasattr(values, "__float__"):
-        raise TypeError
-    return float(values)
+def floats_of_objects(array: np.ndarray) -> np.ndarray:
+    """An array of objects, numbers of any class such as fractions, as floats; TypeError for a text or None."""
+    import numpy as np
+
+    for each in array.flat:
+        if np.asarray(each).dtype.kind not in "iufO" or not hasattr(each, "__float__"):
+            raise TypeError
+    return array.astype(float)
 
 
 def abbreviate(value: Any) -> str:

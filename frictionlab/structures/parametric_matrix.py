@@ -33,6 +33,7 @@ from frictionlab.validation import (
     abbreviate,
     check_number,
     float_array,
+    floats_of_objects,
     is_sequence,
 )
 
@@ -308,7 +309,7 @@ def _sparse(name: str, given: Any, files: Mapping[Any, Matrix]) -> Matrix:
             raise TypeError
         numbers = given if sparse.issparse(given) else np.atleast_2d(np.asarray(given))
         if numbers.dtype.kind == "O":  # numbers of Python or sympy, as a table of a spreadsheet has them
-            numbers = np.vectorize(float)(numbers)
+            numbers = floats_of_objects(numbers)
         matrix: Matrix = sparse.csc_array(numbers)
         kind = matrix.dtype.kind
         if kind not in "iufc":

@@ -13,7 +13,7 @@ from frictionlab.components.contact import Interface, StickSlipSeparation
 from frictionlab.components.friction import FrictionLaw
 from frictionlab.components.impact import ImpactLaw
 from frictionlab.models.composition import check_component
-from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known, is_sequence
+from frictionlab.validation import abbreviate, check_sequence, did_you_mean_or_known, float_array, is_sequence
 
 if TYPE_CHECKING:
     from frictionlab.models.mechanical.mechanical_model import MechanicalModel
@@ -407,24 +407,19 @@ def quadratic_form(matrix: Any, x: Sequence[Any]) -> Any:
 
 def _numbers_of_matrix(matrix: Any, x: Sequence[Any]) -> Any:
     """The entries (n, n) as a new array of floats, in the order of `x`."""
-    import numpy as np
-
     given = matrix.toarray() if hasattr(matrix, "toarray") else _in_order(matrix, x)
     try:
-        shape, complex_ones = np.shape(given), np.iscomplexobj(given)
-        numbers = np.array([[np.nan]] if complex_ones else given, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        shape, numbers = None, np.array([[np.nan]])
-    if shape is not None and shape != (len(x), len(x)):
-        size = " x ".join(map(str, shape)) or "a single number"
-        raise ValueError(
-            f"matrix must have one row and one column for each of the {len(x)} entries of x, got {size}: "
-            "leave out those of coordinates that are held"
-        )
-    if not np.isfinite(numbers).all() or np.ma.is_masked(given):
+        numbers = float_array("matrix", given, "", finite=True)
+    except ValueError:
         raise ValueError(
             f"matrix must hold finite real numbers, got {abbreviate(given)}: leave out what is missing, and "
             "write the imaginary part of a complex stiffness as a dissipation"
+        ) from None
+    if numbers.shape != (len(x), len(x)):
+        size = " x ".join(map(str, numbers.shape)) or "a single number"
+        raise ValueError(
+            f"matrix must have one row and one column for each of the {len(x)} entries of x, got {size}: "
+            "leave out those of coordinates that are held"
         )
     return numbers
 

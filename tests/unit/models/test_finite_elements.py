@@ -142,6 +142,8 @@ REFUSED = {
     "not a number": ([[np.nan, 0.0], [0.0, 1.0]], "finite real numbers"),
     "masked": (np.ma.masked_less(MATRIX, 0), "finite real numbers"),
     "text": ([["a", "b"], ["c", "d"]], "finite real numbers"),
+    "numbers as texts": ([["2", "0"], ["0", "3"]], "finite real numbers"),
+    "complex objects": (np.array([[2.0, 0], [0, np.complex128(3j)]], object), "finite real numbers"),
     "one number": (2.0, "one row and one column for each of the 2 entries of x, got a single number"),
 }
 

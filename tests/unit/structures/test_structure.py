@@ -256,7 +256,11 @@ def test_rayleigh_damping_and_its_parameters_are_one():
         fl.Structure(UNIT, STIFF, fl.RayleighDamping(0.1, 0.2), parameters={"alpha": 5.0})
 
 
-@pytest.mark.parametrize("wrong", [None, fl.RayleighDamping(0.1, 0.2)])
+TEXTS = np.array([["1.0", "0"], ["0", "1.0"]], dtype=object)  # as of a table read without its types
+IMAGINARY = np.array([[np.complex128(1 + 1j), 0], [0, 1]], dtype=object)
+
+
+@pytest.mark.parametrize("wrong", [None, fl.RayleighDamping(0.1, 0.2), TEXTS, IMAGINARY])
 def test_mass_and_stiffness_are_matrices(wrong):
     with pytest.raises(ValueError, match="K must be a matrix of numbers"):
         fl.Structure(UNIT, wrong)
