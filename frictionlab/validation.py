@@ -247,7 +247,7 @@ def float_array(name: str, values: Any, cure: str, *, finite: bool = False) -> n
 
 
 def floats_of_objects(array: np.ndarray) -> np.ndarray:
-    """An array of objects, numbers of any class such as fractions, as floats; TypeError for a text or None."""
+    """An array of objects, numbers of any class as fractions, as floats; TypeError for a text or None."""
     import numpy as np
 
     for each in array.flat:
