@@ -32,6 +32,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.font_manager import FontProperties
 from matplotlib.image import imsave
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -52,6 +53,7 @@ from frictionlab.validation import (
 Array = NDArray[np.float64]
 A = TypeVar("A", bound=Artist)
 POINTS_PER_INCH = 72.0
+BESIDE = 1.0, 0.5  # where the middle of the left side of a legend is, in widths and heights of its panel
 MOST_LISTED = 12  # entries of a legend beside a panel
 LETTER_WIDTH, HANDLE_WIDTH = 0.5, 4.8  # of an entry of a legend, in sizes of its letters
 
@@ -149,8 +151,15 @@ def _check_curve(label: str, curve: Any) -> None:
 class RunFigure(Figure):
     """A matplotlib figure that a notebook displays whether or not pyplot was imported there."""
 
+    def add_subplot(self, *args: Any, **options: Any) -> Any:
+        """Axes as :meth:`matplotlib.figure.Figure.add_subplot` makes them, of the class `RunAxes`."""
+        if options.keys().isdisjoint(("axes_class", "projection", "polar")):
+            options["axes_class"] = RunAxes
+        return super().add_subplot(*args, **options)
+
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write a file or to a stream; see :meth:`matplotlib.figure.Figure.savefig`."""
+        self._free_the_lines()
         if isinstance(fname, (str, PathLike)) and options.get("format") is None and Path(fname).suffix:
             suffixes = [f".{kind}" for kind in self.canvas.get_supported_filetypes()]
             check_path("fname", fname, suffixes)
@@ -163,9 +172,39 @@ class RunFigure(Figure):
         self.savefig(buffer, format="png")
         return buffer.getvalue()
 
+    def _free_the_lines(self) -> None:
+        """Move legends that nobody has placed beside their panels, where they cover a line."""
+        unplaced = [ax for ax in self.axes if isinstance(ax, RunAxes) and ax.legend_is_unplaced]
+        if unplaced:
+            self.draw_without_rendering()  # by which matplotlib finds the best place within the panel
+        for ax in unplaced:
+            if legend := ax.covering_legend():
+                legend.set_loc("center left")
+                legend.set_bbox_to_anchor(BESIDE, ax.transAxes)
+
 
 class RunAxes(Axes):
-    """Axes that a notebook displays as their figure."""
+    """Axes that a notebook displays as their figure; their legend covers no line unless it is placed so."""
+
+    legend_is_unplaced = False
+
+    def legend(self, *args: Any, **options: Any) -> Any:
+        """A legend, as :meth:`matplotlib.axes.Axes.legend` makes it."""
+        self.legend_is_unplaced = options.keys().isdisjoint(("loc", "bbox_to_anchor"))
+        return super().legend(*args, **options)
+
+    def covering_legend(self) -> Legend | None:
+        """The legend, if a line or a marker of one is behind it."""
+        legend = self.get_legend()
+        if legend is None:
+            return None
+        box = legend.get_window_extent()
+        for line in self.lines:
+            path = line.get_transform().transform_path(line.get_path())
+            drawn = line.get_linestyle() not in ("None", "none", "", " ")
+            if path.intersects_bbox(box, filled=False) if drawn else box.count_contains(path.vertices):
+                return legend
+        return None
 
     def _repr_png_(self) -> bytes | None:
         figure = self.get_figure(root=True)
@@ -198,7 +237,7 @@ def legend_beside(ax: Axes, handles: list[Any] | None = None) -> None:
     """A legend of everything labelled in `ax`, or of `handles`, to the right of it; each label once."""
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
     if handles:
-        place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}
+        place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": BESIDE}
         once = {str(each.get_label()): each for each in handles}
         ax.legend(handles=first_handles(list(once.values())), frameon=False, fontsize=font_size(9.0), **place)
 

@@ -12,6 +12,7 @@ import frictionlab as fl
 from frictionlab.models.mechanism import Block, Forces, Load, Mechanism, Point
 from frictionlab.plotting.animation.parts import LONGEST
 from frictionlab.plotting.appearance import BLACK
+from frictionlab.plotting.figure import RunFigure
 from tests.helpers.cases import slow_but
 from tests.helpers.results import BUILDERS, result
 
@@ -22,6 +23,23 @@ LINEAR = SLIDER.without("cubic", "nonsmooth", "geometry")
 QUIET = {"progress": False}
 PARTS_OF_RESULTS = {"stability change", "boundary", "special orbit", "attractor", "events", "section points"}
 MODELS = {"reduced structure"}
+
+
+def drawn_with_a_legend(y, **options):
+    """Whether the legend is within the panel, once the figure is shown."""
+    ax = RunFigure(figsize=(4, 3), layout="constrained").subplots()
+    ax.plot(np.linspace(0.0, 1.0, len(y)), y, label="a line with a long name", **options.pop("line", {}))
+    legend = ax.legend(**options)
+    ax.figure._repr_png_()
+    return legend.get_window_extent().x1 < ax.bbox.x1
+
+
+def test_a_legend_that_would_cover_a_line_stands_beside_the_panel():
+    waves = np.cos(np.linspace(0.0, 60.0, 600))
+    assert not drawn_with_a_legend(waves)
+    assert not drawn_with_a_legend(waves, line={"marker": ".", "linestyle": "none"})
+    assert drawn_with_a_legend(waves, loc="upper right")  # as somebody wants it
+    assert drawn_with_a_legend(np.linspace(0.0, 1.0, 9))
 
 
 WHOLE = [name for name in BUILDERS if name not in PARTS_OF_RESULTS | MODELS]
