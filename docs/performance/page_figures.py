@@ -64,7 +64,7 @@ FAMILY_STYLES = {
     "CVODE BDF": (YELLOW, ">"),
     "PathSim RKDP87": (BLACK, "P"),
     "diffrax Dopri8": (GREEN, "p"),
-    "regularised": (GREY, "*"),
+    "model made smooth": (GREY, "*"),
 }
 ERROR_FLOOR = 1e-16  # errors that are zero are drawn here
 PICTURE_SCENE = "B"
@@ -178,7 +178,7 @@ def _draw_scene(ax: Axes, name: str, rows: Sequence[WorkPrecisionRow]) -> None:
 
 
 def cost(rows: Sequence[WorkPrecisionRow]) -> RunFigure:
-    """Error against wall time on one scene, with the slope of RK4's order."""
+    """Error against processor time on one scene, with the slope of RK4's order."""
     picture = RunFigure(figsize=(8.0, 5.2), layout="constrained")
     ax = picture.subplots()
     for family in PICTURE_FAMILIES:
@@ -272,7 +272,7 @@ def _draw_names(ax: Axes, landing: MissedEvent) -> None:
 
 
 def draw_nonlinearity_costs(rows: Sequence[NonlinearityCost]) -> RunFigure:
-    """Wall time of the eight scenes, the cheapest at the bottom, and how much there is to compute."""
+    """Processor time of the eight scenes, the cheapest at the bottom, and how much there is to compute."""
     picture = RunFigure(figsize=(9.5, 4.8), layout="constrained")
     ax = picture.subplots()
     ordered = sorted(rows, key=lambda row: row.nanoseconds)
@@ -280,7 +280,7 @@ def draw_nonlinearity_costs(rows: Sequence[NonlinearityCost]) -> RunFigure:
     names = np.array([_switched_on_text(row) for row in ordered])
     drawn = ax.barh(names, microseconds, color=[_colour(row) for row in ordered], alpha=0.85)
     ax.bar_label(drawn, [_tape_size_text(row) for row in ordered], padding=5, fontsize=9.0)
-    ax.set(xlabel="wall time per simulated second (µs)", xlim=(0.0, 2.0 * microseconds[-1]))
+    ax.set(xlabel="processor time per simulated second (µs)", xlim=(0.0, 2.0 * microseconds[-1]))
     ax.spines[["top", "right"]].set_visible(False)
     kinds = {"with stick, slip and lift-off": VERMILLION, "sliding only: no events": BLUE}
     handles = [Patch(color=colour, alpha=0.85, label=kind) for kind, colour in kinds.items()]

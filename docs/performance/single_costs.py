@@ -1,6 +1,6 @@
 """What a run costs: each nonlinearity, what is done only once, and where the time of a run goes.
 
-The eight scenes with and without nonlinearities: size of the tape and wall time; their first call in a
+The eight scenes with and without nonlinearities: size of the tape and processor time; their first call in a
 fresh process; native code for each mode, compiled and loaded; the time of a process from start to end.
 
 `TimeShares` are compared with the floor that the processor sets.  Jets, and the states at the ends of steps,

@@ -85,8 +85,9 @@ def measure(
 def _regularised_row(scene: ReferenceScene, model: SliderOnBelt) -> WorkPrecisionRow:
     """The row of the regularised model, whose error is that of the smoothing."""
     state, seconds, steps = run_regularised(model, scene.t_end)
-    name = "model made smooth, LSODA"
-    return WorkPrecisionRow(scene.name, "regularised", name, seconds, scene.error(state), 0, None, steps)
+    family = "model made smooth"
+    name = f"{family}, LSODA"
+    return WorkPrecisionRow(scene.name, family, name, seconds, scene.error(state), 0, None, steps)
 
 
 def _row_without_package(scene: ReferenceScene, way: ComparedMethod) -> WorkPrecisionRow:

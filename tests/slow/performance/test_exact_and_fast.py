@@ -58,7 +58,8 @@ def test_a_missed_event_is_not_a_small_error(landing):
 
 
 def test_the_page_and_its_pictures(tmp_path, rows, switched):
-    text = pages.write_exact_and_fast(tmp_path, rows, switched).read_text(encoding="utf-8")
+    text = pages.write_exact_and_fast(tmp_path, rows).read_text(encoding="utf-8")
+    pages.draw_switches(tmp_path, switched)
     assert text.startswith("# Exact and fast")
     assert "{" not in text
     pictures = re.findall(r"\]\((images/.*?)\)", text)
